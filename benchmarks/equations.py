@@ -19,9 +19,9 @@ import numba
 import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.dense import clearance_contacts
 from rotor_fmu.model.structure.reduction import component_modes, reduced
 
+from papers.dense_machine import clearance_contacts
 from tests.dense import dense_matrices
 
 _BEARING = ("journal_radius", "clearance", "k", "c", "delta_c", "mu", "v_s")

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numba
 import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
-from rotor_fmu.model.rest import rest
 from rotor_fmu.model.structure.assembly import assemble
 
+from papers.dense_machine import rest
 from tests.dense import dense_matrices
 
 from .equations import contact, equations

@@ -14,7 +14,8 @@ import numpy as np
 
 from .kernels import library
 from .kernels.cache import warn_once
-from .kernels.jit import IS_COMPILED, IS_SWITCHED_OFF, has_to_compile, interpreted
+from .kernels.jit import IS_COMPILED, IS_SWITCHED_OFF, has_to_compile
+from .kernels.kernel import interpreted
 from .time_loop import entry_points
 
 VARIABLE = "ROTOR_FMU_KERNELS"
@@ -29,7 +30,7 @@ class Backend(Enum):
 
 
 class EntryPoints(NamedTuple):
-    """The functions of `time_loop.entry_points` for one block, which has to outlive them."""
+    """The functions of `time_loop.entry_points` bound to one block, which must outlive them."""
 
     start: Callable[[float, float, float], int]
     advance: Callable[[float, float, float], int]
@@ -70,14 +71,14 @@ def _has_numba() -> bool:
 
 
 def waits_for_compiler(entry: Any = entry_points.advance) -> bool:
-    """Return whether the first call of an entry in this process compiles it, with all that it
-    calls."""
+    """Return whether the first call of an entry point in this process compiles it, with everything
+    that it calls."""
     return selected_backend() is Backend.NUMBA and has_to_compile(entry)
 
 
 def bound(entry: Any, block: np.ndarray, backend: Backend | None = None) -> Callable[..., Any]:
-    """Return a compiled function of a block and numbers as one of the numbers alone, run by
-    `backend`, by default the selected one. The block has to outlive it."""
+    """Return a compiled function of a block and numbers as a function of the numbers alone, run by
+    `backend`, by default the selected one. The block must outlive it."""
     backend = backend or selected_backend()
     if backend is Backend.LIBRARY:
         made = getattr(library.loaded(), f"rotor_{entry.__name__}")
@@ -86,18 +87,13 @@ def bound(entry: Any, block: np.ndarray, backend: Backend | None = None) -> Call
 
 
 def bound_unless_compiled(entry: Any, block: np.ndarray) -> Callable[..., Any]:
-    """Do what `bound` does, but interpret where there is no library: for what is called so seldom
-    that compiling it would take longer."""
+    """Return `bound` with the library, or interpreted where there is none: for calls so rare that
+    compiling would take longer."""
     is_made = selected_backend() is Backend.LIBRARY
     return bound(entry, block, Backend.LIBRARY if is_made else Backend.PYTHON)
 
 
 def bound_entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoints:
     """Return the functions for a block, run by `backend`, by default the selected one."""
-    return EntryPoints(
-        bound(entry_points.start, block, backend),
-        bound(entry_points.advance, block, backend),
-        bound(entry_points.survey, block, backend),
-        bound(entry_points.refresh_outputs, block, backend),
-        bound(entry_points.differentiate, block, backend),
-    )
+    names = EntryPoints._fields
+    return EntryPoints(*(bound(getattr(entry_points, name), block, backend) for name in names))

@@ -1,4 +1,4 @@
-"""Of a start that a film does not carry: the load on that film, and what it would carry."""
+"""The load and the capacity of a film that cannot carry the machine at its start."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ _HALVINGS = 40
 
 
 @jit_not_inlined
-def load_on(run, j):
-    """Return the load that the weight and the loads at the start put on interface j [N], and
-    whether that is known: of a machine held at another node alone, by the lever; of others all of
-    the machine's."""
+def film_load(run, j):
+    """Return the part of the weight and of the loads at the start that interface j bears [N], and
+    whether it is known: the lever rule gives it where one other node supports the machine;
+    otherwise the load of the whole machine is returned."""
     structure, memory = run.structure, run.memory
-    applied = run.motion.v_dot  # nobody's until the run begins
+    applied = run.motion.v_dot  # unused until the run begins
     for i in range(len(applied)):
         applied[i] = 0.0
     add_applied(structure, static_spin(memory.record[0].omega), memory.loads, applied)
@@ -26,20 +26,20 @@ def load_on(run, j):
         total += structure.one_body[0, i] * applied[i]
         moment += structure.one_body[1, i] * applied[i]
         applied[i] = 0.0
-    own = structure.interfaces[j].dof
-    others, other = 0, own
+    dof_of_film = structure.interfaces[j].dof
+    others, other = 0, dof_of_film
     for dof in range(len(structure.weight)):
-        if dof != own and is_held(structure, dof):
+        if dof != dof_of_film and is_supported(structure, dof):
             others += 1
             other = dof
-    if others != 1 or own >= len(structure.weight):
+    if others != 1 or dof_of_film >= len(structure.weight):
         return modulus(total), False
-    here, there = structure.one_body[1, own], structure.one_body[1, other]
+    here, there = structure.one_body[1, dof_of_film], structure.one_body[1, other]
     return modulus((moment - there * total) / (here - there)), True
 
 
 @jit
-def is_held(structure, dof):
+def is_supported(structure, dof):
     """Return whether a spring or an interface acts at a dof."""
     result = False
     for i in range(len(structure.springs)):
@@ -51,22 +51,22 @@ def is_held(structure, dof):
 
 
 @jit_not_inlined
-def carried_by(run, j):
-    """Return the force of interface j, whose law breaks where the last step led, in that direction
-    where it breaks just not yet [N]."""
+def film_capacity(run, j):
+    """Return the largest force [N] of interface j, whose law is invalid where the last step led,
+    along that displacement: the force where the law is just still valid."""
     structure = run.structure
     interface = structure.interfaces[j]
     d = relative(interface, run.trial.q)
-    own = run.trial.internal_state[interface.internal_state :]
+    states = run.trial.internal_state[interface.internal_state :]
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if law_breaks(structure.laws, interface, middle * d, own):
+        if law_breaks(structure.laws, interface, middle * d, states):
             high = middle
         else:
             low = middle
     force, _p, _q = law_tangent_called(
         *(structure.laws, interface, at_rest(low * d, run.memory.record[0].omega)),
-        *(Weights(1.0, 0.0, 0.0), own, run.problem.internal_state[interface.internal_state :]),
+        *(Weights(1.0, 0.0, 0.0), states, run.problem.internal_state[interface.internal_state :]),
     )
     return modulus(force)

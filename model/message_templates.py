@@ -1,8 +1,7 @@
-"""Sentences with places for the numbers that a kernel returns.
+"""Templates of messages, with places for the numbers that a kernel returns.
 
 `{g}` and `{.4g}` stand for a number, `{d}` for an integer, `{?this|that}` for the text that a
-number chooses, from 0. The FMU's instance formats them in the same way
-(`rotor_fmu/fmi/c/log.c`).
+number chooses, from 0. The FMU's instance formats them in the same way (`rotor_fmu/fmi/c/log.c`).
 """
 
 from __future__ import annotations
@@ -15,8 +14,8 @@ MOST_ARGUMENTS = 16  # numbers of a sentence, at most
 _PLACE = re.compile(r"\{(\?[^{}]*|[d]|\.?\d*g)\}")
 
 
-def spell(pattern: str, numbers: Iterable[float]) -> str:
-    """Return a sentence with its numbers."""
+def fill_template(pattern: str, numbers: Iterable[float]) -> str:
+    """Return a template filled in with numbers."""
     arguments = iter(numbers)
 
     def shown(place: re.Match[str]) -> str:
@@ -39,18 +38,18 @@ class Message(str):
     code: str
 
     def __new__(cls, text: str, code: str) -> Message:
-        """Return a sentence with its code."""
+        """Create a message from its text and its code."""
         message = super().__new__(cls, text)
         message.code = code
         return message
 
     def __getnewargs__(self) -> tuple[Any, ...]:
-        """Return the arguments of a copy."""
+        """Return the arguments with which `pickle` and `copy` create it anew."""
         return str(self), self.code
 
     @property
     def is_note(self) -> bool:
-        """Return whether it is a note, which does not affect the quality of the run."""
+        """Whether it is a note, which does not affect the quality of the run."""
         return self.code in NOTES
 
 
@@ -68,5 +67,5 @@ NOTES = frozenset(
 
 
 def choice(texts: Iterable[str]) -> str:
-    """Return the place for one of some texts."""
+    """Return the place for one of several texts."""
     return f"{{?{'|'.join(texts)}}}"

@@ -1,7 +1,6 @@
-"""The messages about a run, each sentence once: a code is its place in `SENTENCES`, behind those of
+"""The messages about a run, each stated once: a code is an index into `SENTENCES`, after those of
 the settings (see `message_templates`). `{where}` stands for the machine's own list of contact
-states, `{names}` for that of its contacts.
-"""
+states, `{names}` for that of its contacts."""
 
 from __future__ import annotations
 
@@ -23,15 +22,15 @@ _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not fi
 
 
 def _positional(template: str, **texts: str) -> str:
-    """Return a template with named places as a sentence of `message_templates`."""
+    """Return a template with named places as one with the unnamed places of `message_templates`."""
     for name, text in texts.items():
         template = template.replace(f"{{{name}}}", text)
     return re.sub(r"\{\w*:([^{}]*)\}", r"{\1}", template)
 
 
 def _either(one: str, other: str, inside: str) -> str:
-    """Return a sentence that chooses between two templates by a flag that stands before and behind
-    their number."""
+    """Return a template that chooses between two templates by a flag, given before and after the
+    number that both contain."""
     parts = zip(one.split(inside), other.split(inside), strict=True)
     return inside.join(choice(pair) for pair in parts)
 
@@ -39,24 +38,25 @@ def _either(one: str, other: str, inside: str) -> str:
 _WAY = choice(whirls.WAYS)
 _DOES = _either(*whirls.DOES, "{seen:.3g}")
 _SENTENCES = {
-    "NOT_HELD": "no static equilibrium: the rotor is held at {d} of its nodes and would tilt under "
-    "gravity; at least 2 bearings or supports are needed",
+    "NOT_SUPPORTED": "no static equilibrium: the rotor is supported at {d} of its nodes and "
+    "would tilt under gravity; at least 2 bearings or supports are needed",
     "TOO_FAR": f"{_NO_REST}: it would lie beyond {{.3g}} m, a tenth of the shaft's length; "
     "clearances and loads must be smaller, or springs stiffer",
     "NO_REST": f"{_NO_REST} was found",
     "LOST_IN_ROUNDING": f"{_NO_REST} was found: beside the stiffness of the shaft's elements, "
-    "{.2g} N/m, rounding hides that of its supports, {.2g} N/m; a smaller young is as rigid",
-    "ON_A_HUMP": f"{_NO_REST} that is stable exists: a journal lies on a hump of its worn bore; "
-    "change wear_angle, or give a [start]",
+    "{.2g} N/m, rounding hides that of its supports, {.2g} N/m; reduce young: the "
+    "shaft remains effectively rigid",
+    "UNSTABLE_REST": f"{_NO_REST} that is stable exists: a journal rests on the ridge of its worn "
+    "bore; change wear_angle, or give a [start]",
     "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
     "of the shaft's length",
     "START_IN_FILM": "[start]: node {d} lies {.3g} m from the middle of its oil film, of a "
     "clearance of {.3g} m, and the film would be thinner than its roughness; start nearer to the "
     "middle, or give the bearing a contact stiffness k: then the surfaces touch",
-    "IN_STAGES": "solver.sensitivities, tau_impedance: a method of stages has none; take another "
-    "solver.method",
-    "LIMITED": f"{_LIMIT} = {{.6g}}{_UNIT}: must be above {{.6g}}{_UNIT}, that of the rest under "
-    "the loads at the start",
+    "IN_STAGES": "solver.sensitivities, tau_impedance: not available with solver.method = radau5; "
+    "take another solver.method",
+    "LIMITED": f"{_LIMIT} = {{.6g}}{_UNIT}: must be above {{.6g}}{_UNIT}, the value at the "
+    "static equilibrium under the loads at the start",
     "FILM_AT_REST": f"{_NO_REST}: the oil film at node {{d}} does not carry them at {{.4g}} rad/s: "
     f"{choice(('its load is', 'the load on the machine is'))} {{.4g}} N, and it carries {{.4g}} N "
     "when it is as thin as its roughness; take a larger length, viscosity or speed, or give the "
@@ -66,7 +66,7 @@ _SENTENCES = {
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
     "DIVERGED": f"{_DIVERGED}try {FINER}; if it diverges at every step length, the "
-    "machine cannot stand its loads or its speed",
+    "machine itself is unstable under its loads at this speed",
     "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
     "alpha_m <= alpha_f <= 0.5",
     "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",
@@ -81,7 +81,7 @@ _SENTENCES = {
     **{warning.since: _positional(warning.words) for warning in RUN_WARNINGS},
 }
 SENTENCES = (*settings.SENTENCES, *_SENTENCES.values())
-# Of each the code that a machine reads, empty of what no run says that goes on.
+# The machine-readable code of each; empty for a message that ends a run.
 _CODES = {
     "OSCILLATES_AT_REST": "unstable-at-rest",
     "MOVES_AT_REST": "unstable-at-rest",
@@ -92,11 +92,11 @@ _CODES = {
 CODES = (*settings.CODES, *(_CODES.get(name, "") for name in _SENTENCES))
 _FIRST = len(settings.SENTENCES)
 (
-    NOT_HELD,
+    NOT_SUPPORTED,
     TOO_FAR,
     NO_REST,
     LOST_IN_ROUNDING,
-    ON_A_HUMP,
+    UNSTABLE_REST,
     START_BEYOND,
     START_IN_FILM,
     IN_STAGES,
@@ -119,9 +119,11 @@ _FIRST = len(settings.SENTENCES)
 
 
 def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
-    """Return the text for `{where}`: all contacts open, all that slip closed, or one alone.
+    """Return the choice of contact states that `{where}` stands for: all contacts open, all that
+    slip closed, or one of them closed.
 
-    contacts: names of the interfaces."""
+    contacts: names of the interfaces.
+    """
     walls = np.flatnonzero(interfaces.slips == 1).tolist()
     together = whirls.AND.join(contacts[j] for j in walls)
     alone = [f"{name}{whirls.SLIPPING}" for name in contacts]

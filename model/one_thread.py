@@ -1,8 +1,9 @@
-"""One thread for the linear algebra of a call: a machine's matrices are too small for more, whose
-waiting for each other costs twenty times the work on a loaded processor.
+"""One thread for the linear algebra of a call.
 
-The command line says so to the libraries before it loads them; a process of another kind needs
-threadpoolctl (the extra `threads`) for it, and without is as exact and slower.
+A machine's matrices are too small for several threads: waiting for each other costs up to twenty
+times the work on a loaded processor. The command line sets the libraries to one thread before it
+loads them; another process needs threadpoolctl (the extra `threads`), and without it computes the
+same numbers more slowly.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ _Result = TypeVar("_Result")
 
 @cache
 def _controller(has_scipy: bool) -> Any:
-    """Return what limits the threads of the libraries loaded, which are searched for once, and once
-    more when SciPy has brought its own; None where threadpoolctl is not installed."""
+    """Return the object that limits the threads of the libraries loaded, None without
+    threadpoolctl. The libraries are searched for once, and once more after SciPy has loaded its
+    own."""
     try:
         from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
     except ImportError:
@@ -34,7 +36,7 @@ def _one_thread() -> AbstractContextManager[Any]:
 
 
 def on_one_thread(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
-    """Let BLAS and LAPACK take one thread while a function runs, and as many as before after it."""
+    """Limit BLAS and LAPACK to one thread while a function runs."""
 
     @wraps(function)
     def limited(*arguments: _Arguments.args, **options: _Arguments.kwargs) -> _Result:

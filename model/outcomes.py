@@ -1,4 +1,4 @@
-"""The outcome of a run, as the code of a sentence (`messages`) and its numbers."""
+"""The outcome of a run, as the code of a message (`messages`) and its numbers."""
 
 from __future__ import annotations
 
@@ -7,34 +7,35 @@ import math
 import numpy as np
 
 from . import messages
-from .film_capacity import carried_by, is_held, load_on
+from .film_capacity import film_capacity, film_load, is_supported
 from .kernels.functions import modulus
-from .kernels.jit import interpreted, jit
-from .message_templates import MOST_ARGUMENTS, spell
+from .kernels.jit import jit
+from .kernels.kernel import interpreted
+from .message_templates import MOST_ARGUMENTS, fill_template
 from .settings.resolver import radius_at_infinity
 from .stability.matrices import OPEN
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.survey_block import WHIRL
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
-from .step.laws import first_broken, relative
-from .step.step_status import BROKEN, ENDED_EARLY, NOT_CONVERGED, UNFINISHED
+from .step.laws import first_invalid_law, relative
+from .step.step_status import ENDED_EARLY, FILM_INVALID, NOT_CONVERGED, UNFINISHED
 from .time_loop import early_return, equilibrium
 from .time_loop.control import CONTROLLED, varies
 
 _TWO_PI = 2 * math.pi
-_ROUNDING = 1e-9  # of a root: an imaginary part below it is what a processor rounds to
+_ROUNDING = 1e-9  # share of a root: a smaller imaginary part is rounding
 _TWO_DIGITS = 10.0
-_LOST = 1e-9  # of the shaft's stiffness: what is softer rounding may hide
+_LOST = 1e-9  # share of the shaft's stiffness: rounding may hide a softer support
 
 
 @jit
 def no_rest(run, status, arguments):
-    """Return why a start has no equilibrium."""
+    """Return the message that states why a start has no equilibrium."""
     structure, numbers = run.structure, run.structure.numbers[0]
-    if status == equilibrium.BEYOND:
-        broken = first_broken(structure, run.motion.q, run.motion.internal_state)
-        if not equilibrium.is_beyond(structure, run.motion) and broken >= 0:
-            interface = structure.interfaces[broken]
+    if status == equilibrium.OUT_OF_BOUNDS:
+        invalid = first_invalid_law(structure, run.motion.q, run.motion.internal_state)
+        if not equilibrium.is_out_of_bounds(structure, run.motion) and invalid >= 0:
+            interface = structure.interfaces[invalid]
             arguments[0] = _node_of(structure, interface.dof)
             arguments[1] = modulus(relative(interface, run.motion.q))
             arguments[2] = interface.length
@@ -53,19 +54,19 @@ def no_rest(run, status, arguments):
         arguments[1] = r.limit_force if is_force else r.limit_displacement
         arguments[3] = r.failed_value
         return messages.LIMITED
-    arguments[0] = _held_nodes(structure)
+    arguments[0] = _supported_nodes(structure)
     if arguments[0] < 2.0:
-        return messages.NOT_HELD
-    broken = first_broken(structure, run.trial.q, run.trial.internal_state)
-    if broken >= 0:
-        load, is_its_own = load_on(run, broken)
-        arguments[0] = _node_of(structure, structure.interfaces[broken].dof)
+        return messages.NOT_SUPPORTED
+    invalid = first_invalid_law(structure, run.trial.q, run.trial.internal_state)
+    if invalid >= 0:
+        load, is_its_own = film_load(run, invalid)
+        arguments[0] = _node_of(structure, structure.interfaces[invalid].dof)
         arguments[1] = run.memory.record[0].omega
         arguments[2], arguments[3] = 0.0 if is_its_own else 1.0, load
-        arguments[4] = carried_by(run, broken)
+        arguments[4] = film_capacity(run, invalid)
         return messages.FILM_AT_REST
     if status == equilibrium.UNSTABLE:
-        return messages.ON_A_HUMP
+        return messages.UNSTABLE_REST
     stiffest, mass = 0.0, 0.0
     for i in range(len(structure.deflections)):
         dof = structure.deflections[i, 0]
@@ -75,20 +76,22 @@ def no_rest(run, status, arguments):
     if _LOST * stiffest > arguments[1]:
         return messages.LOST_IN_ROUNDING
     arguments[0] = numbers.bound
-    return messages.TOO_FAR if status == equilibrium.NOT_HELD else messages.NO_REST
+    return messages.TOO_FAR if status == equilibrium.NOT_SUPPORTED else messages.NO_REST
 
 
 @jit
-def _broken(run):
-    """Return the node, from 1, of a law that breaks where the last step led; 0 if there is none."""
+def _node_of_invalid_film(run):
+    """Return the node (from 1) of a law that is invalid where the last step led; 0 if there is
+    none."""
     structure = run.structure
-    j = first_broken(structure, run.trial.q, run.trial.internal_state)
+    j = first_invalid_law(structure, run.trial.q, run.trial.internal_state)
     return _node_of(structure, structure.interfaces[j].dof) if j >= 0 else 0
 
 
 @jit
 def _node_of(structure, dof):
-    """Return the node, from 1, of a deflection, or that which a housing holds, of its place."""
+    """Return the node (from 1) of a deflection, or of the node that a housing supports, by its
+    dof."""
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].end == dof:
             dof = structure.interfaces[j].dof
@@ -99,18 +102,18 @@ def _node_of(structure, dof):
 
 
 @jit
-def _held_nodes(structure):
-    """Return how many nodes have a spring or an interface."""
-    held = 0
+def _supported_nodes(structure):
+    """Return the number of nodes with a spring or an interface."""
+    supported = 0
     for dof in range(structure.M.shape[0]):
-        held += 1 if is_held(structure, dof) else 0
-    return held
+        supported += 1 if is_supported(structure, dof) else 0
+    return supported
 
 
 @jit
 def growth_at_rest(root, arguments):
-    """Return the message about a growth at rest with this root [1/s], its imaginary part >= 0; NaN:
-    nothing."""
+    """Return the message about a motion that grows from rest by this root [1/s], whose imaginary
+    part is >= 0; NaN: there is none."""
     if root != root:
         return messages.GOOD
     if root.imag > _ROUNDING * modulus(root):
@@ -122,14 +125,16 @@ def growth_at_rest(root, arguments):
 
 
 def grows_at_rest(root: complex) -> str:
-    """Return a sentence about a growth at rest, its root [1/s] with an imaginary part >= 0."""
+    """Return the message about a motion that grows from rest, as a text; root [1/s]: with an
+    imaginary part >= 0."""
     arguments = np.zeros(MOST_ARGUMENTS)
-    return spell(messages.SENTENCES[interpreted(growth_at_rest)(root, arguments)], arguments)
+    code = interpreted(growth_at_rest)(root, arguments)
+    return fill_template(messages.SENTENCES[code], arguments)
 
 
 @jit
 def _describe_whirl(whirl, arguments, at):
-    """Six numbers about a row of `survey.whirls`."""
+    """Write the six numbers of a row of `survey.whirls` into the arguments, from `at` on."""
     case, omega = whirl[WHIRL.case], whirl[WHIRL.omega]
     arguments[at] = -1.0 - case if case < 0.0 else case + 2.0
     arguments[at + 1] = whirl[WHIRL.is_backward]
@@ -139,8 +144,8 @@ def _describe_whirl(whirl, arguments, at):
 
 @jit
 def unstable(run, arguments):
-    """Return the message about the whirl of a survey that grows fastest at the present speed with
-    all contacts open."""
+    """Return the message about the whirl that grows fastest at the present speed with all contacts
+    open, if a survey found one."""
     survey = run.survey
     for i in range(survey.counted[0]):
         whirl = survey.whirls[i]
@@ -153,8 +158,8 @@ def unstable(run, arguments):
 
 @jit
 def hidden(run, arguments):
-    """Return the growing whirls that a survey found and that the solver's steps hide: the one that
-    grows fastest, and the longest step that resolves them all."""
+    """Return the message about growing whirls that a survey found and that the solver's steps hide:
+    the one that grows fastest, and the longest step that resolves them all."""
     survey, numbers = run.survey, run.method.numbers[0]
     if numbers.mode == CONTROLLED or not is_stable(numbers):
         return messages.GOOD
@@ -181,7 +186,8 @@ def hidden(run, arguments):
 
 @jit
 def _farthest(run):
-    """Return which deflection is farthest away, or the first that is nowhere."""
+    """Return the index of the deflection that is farthest from the axis, or of the first that is
+    not finite."""
     deflections = run.structure.deflections
     place, farthest = 0, -1.0
     for i in range(len(deflections)):
@@ -195,8 +201,9 @@ def _farthest(run):
 
 @jit
 def _whirled_apart(run, arguments):
-    """Return whether there are growing whirls; if so, from arguments[5] on, the one most like the
-    motion reached: in its sense, if there is one, and nearest in frequency."""
+    """Return whether there are growing whirls; if so, write the one that is most like the motion
+    reached into the arguments from 5 on: of the same sense, if there is one, and the nearest in
+    frequency."""
     survey, motion, speed = run.survey, run.motion, run.memory.record[0].omega
     dof = run.structure.deflections[_farthest(run), 0]
     q, v = motion.q[dof], motion.v[dof]
@@ -221,14 +228,14 @@ def _whirled_apart(run, arguments):
 
 @jit
 def failure(run, status, arguments):
-    """Return why an `advance` did not come to its end; where it diverged, the survey of whirls has
-    to have been made anew."""
+    """Return the message that states why an `advance` ended early; if it diverged, the whirls must
+    have been surveyed anew."""
     r = run.memory.record[0]
     arguments[0], arguments[1], arguments[2] = r.failed_at, r.omega, r.failed_h
     if status == NOT_CONVERGED:
         return messages.NOT_CONVERGED
-    if status == BROKEN:
-        arguments[3] = _broken(run)
+    if status == FILM_INVALID:
+        arguments[3] = _node_of_invalid_film(run)
         return messages.FILM_BROKEN
     if status == UNFINISHED:
         arguments[3] = r.max_iterations

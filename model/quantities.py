@@ -1,4 +1,4 @@
-"""Quantities: unit, rule and text of a number, declared where the number is.
+"""Quantities: unit, rule and description of a number, declared where the number is.
 
 A data class declares its numbers by `quantity(...)`; everything else (the reader of TOML files,
 checks, the kernels' records, the FMU's variables, documents) is made from that declaration.
@@ -21,18 +21,29 @@ class QuantityError(UserInputError, ValueError):
 
 @dataclass(frozen=True)
 class Rule:
-    """The values that a number may have: at least `least`, or, if is_strict, more; at most `most`;
-    and the words that say so."""
+    """The values that a number may have: at least `least`, or above it if `is_strict`; at most
+    `most`, or below it if `is_below`; and the words that say so."""
 
     least: float
     is_strict: bool
     words: str
     most: float = math.inf
+    is_below: bool = False
 
     def allows(self, value: float) -> bool:
-        """Return whether a number may be this one."""
+        """Return whether a number may have this value."""
         is_enough = value > self.least if self.is_strict else value >= self.least
-        return is_enough and value <= self.most
+        return is_enough and (value < self.most if self.is_below else value <= self.most)
+
+
+def between(
+    least: float, most: float, unit: str = "", *, is_strict: bool = False, is_below: bool = False
+) -> Rule:
+    """Return the rule of an interval, with its words; is_strict, is_below: the lower, the upper end
+    is excluded."""
+    low = f"{'>' if is_strict else 'at least'} {least:g}{unit if least else ''}"
+    high = f"{'below' if is_below else 'at most'} {most:g}{unit}"
+    return Rule(least, is_strict, f"must be {low} and {high}", most, is_below)
 
 
 POSITIVE = Rule(0.0, True, "must be > 0 and finite")
@@ -40,6 +51,8 @@ NOT_NEGATIVE = Rule(0.0, False, "must be >= 0 and finite")
 ANY = Rule(-math.inf, False, "must be a finite number")
 NOTHING, SPEED, ALL = "nothing", "speed", "all"
 LARGEST = 1e30  # in size: beyond it, products of such numbers overflow
+GRAVITY = 9.81  # of a machine, unless its definition states another one [m/s2]
+STANDARD_GRAVITY = 9.80665  # makes units of force of units of mass [m/s2]
 
 
 @dataclass(frozen=True)
@@ -62,9 +75,9 @@ class Output:
     """A number that a model computes: its name within its part, unit, description.
 
     kind: Real, Integer or Boolean; is_output: whether it is among the few that every run records;
-    nominal: its usual size [unit], of a Real; reached_by: the inputs that change it at once, with
-    the motion unchanged: `NOTHING`, the machine's `SPEED`, or the speed and every load, `ALL`;
-    is_of_now: whether it follows from the motion of the instant, and not from what has been.
+    nominal: its usual magnitude [unit], of a Real; reached_by: the inputs that change it at once,
+    with the motion unchanged: `NOTHING`, the machine's `SPEED`, or the speed and every load, `ALL`;
+    is_of_now: whether it follows from the present motion alone, without its history.
     """
 
     name: str
@@ -102,13 +115,14 @@ def switch(text: str, default: Any = MISSING, *, is_parameter: bool = False) -> 
 
 
 def remembered(*outputs: Output) -> tuple[Output, ...]:
-    """Return outputs that do not follow from the motion of the instant alone."""
+    """Return outputs that depend on the history of the motion too."""
     return tuple(replace(output, is_of_now=False) for output in outputs)
 
 
 def places(entries: Iterable[Output | str], first: int = 0, width: int = 1) -> Any:
-    """Return a named tuple of the place of each entry, by its name: kernels fill arrays by it, as
-    in `out[places(OUTPUTS).x]`. first: place of the first; width: places that an entry takes."""
+    """Return a named tuple of the index of each entry, by its name: kernels fill arrays by it, as
+    in `out[places(OUTPUTS).x]`. first: the first index; width: the number of indices of an
+    entry."""
     names = [entry if isinstance(entry, str) else entry.name for entry in entries]
     kind = namedtuple("Places", names)  # type: ignore[misc]
     return kind(*range(first, first + width * len(names), width))
@@ -120,7 +134,8 @@ def quantities(kind: Any) -> Mapping[str, Quantity]:
 
 
 def check(shown: str, declared: Quantity, value: Any) -> None:
-    """Raise `QuantityError`, calling it `shown`, unless `value` may be that of the quantity."""
+    """Raise `QuantityError` unless `value` is allowed for the quantity, which the message calls
+    `shown`."""
     if declared.is_switch:
         if not isinstance(value, bool):
             raise QuantityError(f"{shown} = {value!r}: must be true or false")
@@ -141,6 +156,6 @@ def check(shown: str, declared: Quantity, value: Any) -> None:
 
 
 def check_all(where: str, item: Any) -> None:
-    """`check` every quantity of a data class's instance, called `where`."""
+    """Check every quantity of an instance of a data class, which messages call `where`."""
     for name, declared in quantities(item).items():
         check(f"{where}.{name}", declared, getattr(item, name))

@@ -12,10 +12,11 @@ import numpy as np
 from . import messages, outcomes
 from .backend import Backend, bound_entry_points, selected_backend
 from .errors import UserInputError
-from .kernels.jit import INTERPRETED_WARNING, interpreted
+from .kernels.jit import INTERPRETED_WARNING
+from .kernels.kernel import interpreted
 from .kernels.library import RAISED
 from .machine.rotor import Rotor
-from .message_templates import MOST_ARGUMENTS, Message, choice, spell
+from .message_templates import MOST_ARGUMENTS, Message, choice, fill_template
 from .settings import DEFAULT_PRESET, PRESETS, Settings
 from .stability.whirls import Whirl, growing_whirls
 from .step.step import Motion
@@ -24,23 +25,23 @@ from .structure.assembly import interface_names
 from .structure.reduction import assembled
 from .structure.structure import Structure
 from .time_loop.block import LAYOUT, RunData, new_block
-from .time_loop.equilibrium import HELD
+from .time_loop.equilibrium import AT_EQUILIBRIUM
 from .time_loop.observe import observed_names
 from .time_loop.recorder import Record, channels_of
 from .warnings import RUN_WARNINGS
 
 
 class EquilibriumError(UserInputError, RuntimeError):
-    """There is no static equilibrium."""
+    """There is no static equilibrium at the start."""
 
 
 class StepFailure(RuntimeError):
-    """A step that failed; the message says when, where, and what to try."""
+    """A step failed; the message says when, where, and what to try."""
 
 
 class RotorWarning(UserWarning):
     """A warning that a result is not to be trusted: an unstable scheme, the integrator's false
-    state, an instability that it hides."""
+    state, an instability that the steps hide."""
 
 
 class RotorNote(UserWarning):
@@ -58,12 +59,12 @@ def warn(message: Message, stacklevel: int = 3) -> None:
 
 @dataclass(frozen=True)
 class CouplingOptions:
-    """What a master of a coupled system may ask of a run; nothing by default.
+    """What the master of a coupled system may ask of a run; nothing by default.
 
-    has_sensitivities: whether sensitivities are propagated; limit_displacement, limit_force: of a
-    probe [m] and of an interface's force [N] at which an advance ends early, 0 for none;
-    stops_at_contact: whether it ends when a contact closes or opens; drive_impedance: of the line
-    through which a torque drives a free rotor [N.m.s/rad].
+    has_sensitivities: whether sensitivities are propagated; limit_displacement, limit_force: the
+    displacement of a probe [m] and the force of an interface [N] at which an advance ends early, 0
+    for none; stops_at_contact: whether it ends when a contact closes or opens; drive_impedance: of
+    the line through which a torque drives a free rotor [N.m.s/rad].
     """
 
     has_sensitivities: bool = False
@@ -113,14 +114,14 @@ class Simulation:
         self.names = observed_names(rotor)
         for warning in settings.warnings:
             self._warn(warning)
-        taped = record if isinstance(record, Record) else Record(record)
-        channels = channels_of(rotor, taped)
-        rows = taped.rows if channels else 0
+        recorded = record if isinstance(record, Record) else Record(record)
+        channels = channels_of(rotor, recorded)
+        rows = recorded.rows if channels else 0
         self._block = new_block(structure, len(self.names), len(channels), rows)
         self._run: RunData = LAYOUT.view_in_python(self._block)
         self._entry_points = bound_entry_points(self._block)
         self._run.recorder.channels[:] = channels
-        self._run.recorder.head[0].least = taped.angle
+        self._run.recorder.head[0].least = recorded.angle
         self._run.method.numbers[0] = settings.numbers
 
         numbers = self._run.memory.record[0]
@@ -142,7 +143,7 @@ class Simulation:
         ]
         self._loads = self._run.memory.loads
         self._load_rates = self._run.memory.load_rates
-        self._observed = self._run.reading.observed
+        self._observed = self._run.outputs.observed
         self._arguments = np.zeros(MOST_ARGUMENTS)
         contacts = interface_names(rotor)
         self._places = {
@@ -156,9 +157,9 @@ class Simulation:
         status = self._entry_points.start(float(speed), float(drive), float(rate))
         if status == RAISED:
             raise EquilibriumError("internal error at the start")
-        if status != HELD:
-            raise EquilibriumError(self._sentence(outcomes.no_rest, self._run, status))
-        self._warn_beyond(speed)
+        if status != AT_EQUILIBRIUM:
+            raise EquilibriumError(self._message(outcomes.no_rest, self._run, status))
+        self._warn_outside_ranges(speed)
         self._speed = self._run.memory.record["omega"]
         self._has_warned_of_whirls = False
         self._has_warned_of_growth = False
@@ -168,27 +169,27 @@ class Simulation:
 
     @property
     def structure(self) -> Structure:
-        """The machine in matrices and records (live arrays, not to be written to)."""
+        """The machine in matrices and records (live arrays, read-only by convention)."""
         return self._run.structure
 
     @property
     def time(self) -> float:
-        """Time reached [s]."""
+        """The time reached [s]."""
         return float(self._time[0])
 
     @property
     def is_free(self) -> bool:
-        """Whether a torque drives the rotor, its speed being a state."""
+        """Whether a torque drives the rotor, so that its speed is a state."""
         return self._is_free
 
     @property
     def motion(self) -> Motion:
-        """The present state (live arrays, not to be written to)."""
+        """The present state (live arrays, read-only by convention)."""
         return self._run.motion
 
     @property
     def observed(self) -> np.ndarray:
-        """Everything that can be read, in the order of `names` (a live array)."""
+        """All observed quantities, in the order of `names` (a live array)."""
         return self._observed
 
     def read(self, name: str) -> float:
@@ -235,7 +236,7 @@ class Simulation:
         if status != DONE:
             raise StepFailure(self._failure(status))
         if self._ranges:
-            self._warn_beyond(float(self._run.memory.record["omega"][0]))
+            self._warn_outside_ranges(float(self._run.memory.record["omega"][0]))
         if not self._surveyed_from[0] <= abs(self._speed[0]) <= self._surveyed_to[0]:
             self._survey(False)
         for entry in tuple(self._run_warnings):
@@ -245,29 +246,29 @@ class Simulation:
                 self._warn(Message(warning.words.format(since[0]), warning.code))
 
     def derivatives(self) -> np.ndarray:
-        """Return the first and the second derivatives by time of `observed`, at the time reached,
-        shape (2, observed) [1/s, 1/s2]; 0 of what stays as it is between two events."""
+        """Return the first and second time derivatives of `observed` at the time reached, shape (2,
+        observed) [1/s, 1/s2]; 0 for what is constant between two events."""
         self._entry_points.differentiate(-1)
-        return self._run.reading.derivatives.copy()
+        return self._run.outputs.derivatives.copy()
 
     def sensitivities(self, row: int) -> np.ndarray:
-        """Return how `observed` changes with an input over the last `advance`, shape (observed,);
-        row: 0 the drive, 1 + 2 i and 2 + 2 i load i along x and along y [per their units].
+        """Return the derivatives of `observed` with respect to an input of the last `advance`,
+        shape (observed,); row: 0 for the drive, 1 + 2 i and 2 + 2 i for load i along x and along y.
 
-        Raises `ValueError` where the coupling options do not ask for them.
+        Raises `ValueError` unless the coupling options ask for them.
         """
         if not self._run.memory.record[0].has_sensitivities:
             raise ValueError("sensitivities: must be asked for by CouplingOptions")
         self._entry_points.differentiate(row)
-        return self._run.reading.derivatives[0].copy()
+        return self._run.outputs.derivatives[0].copy()
 
     def snapshot(self) -> np.ndarray:
-        """Return a copy of everything that `restore` needs to go on from here, bit for bit;
-        bytes."""
+        """Return a copy of the whole state, as bytes, from which `restore` continues bit for
+        bit."""
         return self._state.copy()
 
     def restore(self, snapshot: np.ndarray | bytes) -> None:
-        """Go back to a snapshot, or to its bytes, of this or of an equal simulation."""
+        """Go back to a snapshot, or its bytes, of this or of an equal simulation."""
         self._state[:] = np.frombuffer(snapshot, np.uint8)
         self._entry_points.refresh_outputs()
         recorder = self._run.recorder
@@ -297,19 +298,20 @@ class Simulation:
         return growing_whirls(self.structure, self._run.survey)
 
     def _survey(self, is_start: bool) -> None:
-        """Look for growing whirls up to the present speed; warn of those that the steps hide."""
+        """Survey the growing whirls up to the present speed, and warn of those that the steps
+        hide."""
         self._entry_points.survey(float(self._speed[0]), is_start)
         survey = self._run.survey
-        grows = self._sentence(outcomes.growth_at_rest, complex(survey.rest[0]))
+        grows = self._message(outcomes.growth_at_rest, complex(survey.rest[0]))
         if grows:
             self._warn(grows)
-        unstable = self._sentence(outcomes.unstable, self._run)
+        unstable = self._message(outcomes.unstable, self._run)
         if unstable and not self._has_warned_of_growth:
             self._has_warned_of_growth = True
             self._warn(unstable)
         if survey.counted[0] == 0 or self._has_warned_of_whirls:
             return
-        hidden = self._sentence(outcomes.hidden, self._run)
+        hidden = self._message(outcomes.hidden, self._run)
         if hidden:
             self._has_warned_of_whirls = True
             self._warn(hidden)
@@ -320,7 +322,7 @@ class Simulation:
             _has_said_interpreted = True
             self._warn(Message(INTERPRETED_WARNING, "interpreted"))
 
-    def _warn_beyond(self, speed: float) -> None:
+    def _warn_outside_ranges(self, speed: float) -> None:
         """Warn once for every range that the speed [rad/s] has left."""
         for allowed in list(self._ranges):
             if not allowed.low <= speed <= allowed.high:
@@ -332,12 +334,12 @@ class Simulation:
         if status == RAISED:
             return "internal error in a step"
         self._entry_points.survey(float(self._run.memory.record[0].surveyed_at), False)
-        return self._sentence(outcomes.failure, self._run, status)
+        return self._message(outcomes.failure, self._run, status)
 
-    def _sentence(self, kernel: Callable[..., int], *arguments: object) -> Message:
-        """Return the sentence of a kernel of `outcomes`, "" if there is none."""
+    def _message(self, kernel: Callable[..., int], *arguments: object) -> Message:
+        """Return the message that a kernel of `outcomes` chooses, "" if it chooses none."""
         code = interpreted(kernel)(*arguments, self._arguments)
         text = messages.SENTENCES[code]
         for place, own in self._places.items():
             text = text.replace(place, own)
-        return Message(spell(text, self._arguments), messages.CODES[code])
+        return Message(fill_template(text, self._arguments), messages.CODES[code])

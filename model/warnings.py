@@ -13,8 +13,9 @@ COARSEST_IN_CONTACT = 0.1
 
 
 class RunWarning(NamedTuple):
-    """A field of the run's record, the time from which the warning holds [s] or NaN, its code (see
-    `spelling.Message`), and its sentence, in which that time is filled in."""
+    """A warning about a run: the field of the run's record that holds the time from which it
+    applies [s] (NaN: it does not), its code (see `message_templates.Message`), and its text, into
+    which that time is filled in."""
 
     since: str
     code: str
@@ -29,8 +30,8 @@ RUN_WARNINGS = (
     RunWarning(
         "trapped_at",
         "false-state",
-        "false state since t = {:.4g} s: a journal jumps from wall to wall of its clearance every "
-        "step or two, caused by the integrator; do not trust this run: take the preset "
+        "false state since t = {:.4g} s: numerical artefact, a journal jumps between opposite "
+        "walls of its clearance every one or two steps; do not trust this run: take the preset "
         f"robust, or {FINER}",
     ),
     RunWarning(
@@ -49,15 +50,15 @@ RUN_WARNINGS = (
     RunWarning(
         "coarse_at",
         "too-coarse",
-        "too coarse since t = {:.4g} s: steps of solver.h_min, the shortest allowed, miss the "
-        "tolerance; take a smaller solver.h_min, or a larger solver.tolerance",
+        "too coarse since t = {:.4g} s: at solver.h_min, the shortest step allowed, the tolerance "
+        "is not met; lower solver.h_min, or raise solver.tolerance",
     ),
     RunWarning(
         "blind_at",
         "too-coarse-in-contact",
         "too coarse in contact since t = {:.4g} s: a contact closed in a step whose local error is "
-        "above a tenth of the motion, and the run may have gone over to another solution; take a "
-        "smaller solver.h, or the preset controlled with a solver.tolerance of at most "
+        "above a tenth of the motion, and the run may have jumped to another branch of solutions; "
+        "take a smaller solver.h, or the preset controlled with a solver.tolerance of at most "
         f"{COARSEST_IN_CONTACT}, and compare them with --verify",
     ),
 )

@@ -20,10 +20,12 @@ from .linear.answers import Displayed, modes
 from .linear.linear_plots import new_figure, titled
 from .linear.linear_tables import Table
 from .model.machine.rotor import Rotor
-from .model.parts.base import Interface
+from .model.parts.base import InterfaceElement
 from .model.parts.port import Sensor
 from .model.parts.unbalance import Unbalance
+from .model.quantities import STANDARD_GRAVITY
 from .model.structure.assembly import assemble
+from .model.structure.structure import total_mass
 from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE
 from .vibration.influence_coefficients import correction
 
@@ -32,7 +34,6 @@ _LEAST_TURNS, _MOST_TURNS = 60, 4000
 _MEASURED = 32  # turns at the end of a run, over which the vibration is measured
 _ROWS = 64  # a turn
 _TRIAL = 0.1  # of the rotor's weight, the force of all trial unbalances together
-_GRAVITY = 9.80665
 _TOLERANCE = 1e-5
 
 
@@ -255,8 +256,8 @@ def balance(
 
 
 def _usual_trial(rotor: Rotor, speed: float, planes: int) -> float:
-    mass = float(assemble(rotor).mass_sum[::2].sum())
-    return _TRIAL * mass * _GRAVITY / (planes * speed**2)
+    mass = total_mass(assemble(rotor))
+    return _TRIAL * mass * STANDARD_GRAVITY / (planes * speed**2)
 
 
 class _Bench:
@@ -268,9 +269,8 @@ class _Bench:
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
         self._contacts = [
             name
-            for name, part in rotor.named_parts()
-            for element in part.elements(name, rotor.material.density)
-            if isinstance(element, Interface) and element.law.has_wall
+            for name, interface in rotor.elements_of_kind(InterfaceElement)
+            if interface.law.has_wall
         ]
         self.touches = False
 

@@ -52,7 +52,7 @@ def test_a_run_that_takes_too_much_work_gets_on_with_the_advice_for_its_trouble(
 def test_steps_too_coarse_are_mended_by_a_smaller_least_step_or_a_larger_tolerance():
     coarse = {"tolerance": 1e-5, "h_min": 1e-3, "h": 1e-3}
     (output,) = outcome(rig(), choose(**coarse), 0.1)
-    assert "take a smaller solver.h_min, or a larger solver.tolerance" in output
+    assert "lower solver.h_min, or raise solver.tolerance" in output
     assert outcome(rig(), choose(**coarse | {"h_min": 1e-9}), 0.1) == []
     larger = outcome(rig(), choose(**coarse | {"tolerance": 1.0}), 0.1)
     assert not [message for message in larger if "solver.h_min" in message]

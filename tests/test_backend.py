@@ -58,7 +58,7 @@ import numpy as np
 from rotor_fmu.model import backend
 from rotor_fmu.model.linear import LinearMachine
 from rotor_fmu.model.periodic import entry_points
-from rotor_fmu.model.periodic.linear_structure import Condensed
+from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 from rotor_fmu.machine_file.loading import load_rotor
 
 random = np.random.default_rng(3)
@@ -67,7 +67,7 @@ for file in sorted(Path(sys.argv[1]).rglob("*.toml")):
     if file.parent.name == "studies":
         continue
     rotor = load_rotor(file)[1]
-    machine = Condensed(rotor)
+    machine = CondensedMachine(rotor)
     laws, b = machine.laws, machine.b
     if laws.count == 0:
         continue
@@ -77,14 +77,14 @@ for file in sorted(Path(sys.argv[1]).rglob("*.toml")):
     own = np.tile(laws.starts, (2, 1))
     at = laws.tangents(d, v, own, np.full(laws.states, 1e-6), 200.0)
     rest = LinearMachine(rotor).at(500.0).laws
-    read = [rest.force.real, rest.force.imag, rest.by_d, rest.by_v, *at, laws.openings(1.5 * d)]
+    read = [rest.force.real, rest.force.imag, rest.by_d, rest.by_v, *at, laws.gaps(1.5 * d)]
     if laws.states == 0:
         block, data = laws.block_of_steps(steps=2, lengths=1, modes=4, b=b)
-        for array in (*data.lengths[1:6], *data.period[:4], data.period.state):
+        for array in (*data.propagators[1:6], *data.period[:4], data.period.state):
             array[...] = 0.01 * random.standard_normal(array.shape)
-        data.lengths.seen[...] *= np.tile(laws.length.max(), data.lengths.seen.shape)
-        data.lengths.among[...] *= 1e-8
-        data.work.places[...] = np.arange(3 * b)
+        data.propagators.output_by_state[...] *= laws.length.max()
+        data.propagators.output_by_force[...] *= 1e-8
+        data.work.columns[...] = np.arange(3 * b)
         backend.bound(entry_points.step_through, block)(200.0)
         read += [*data.period, *data.work]
     seen[file.name] = [number.hex() for array in read for number in np.ravel(array).astype(float)]

@@ -218,7 +218,7 @@ def test_a_stable_machine_is_not_doubted():
 def test_a_machine_that_nothing_holds_is_refused_unless_it_is_released_in_the_air():
     (output,) = machine_warnings(parse_rotor(HELD))
     assert "is not held" in output
-    with pytest.raises(EquilibriumError, match="held at 0 of its nodes"):
+    with pytest.raises(EquilibriumError, match="supported at 0 of its nodes"):
         said(HELD)
     released = f"{HELD}[start]\ny = 0.0\n"
     assert machine_warnings(parse_rotor(released)) == []

@@ -4,7 +4,7 @@ which takes less time than a compiler and has the same bits (test_code.py)."""
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels import band
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 
 EPS = np.finfo(float).eps
 SIZES = [(1, 0), (2, 1), (4, 3), (16, 3), (30, 1), (25, 7), (12, 11), (40, 0)]

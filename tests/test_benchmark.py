@@ -7,7 +7,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.structure.assembly import assemble
 
@@ -16,6 +15,7 @@ from benchmarks.peers import cvode, exudyn_peer, ida, project, ross_peer, scipy_
 from benchmarks.problem import Diverged, Method, Missing, beginning, orbit, peaks
 from benchmarks.report import PAGES, filled_pages, write_report
 from benchmarks.store import Store
+from papers.dense_machine import rest
 
 from .machines import disc_dofs
 from .windows import rig

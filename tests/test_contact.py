@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts import LAWS, clearance_contact
 from rotor_fmu.model.parts.clearance_contact import CLEARANCE_CONTACT

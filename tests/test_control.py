@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation

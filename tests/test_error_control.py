@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.parts.disc import Disc

@@ -8,14 +8,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.step import fitting
 from rotor_fmu.model.structure.structure import WEIGHT
 from rotor_fmu.model.time_loop import error_control
+
+from papers.integrators.members import chung_hulbert, generalized_alpha, hht, newmark
 
 from .machines import disc_dofs, overhung, unbalance_vector
 

@@ -10,8 +10,8 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.shaft import Section
 from rotor_fmu.model.structure import beam
 from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.dense import clearance_contacts
 
+from papers.dense_machine import clearance_contacts
 from tests.dense import dense_matrices
 
 from .machines import STEEL, disc_dofs

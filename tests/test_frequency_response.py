@@ -206,7 +206,7 @@ def test_a_bad_file_of_loops_is_refused(loops, before, after, expected):
 
 
 def test_a_loop_whose_force_grows_without_bounds_is_refused():
-    with pytest.raises(LinearError, match="needs filter_frequency or amplifier_time"):
+    with pytest.raises(LinearError, match="filter_frequency or amplifier_time is required"):
         sensitivity(JEFFCOTT, [50.0], [LOOP])
     with pytest.raises(LinearError, match="frequencies: must be above 0"):
         frequency_response(JEFFCOTT, [0.0], 2, [2])

@@ -7,7 +7,7 @@ import random
 import mpmath
 import pytest
 from rotor_fmu.model.kernels import functions
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 
 # interpreted, which is bit for bit the compiled (test_code.py)
 angle, direction, modulus = map(

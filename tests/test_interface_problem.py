@@ -4,17 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.clearance_contact import contact_force
 from rotor_fmu.model.parts.law import Kinematics, Weights
-from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
 from rotor_fmu.model.step.excitation import spin_of
 from rotor_fmu.model.step.interface_problem import TOLERANCE, solve_columns, solve_interfaces
 from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.dense import clearance_contacts
 from rotor_fmu.model.time_loop.block import LAYOUT, new_block
 
+from papers.dense_machine import clearance_contacts
+from papers.integrators.members import chung_hulbert, generalized_alpha, hht, newmark
 from tests.dense import dense_matrices
 
 STRUCTURE = assemble(rig())

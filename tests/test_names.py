@@ -43,7 +43,7 @@ def test_every_part_may_have_a_name_which_its_variables_have():
             ("solver",),
             "disc.name = 'solver': must be a word of letters a to z, digits and _,",
         ),
-        (("bearing",), "disc[4].name = bearing: is the name of a kind of part"),
+        (("bearing",), "disc[4].name = bearing: is reserved, as the name of a part type"),
     ],
 )
 def test_a_name_that_cannot_be_is_one_line(names, expected):
@@ -102,7 +102,7 @@ def test_a_hollow_tapered_section_with_a_sleeve_keeps_its_inertia_where_it_is_sp
         ("1.2", "sensor[1].z = 1.2 m: must lie on the shaft, from 0 to 0.9 m"),
         ("0.30001", "sensor[1].z = 0.30001 m: is 1e-05 m from the node at 0.3 m; must be at it"),
         ("true", "sensor[1].z = True: must be a number"),
-        ("0.5\nnode = 1", "sensor[1].z: is given beside sensor[1].node"),
+        ("0.5\nnode = 1", "sensor[1].z: cannot be combined with sensor[1].node"),
     ],
 )
 def test_a_place_where_no_node_can_be_is_one_line(z, expected):

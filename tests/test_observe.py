@@ -9,11 +9,11 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.parts.clearance_contact import contact_angle, contact_force
 from rotor_fmu.model.parts.law import Kinematics
 from rotor_fmu.model.quantities import ALL, NOTHING, SPEED
-from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.structure.dense import clearance_contacts
 from rotor_fmu.model.time_loop.observe import observed
+
+from papers.dense_machine import clearance_contacts, rest
 
 from .machines import disc_dofs, overhung
 from .parts.machines import shaft

@@ -5,10 +5,11 @@ import pytest
 import scipy.integrate
 import scipy.linalg
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
+
+from papers.dense_machine import rest
 
 from .machines import (
     METHODS,

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.parts.base import Body, Part
+from rotor_fmu.model.parts.base import BodyElement, Part
 from rotor_fmu.model.parts.unbalance import Unbalance
 from rotor_fmu.model.quantities import QuantityError, quantity
 from rotor_fmu.model.structure.assembly import assemble
@@ -59,8 +59,8 @@ def test_a_parameter_of_a_matrix_is_refused(machine):
         mass: float = quantity("kg", "mass", is_parameter=True)
 
         def elements(self, where, density):
-            yield Body(self.node, self.mass, 0.0, 0.0)
+            yield BodyElement(self.node, self.mass, 0.0, 0.0)
 
     heavier = replace(machine, parts=(*machine.parts, Weight(3, 1.0)))
-    with pytest.raises(QuantityError, match=r"mass: is no parameter of an assembled machine"):
+    with pytest.raises(QuantityError, match=r"mass: cannot be changed after assembly"):
         parameter_locations(heavier)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.schemes import radau
 from rotor_fmu.model.settings import PRESETS, SettingsError, _given, choose, settings_of_given

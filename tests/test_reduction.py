@@ -151,7 +151,7 @@ def test_a_mode_that_a_reduction_moves_is_said_with_both_frequencies():
     hertz = [float(number) for number in re.findall(r"([\d.]+) Hz", output)]
     np.testing.assert_allclose(hertz, [full[2], few[2]], rtol=1e-3)
     assert "reduction = 1 is too coarse: mode 3 of the shaft, " in output
-    enough = int(re.search(r"take at least (\d+), or 0$", output)[1])
+    enough = int(re.search(r"use at least (\d+), or 0 ", output)[1])
     off = [natural(LONG, modes)[2] / full[2] - 1 for modes in (enough - 1, enough)]
     assert off[0] > 0.02 > off[1]
     assert warnings_of(LONG, enough, 500.0) == [[]]

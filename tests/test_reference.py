@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 
 from benchmarks import equations
+from papers.dense_machine import rest
 
 from .windows import ATOL, SPEEDS_HZ, rig, windows
 

@@ -8,11 +8,11 @@ import scipy.integrate
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.support import Support
-from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
+from papers.dense_machine import rest
 from tests.dense import dense_matrices
 
 from .machines import overhung

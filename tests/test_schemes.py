@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.schemes import family as schemes
-from rotor_fmu.model.schemes import spectral
 
-from papers.integrators import classical
+from papers.integrators import classical, spectral
+from papers.integrators import members as schemes
 
 TURN = 2 * math.pi
 CENTRAL = classical.CentralDifference()

@@ -32,14 +32,14 @@ cyy = 0.0
 """
 
 
-OF_A_STEP = (of_step.DONE, of_step.NOT_CONVERGED, of_step.NOT_FINITE, of_step.BROKEN)
+OF_A_STEP = (of_step.DONE, of_step.NOT_CONVERGED, of_step.NOT_FINITE, of_step.FILM_INVALID)
 ENDS_EARLY = (
     *(early_return.PAST_DISPLACEMENT, early_return.PAST_FORCE),
     *(early_return.CLOSED, early_return.OPENED),
 )
 OF_A_START = (
-    *(equilibrium.HELD, equilibrium.NOT_HELD, equilibrium.NOT_CONVERGED_AT_REST),
-    *(equilibrium.UNSTABLE, equilibrium.BEYOND, equilibrium.MOVED),
+    *(equilibrium.AT_EQUILIBRIUM, equilibrium.NOT_SUPPORTED, equilibrium.NOT_CONVERGED_AT_REST),
+    *(equilibrium.UNSTABLE, equilibrium.OUT_OF_BOUNDS, equilibrium.MOVED),
     *(early_return.LIMITED, early_return.IN_STAGES),
 )
 
@@ -50,7 +50,7 @@ def test_every_way_in_which_a_start_or_an_advance_ends_has_a_status_of_its_own()
     for statuses in (of_an_advance, OF_A_START):
         assert len({*statuses}) == len(statuses)
     # all is well
-    assert (of_step.DONE, equilibrium.HELD, early_return.GOES_ON) == (0, 0, 0)
+    assert (of_step.DONE, equilibrium.AT_EQUILIBRIUM, early_return.GOES_ON) == (0, 0, 0)
     # what ended it early is above this, and nothing else is
     assert max(*OF_A_STEP, of_step.UNFINISHED) < of_step.ENDED_EARLY
     assert min(ENDS_EARLY) > early_return.GOES_ON
@@ -104,7 +104,7 @@ def test_the_instance_in_c_has_the_statuses_of_the_kernels():
     header = (C_SOURCES / "kernels.h").read_text(encoding="utf-8")
     numbers = dict(re.findall(r"\b(UNFINISHED|ENDED_EARLY) = (\d+)", header))
     assert numbers == {name: str(getattr(of_step, name)) for name in ("UNFINISHED", "ENDED_EARLY")}
-    assert max(of_step.UNFINISHED, of_step.BROKEN) < of_step.ENDED_EARLY
+    assert max(of_step.UNFINISHED, of_step.FILM_INVALID) < of_step.ENDED_EARLY
 
 
 def test_an_exception_in_the_solver_is_a_sentence_in_c_and_in_python():

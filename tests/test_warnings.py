@@ -58,9 +58,9 @@ def test_the_library_returns_the_code_of_the_warning_that_holds(sim, warning):
     sim._run.memory.record[0][warning.since] = 0.25
     code = -last(sim, arguments)
     assert messages.CODES[code] == warning.code
-    assert message_templates.spell(messages.SENTENCES[code], arguments) == warning.words.format(
-        0.25
-    )
+    assert message_templates.fill_template(
+        messages.SENTENCES[code], arguments
+    ) == warning.words.format(0.25)
 
 
 def test_of_several_warnings_the_library_returns_the_one_that_began_last(sim):

@@ -26,7 +26,12 @@ def test_error_control_finds_the_whip_at_every_tolerance(tolerance):
     message = str(failure.value)
     assert 3.1 < float(message.split("t = ")[1].split(" s")[0]) < 3.6
     assert said == []
-    for part in ("whirled itself apart", "backward whirl", "bearing[1] in contact", "grows by"):
+    for part in (
+        "diverged by an instability of the machine",
+        "backward whirl",
+        "bearing[1] in contact",
+        "grows by",
+    ):
         assert part in message
     assert "robust" not in message
 

@@ -50,4 +50,4 @@ def test_a_run_whose_shortest_steps_miss_the_tolerance_is_not_ok():
     job = prepare(None, None, sets, None, 0.1, 0.05)
     run = run_direct(job.rotor, job)
     assert run.status == "doubtful: too-coarse"
-    assert any("take a smaller solver.h_min" in message for message in run.messages)
+    assert any("lower solver.h_min" in message for message in run.messages)

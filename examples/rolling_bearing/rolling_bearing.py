@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing, cage_ratio

@@ -13,7 +13,7 @@ within the cone of friction (Kelvin and Voigt's element in series with Coulomb's
     f = k_t z + c_t z',    z' = v_t where |f| <= mu(v_t) n, else such that f = +- mu(v_t) n
 
 and friction is f along -i e; mu_t is f / n. Over a step z = free + b z' (`parts.law`), so that
-what it would be if it stuck is known, and is mapped back onto the cone where it lies beyond.
+its value without sliding is known, and is mapped back onto the cone where it lies outside.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ def rubbing(part, kinematics, surface, z):
 
 
 @jit_not_inlined
-def _column(at, rubs, give, z, z_v):
+def _column(at, rubs, friction_share, z, z_v):
     """Return dF in the frame along e by a displacement z and a velocity z_v; see
     `contact_tangent`."""
     steep, normal = outward(at.gradient)
@@ -149,30 +149,32 @@ def _column(at, rubs, give, z, z_v):
     d_sliding = (d_normal.conjugate() * at.velocity + normal.conjugate() * z_v).imag
     pressure = at.normal * steep
     d_pressure = d_n * steep + at.normal * d_steep
-    d_friction = give * (rubs.by_normal * d_pressure + pressure * rubs.by_sliding * d_sliding)
+    d_friction = friction_share * (
+        rubs.by_normal * d_pressure + pressure * rubs.by_sliding * d_sliding
+    )
     along = d_n * at.gradient + at.normal * d_gradient
     return -(along + 1j * (d_friction * normal + rubs.coefficient * pressure * d_normal))
 
 
 @jit
-def contact_tangent(at, rubs, give, weights):
-    """Return the pair p, q of a contact, at: its `Touch`, rubs: its `Friction`; give: share of a
-    change of the friction force that remains when the rubbed surface yields [1]; weights: see
-    `parts.law`."""
+def contact_tangent(at, rubs, friction_share, weights):
+    """Return the pair p, q of a contact, at: its `Touch`, rubs: its `Friction`; friction_share:
+    share of a change of the friction force that remains when the rubbed surface yields [1];
+    weights: see `parts.law`."""
     e, by_d, by_v = at.direction, weights.displacement, weights.velocity
     if at.gradient.imag != 0.0:
-        by_a = _column(at, rubs, give, by_d + 0j, by_v + 0j)
-        by_b = _column(at, rubs, give, 1j * by_d, 1j * by_v)
+        by_a = _column(at, rubs, friction_share, by_d + 0j, by_v + 0j)
+        by_b = _column(at, rubs, friction_share, 1j * by_d, 1j * by_v)
         return 0.5 * (by_a - 1j * by_b), 0.5 * (by_a + 1j * by_b) * e * e
     # round: n by a displacement along e and along i e
     n, bend = at.normal, at.curvature
     n_b = at.damping * at.velocity.imag * bend
-    given = give * rubs.by_normal
-    slope = give * n * rubs.by_sliding
+    by_normal = friction_share * rubs.by_normal
+    slope = friction_share * n * rubs.by_sliding
     t_aa = by_d * -at.stiffness + by_v * -at.damping
     t_ab = by_d * (rubs.coefficient * n * bend - n_b)
-    t_ba = by_d * (-given * at.stiffness) + by_v * (-given * at.damping)
-    t_bb = by_d * (-given * n_b + slope * at.velocity.real * bend - n * bend) + by_v * -slope
+    t_ba = by_d * (-by_normal * at.stiffness) + by_v * (-by_normal * at.damping)
+    t_bb = by_d * (-by_normal * n_b + slope * at.velocity.real * bend - n * bend) + by_v * -slope
     # rotated back: e (T (conj(e) z)), a real 2x2 matrix written as p z + q conj(z)
     p = scaled(0.5, complex(t_aa + t_bb, t_ba - t_ab))
     q = scaled(0.5, complex(t_aa - t_bb, t_ba + t_ab))

@@ -92,7 +92,7 @@ def _clearance_at(part, d):
 
 @jit_not_inlined
 def _worn_at(part, d):
-    """Return what `_clearance_at` returns, for a worn housing."""
+    """Return the same as `_clearance_at` for a worn housing."""
     turned = direction(0.5 * (angle(d) - part.wear_angle))
     c, s = turned.real, turned.imag
     p = part.wear_power
@@ -128,11 +128,11 @@ def pressed(part, delta, rate):
 
 
 class Touch(NamedTuple):
-    """How a journal touches its wall, in the frame along e: penetration delta [m] and its rate
+    """Contact of a journal with its wall, in the frame along e: penetration delta [m] and its rate
     [m/s]; normal force n [N], 0 without contact, its elastic part, its derivatives by delta,
-    `stiffness` [N/m], and by the rate, `damping` [N.s/m]; direction: e; velocity: d' along e and
-    i e [m/s]; gradient: of delta, along e and i e [1]; its second derivatives, `skew` along e and
-    i e, `curvature` along i e twice [1/m]."""
+    `stiffness` [N/m], and by the rate, `damping` [N.s/m]; direction: e; velocity: d' along e and i
+    e [m/s]; gradient: of delta, along e and i e [1]; its second derivatives, `skew` along e and i
+    e, `curvature` along i e twice [1/m]."""
 
     penetration: float
     rate: float
@@ -149,8 +149,7 @@ class Touch(NamedTuple):
 
 @jit
 def touch(part, kinematics):
-    """Return the `Touch` of a journal; everything but the penetration is 0 where it does not
-    touch."""
+    """Return the `Touch` of a journal; everything but the penetration is 0 without contact."""
     d = kinematics.displacement
     r = modulus(d)
     s, s_1, s_2 = _clearance_at(part, d)
@@ -180,13 +179,13 @@ def contact_angle(d):
 
 @jit
 def gap(part, d):
-    """Implement this function of a law; see `parts.law`."""
+    """Return the distance of a journal from its wall [m]: `Law.gap` of a contact."""
     return _clearance_at(part, d)[0] - modulus(d)
 
 
 @jit
 def length(part):
-    """Implement this function of a law; see `parts.law`."""
+    """Return the clearance [m]: `Law.length` of a contact."""
     return part.clearance
 
 

@@ -1,1 +1,2 @@
-"""Oil films, for the laws of parts: pressure, load and its derivatives, tilting pads, rings."""
+"""Oil films, for the laws of parts: pressure, load and its derivatives, tilting pads, floating
+rings."""

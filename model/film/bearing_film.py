@@ -2,7 +2,7 @@
 
 A pad is an arc of a circle of the radius R + c_p, whose centre lies c_p - c beyond the bearing's,
 away from the pad's pivot: c_p = c / (1 - preload). So the journal's displacement from the pad's
-centre is d + (c_p - c) exp(i pivot), and the film is `film_zone`'s.
+centre is d + (c_p - c) exp(i pivot), and the film is that of `zone_pressure`.
 
 A table of numbers, `Law.table`: the count of pads, a row of `PAD` for each, and the work array.
 """
@@ -30,7 +30,8 @@ from .zone_pressure import VECTORS, Film, solve_zone, zone_bound, zone_load
 PAD = places(
     (
         *("first", "last", "x", "y", "clearance", "is_whole", "is_full", "is_sealed"),
-        *("pivot_x", "pivot_y", "is_tilting", "tilt", "rate", "give", "giving"),
+        *("pivot_x", "pivot_y", "is_tilting", "tilt", "rate"),
+        *("pivot_displacement", "pivot_velocity"),
     )
 )
 NEVER = 2.0  # ruptures a film that fills its pad
@@ -41,9 +42,9 @@ TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 
 
 
 class FilmBearing(NamedTuple):
-    """What the film of a part and the contact behind it are made of, whatever the part: the place
-    of its table, quantities of `parts.film_law.FilmQuantities`, and by how much the pressure around
-    the film is above that at which it ruptures [Pa]."""
+    """Data of a part's film and of the contact behind it: the index of its table, quantities of
+    `parts.film_law.FilmQuantities`, and the pressure around the film above that at which it
+    ruptures [Pa]."""
 
     table: int
     journal_radius: float
@@ -81,9 +82,9 @@ def bearing_of(part):
 
 
 class Pad(NamedTuple):
-    """A pad's `Film`; clearance [m]; the journal from its centre [m], and its velocity [m/s];
-    turning: of that, what its tilting pad does [m/s]; load: factor of the integral of
-    P exp(i theta) [N.s]; pressure: of P [Pa.s]."""
+    """A pad's `Film`; clearance [m]; the journal relative to its centre [m], and its velocity
+    [m/s]; turning: share of this due to the tilting pad [m/s]; load: factor of the integral of P
+    exp(i theta) [N.s]; pressure: factor of P [Pa.s]."""
 
     film: Film
     clearance: float
@@ -96,7 +97,7 @@ class Pad(NamedTuple):
 
 @jit
 def pad_count(bearing, tables):
-    """Return how many pads a bearing has."""
+    """Return the number of pads of a bearing."""
     return int(tables[bearing.table])
 
 
@@ -114,11 +115,14 @@ def pad_of(bearing, tables, kinematics, i):
         turning = tables[at + PAD.rate]
         d += tables[at + PAD.tilt] * across
         v += turning * across
-        give, giving = tables[at + PAD.give], tables[at + PAD.giving]
-        if give != 0.0 or giving != 0.0:
+        pivot_displacement, pivot_velocity = (
+            tables[at + PAD.pivot_displacement],
+            tables[at + PAD.pivot_velocity],
+        )
+        if pivot_displacement != 0.0 or pivot_velocity != 0.0:
             outwards = complex(across.imag, -across.real)
-            d -= give * outwards
-            v -= giving * outwards
+            d -= pivot_displacement * outwards
+            v -= pivot_velocity * outwards
     inverse = 1.0 / c
     D, V = d * inverse, v * inverse
     S = 2.0 * V + complex(kinematics.speed * D.imag, -kinematics.speed * D.real)
@@ -151,8 +155,8 @@ def short_share(bearing):
 
 @jit_not_inlined
 def solved(film, bound, work):
-    """Return the `Zone` within a `Bound`, its pressure filled into `work`, and the integral of
-    P exp(i theta) over it [1/s]; of a full film that of what is above its rupture."""
+    """Return the `Zone` within a `Bound`, its pressure filled into `work`, and the integral of P
+    exp(i theta) over it [1/s]; of a full film only of the pressure above rupture."""
     if film.is_full:
         zone = solve_full(film, work)
         return zone, full_load(film, zone, work)
@@ -187,8 +191,8 @@ def film_force(bearing, tables, kinematics):
 
 @jit
 def sensed(film):
-    """Return the film, and the angle about which its pressure builds up; one that does not move at
-    all yields first where the journal would sink."""
+    """Return the film, the angle about which its pressure builds up, and 1.0 if its surfaces move;
+    for a film at rest the sinking of the journal is assumed, and 0.0 returned."""
     if film.S != 0.0:
         return film, angle(film.S), 1.0
     along = film.D if film.D != 0.0 else -1.0j
@@ -202,7 +206,7 @@ def sensed(film):
 @jit_not_inlined
 def finite_load(film, bound, work):
     """Return the integral of P exp(i theta) over the zone within a `Bound` [1/s] and its
-    derivative, as `short_load` does."""
+    derivative, as `short_load`."""
     zone, load = solved(film, bound, work)
     if film.is_full:
         p_D, q_D, p_S, q_S = full_tangent(film, zone, work)
@@ -275,8 +279,8 @@ def film_tangent(bearing, tables, kinematics, weights):
 
 @jit_not_inlined
 def thinnest(pad):
-    """Return the thinnest film of a pad, as its surfaces are [m], its direction, and how that turns
-    by a displacement across it [1/m]: not at all at the pad's edge."""
+    """Return the smallest film thickness of a pad, of smooth surfaces [m], its direction, and the
+    rotation of that by a displacement across it [1/m]: none at the pad's edge."""
     film = pad.film
     e = modulus(film.D)
     along = film.D * (1.0 / e) if e > 0.0 else 1.0 + 0.0j

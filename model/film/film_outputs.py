@@ -1,4 +1,4 @@
-"""What a bearing's oil film does at an instant beside its force: torque, flow, largest pressure."""
+"""Torque, flow and maximum pressure of an oil film at an instant."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from .zone_pressure import floored, vectors, zone_bound
 
 
 class FilmState(NamedTuple):
-    """What a film does at an instant: force on the journal [N], torque that brakes it [N.m], the
-    thinnest film [m] and its angle [rad], largest pressure [Pa], side flow [m3/s], and the power
-    with which it tilts its pads [W]."""
+    """State of a film at an instant: force on the journal [N], torque that brakes it [N.m], the
+    smallest film thickness [m] and its angle [rad], largest pressure [Pa], side flow [m3/s], and
+    the power with which it tilts its pads [W]."""
 
     force: complex
     torque: float
@@ -28,8 +28,8 @@ class FilmState(NamedTuple):
 
 @jit_not_inlined
 def _sheared(D, upstream, first, last):
-    """Return the integral of the shear over a ruptured arc, where the film is in strips as wide as
-    it was at the angle `upstream` [1]."""
+    """Return the integral of the shear over a ruptured arc, whose film consists of strips as wide
+    as at the angle `upstream` [1]."""
     if last - first <= 0.0:
         return 0.0
     at = direction(upstream)

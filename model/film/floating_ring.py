@@ -1,20 +1,21 @@
-"""A ring that floats between two films: what acts on it, and how it follows the journal.
+"""A ring that floats between two films: the forces on it, and how it follows the journal.
 
 The ring is at x, moves with v and turns with w; the journal, at d, turns with the speed omega:
 
     m v' = F_o - F_i + m g,    J w' = T_i - T_o
 
-F_i: force of the inner film on the journal, at d - x from the ring's middle; F_o: of the outer one
-on the ring. A film between surfaces that both turn carries as one whose journal turns with the sum
-of their speeds, and is sheared by the difference: the torque that brakes the inner surface and the
-one that drives the outer one are
+F_i: force of the inner film on the journal, at d - x from the ring's centre; F_o: of the outer one
+on the ring. A film between two rotating surfaces carries as one whose journal turns with the sum of
+their speeds, and is sheared by the difference: the torque that brakes the inner surface and the one
+that drives the outer one are
 
     T = C (difference) -+ Im(z conj(F)) / 2,    C = 2 pi mu R^3 L / (c sqrt(1 - e^2))
 
-of a film at z, all around full of lubricant (Petroff's drag, of an eccentric journal).
+for a film at z, full of lubricant all around (Petroff's drag of an eccentric journal).
 
 Changes are pairs of amplitudes (a, b) of z = a exp(i t) + conj(b) exp(-i t), at any frequency; at
-none b is conj(a), and a matrix of them is the real-linear map p z + q conj(z), p, q its first row.
+frequency 0 b is conj(a), and a matrix of them is the real-linear map p z + q conj(z), p, q its
+first row.
 """
 
 from __future__ import annotations
@@ -31,10 +32,10 @@ _TINY = 1e-300
 
 
 class Sheared(NamedTuple):
-    """A film between two surfaces that turn: the journal's place z [m]; force on it [N], p_d, q_d,
-    p_v, q_v: see `film.FilmSlopes`; turned: the change of the force by the sum of the speeds
-    [N.s]; drag: C [N.m.s]; steep: its gradient, it changes by Re(conj(steep) z); difference: of
-    the speeds [rad/s]."""
+    """A film between two rotating surfaces: the journal's position z [m]; force on it [N], p_d,
+    q_d, p_v, q_v: see `bearing_film.FilmSlopes`; turned: derivative of the force by the sum of the
+    speeds [N.s]; drag: C [N.m.s]; steep: its gradient, it changes by Re(conj(steep) z); difference:
+    of the speeds [rad/s]."""
 
     z: complex
     force: complex
@@ -71,13 +72,13 @@ def sheared(bearing, tables, moving):
 
 @jit
 def torque_of(film, side):
-    """Return the torque on a surface of a film [N.m]: side -1.0, what brakes the inner one; 1.0,
-    what drives the outer one."""
+    """Return the torque on a surface of a film [N.m]: side -1.0, braking the inner one; 1.0,
+    driving the outer one."""
     return film.drag * film.difference + 0.5 * side * (film.z * film.force.conjugate()).imag
 
 
-class Matrix(NamedTuple):
-    """Of the change of a film's force by that of its place, of amplitudes (a, b)."""
+class AmplitudeMatrix(NamedTuple):
+    """Derivative of a film's force by its position, for amplitudes (a, b)."""
 
     aa: complex
     ab: complex
@@ -87,8 +88,8 @@ class Matrix(NamedTuple):
 
 @jit
 def stiffness(film, by_d, by_v):
-    """Return the `Matrix` of a film, of a displacement by_d z and a velocity by_v z."""
-    return Matrix(
+    """Return the `AmplitudeMatrix` of a film, for a displacement by_d z and a velocity by_v z."""
+    return AmplitudeMatrix(
         by_d * film.p_d + by_v * film.p_v,
         by_d * film.q_d + by_v * film.q_v,
         by_d * film.q_d.conjugate() + by_v * film.q_v.conjugate(),
@@ -98,7 +99,7 @@ def stiffness(film, by_d, by_v):
 
 @jit
 def torque_by(film, side, matrix, by_d):
-    """Return the changes of `torque_of` by the amplitudes a and b, of `stiffness`."""
+    """Return the derivatives of `torque_of` by the amplitudes a and b, of `stiffness`."""
     back = film.z.conjugate()
     quarter = complex(0.0, -0.25 * side)
     steep = film.steep * (0.5 * film.difference)
@@ -109,11 +110,12 @@ def torque_by(film, side, matrix, by_d):
     return by_a, by_b
 
 
-class Answer(NamedTuple):
-    """How a ring follows the journal: the change of the inner film's force, and the ring's place
-    and speed once what is left of the forces on it is balanced."""
+class RingResponse(NamedTuple):
+    """Response of a ring to the journal: the derivative of the inner film's force, and the change
+    of this force, of the ring's position and of its speed that balances the residual forces on
+    it."""
 
-    matrix: Matrix
+    matrix: AmplitudeMatrix
     force: complex
     moved: complex
     turned: float
@@ -121,7 +123,7 @@ class Answer(NamedTuple):
 
 @jit
 def _solved(A, G, by_a, by_b, spun, over, r_a, r_b, r_w):
-    """Return a, b and the change w of the ring's speed that balance what is left, r."""
+    """Return a, b and the change w of the ring's speed that balance the residual r."""
     g, back = G * spun, G.conjugate() * spun
     r_a -= g * r_w
     r_b -= back * r_w
@@ -131,13 +133,15 @@ def _solved(A, G, by_a, by_b, spun, over, r_a, r_b, r_w):
 
 
 @jit_not_inlined
-def answer(inner, outer, by_d, by_v, ring_d, ring_v, mass, inertia, left, left_torque):
-    """Return the `Answer` of a ring between its films.
+def ring_response(
+    inner, outer, by_d, by_v, ring_d, ring_v, mass, inertia, residual, residual_torque
+):
+    """Return the `RingResponse` of a ring between its films.
 
     The journal's displacement and velocity change by by_d z and by_v z, those of the ring by ring_d
-    y and ring_v y, its forces of inertia by mass y, its torque by inertia times its speed's change;
-    left, left_torque: on the ring [N], [N.m]; all factors complex. The place y of the answer is
-    for left, left_torque and a journal that does not move.
+    y and ring_v y, its inertia force by mass y, its torque by inertia times the change of its
+    speed; residual, residual_torque: on the ring [N], [N.m]; all factors complex. The returned
+    position y is for the residuals and a journal that does not move.
     """
     M = stiffness(inner, by_d, by_v)
     N, Q = stiffness(inner, ring_d, ring_v), stiffness(outer, ring_d, ring_v)
@@ -147,7 +151,7 @@ def answer(inner, outer, by_d, by_v, ring_d, ring_v, mass, inertia, left, left_t
     spin = 0.5 * (inner.z * inner.turned.conjugate() + outer.z * outer.turned.conjugate()).imag
     spun = inverse(spin - inner.drag - outer.drag - inertia)
     g, back = G * spun, G.conjugate() * spun
-    A = Matrix(
+    A = AmplitudeMatrix(
         N.aa + Q.aa - mass - g * by_a,
         N.ab + Q.ab - g * by_b,
         N.ba + Q.ba - back * by_a,
@@ -164,6 +168,8 @@ def answer(inner, outer, by_d, by_v, ring_d, ring_v, mass, inertia, left, left_t
     a, b, w = _solved(A, G, by_a, by_b, spun, over, -M.ab, -M.bb, e_b)
     ab = M.ab - (N.aa * a + N.ab * b) + F * w
     bb = M.bb - (N.ba * a + N.bb * b) + back * w
-    a, b, w = _solved(A, G, by_a, by_b, spun, over, left, left.conjugate(), left_torque + 0.0j)
+    a, b, w = _solved(
+        A, G, by_a, by_b, spun, over, residual, residual.conjugate(), residual_torque + 0.0j
+    )
     moved = F * w - (N.aa * a + N.ab * b)
-    return Answer(Matrix(aa, ab, ba, bb), moved, a, w.real)
+    return RingResponse(AmplitudeMatrix(aa, ab, ba, bb), moved, a, w.real)

@@ -1,10 +1,11 @@
-"""A film that fills all of a pad, whose pressures below rupture do not count (Guembel's rupture).
+"""A film that fills all of a pad, whose pressures below rupture are neglected (Guembel's
+condition).
 
-Reynolds' equation of `film_zone` holds from edge to edge, or all around a whole circle; then what
-is below rupture of the pressure is left out (half of Sommerfeld's solution in a long plain bearing
+Reynolds' equation of `zone_pressure` holds from edge to edge, or all around a whole circle; then
+pressures below that of rupture are neglected (the half-Sommerfeld solution of a long plain bearing
 that is fed at the pressure of rupture). Between nodes the pressure is linear, so that the load
-changes smoothly as it changes its sign. Of a film that is fed at a higher pressure, which ruptures
-in the middle of its length first, what is below rupture is cut off across the length.
+changes smoothly when it changes its sign. In a film that is fed at a higher pressure, which
+ruptures in the middle of its length first, the part below rupture is cut off across the length.
 """
 
 from __future__ import annotations
@@ -28,15 +29,15 @@ def solve_full(film, work):
 
 @jit
 def _ends(film, zone, work):
-    """Return what flows from the first and the last node but one, for a unit pressure each."""
+    """Return the flows from the first and the last node but one, for a unit pressure each."""
     h, per = vectors(film, work).thickness, film.n / (zone.last - zone.first)
     return per * conductance(h[0], h[1]), per * conductance(h[film.n - 1], h[film.n])
 
 
 @jit_not_inlined
 def _close(film, zone, work):
-    """Make the pressure go on from the last angle to the first: add as much of the solution that
-    is 1 at both as lets the flows balance there. inverse[0]: of what flows for that."""
+    """Make the pressure periodic: add a multiple of the solution that is 1 at both ends such that
+    the flows balance there. inverse[0]: inverse of the flow of that solution."""
     n = film.n
     at = vectors(film, work)
     step = (zone.last - zone.first) / n
@@ -57,7 +58,7 @@ def _close(film, zone, work):
 
 @jit
 def _share(before, after, along, along_after):
-    """Return the integral over an element, of length 1, of what is positive of a pressure times a
+    """Return the integral over an element, of length 1, of the positive part of a pressure times a
     direction, both linear, and its derivatives by the pressures at both ends."""
     if before <= 0.0 and after <= 0.0:
         return 0.0, 0.0, 0.0
@@ -94,8 +95,8 @@ def _along_the_length(P, ambient):
 
 @jit_not_inlined
 def full_load(film, zone, work):
-    """Return the integral of P exp(i theta) over the solved film [1/s], P being that of rupture
-    where it is below it."""
+    """Return the integral of P exp(i theta) over the solved film [1/s], P limited to that of
+    rupture from below."""
     at, ambient = vectors(film, work), film.ambient
     x = y = 0.0
     for i in range(film.n):
@@ -117,11 +118,11 @@ def _weigh(film, zone, work):
     at, ambient = vectors(film, work), film.ambient
     adjoint = at.adjoint
     step = (zone.last - zone.first) / film.n
-    for of in (OF_X, OF_Y):
-        along = at.sine if of == OF_Y else at.cosine
-        adjoint[of] = 0.0
+    for column in (OF_X, OF_Y):
+        along = at.sine if column == OF_Y else at.cosine
+        adjoint[column] = 0.0
         for i in range(film.n):
-            k = ADJOINTS * i + of
+            k = ADJOINTS * i + column
             if ambient > 0.0:
                 adjoint[k] = step * _along_the_length(at.P[i], ambient)[1] * along[i]
                 adjoint[k + ADJOINTS] = 0.0
@@ -133,7 +134,7 @@ def _weigh(film, zone, work):
 
 @jit_not_inlined
 def full_tangent(film, zone, work):
-    """Return the derivative of `full_load`, as `film_zone.zone_tangent` does."""
+    """Return the derivative of `full_load`, as `load_derivatives.zone_tangent`."""
     n, at = film.n, vectors(film, work)
     adjoint = at.adjoint
     for i in range(ADJOINTS * (n + 1)):

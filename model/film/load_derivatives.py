@@ -1,5 +1,5 @@
 """Derivatives of a zone's load: one adjoint solution each for its x, its y and the flows at its
-free ends, all four at once, with the factors of the pressure's own matrix (`film_zone`)."""
+free ends, all four at once, with the factors of the pressure's own matrix (`zone_pressure`)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ OF_X, OF_Y, OF_FIRST, OF_LAST = range(ADJOINTS)
 
 
 class Gradient(NamedTuple):
-    """Of a real number: g such that it changes by Re(conj(g) dD), likewise by dS, and its
+    """Gradient g of a real number, which changes by Re(conj(g) dD), likewise by dS, and its
     derivatives by the ends of the zone."""
 
     by_D: complex
@@ -23,9 +23,9 @@ class Gradient(NamedTuple):
 
 
 @jit_not_inlined
-def gradient(film, zone, work, of):
-    """Return the `Gradient` of the residuals' sum, weighted with minus the adjoint `of`, the
-    pressure kept; the adjoint's ends are weights too."""
+def gradient(film, zone, work, column):
+    """Return the `Gradient` of the sum of the residuals, weighted with minus the adjoint `column`,
+    at constant pressure; the adjoint's ends are weights too."""
     n, D, S = film.n, film.D, film.S
     cosine, sine, thickness, slope, bend, P, _, adjoint = vectors(film, work)
     step = (zone.last - zone.first) / n
@@ -34,11 +34,11 @@ def gradient(film, zone, work, of):
     before = 0.0
     for i in range(n + 1):
         h = thickness[i]
-        by_residual = adjoint[ADJOINTS * i + of]
+        by_residual = adjoint[ADJOINTS * i + column]
         after, weight = 0.0, 0.5 * step
         if i < n:
             mean = 0.5 * (h + thickness[i + 1])
-            change = adjoint[ADJOINTS * (i + 1) + of] - by_residual
+            change = adjoint[ADJOINTS * (i + 1) + column] - by_residual
             after = (P[i + 1] - P[i]) * change * per * mean * mean
             stretched -= after * mean
             after *= 1.5
@@ -65,7 +65,8 @@ def gradient(film, zone, work, of):
 
 @jit_not_inlined
 def solve_adjoints(film, zone, work):
-    """Overwrite the adjoints by what the matrix of the pressure makes of them; their ends stay."""
+    """Overwrite the adjoints by the solutions with the pressure's matrix; their ends are boundary
+    values."""
     n = film.n
     at = vectors(film, work)
     thickness, inverse, adjoint = at.thickness, at.inverse, at.adjoint
@@ -76,44 +77,44 @@ def solve_adjoints(film, zone, work):
     for i in range(1, n - middle):
         k = n - i
         if i < middle:
-            _go_on(adjoint, i, i - 1, left, inverse[i])
+            _eliminate_node(adjoint, i, i - 1, left, inverse[i])
             left = per * conductance(thickness[i], thickness[i + 1])
-        _go_on(adjoint, k, k + 1, right, inverse[k])
+        _eliminate_node(adjoint, k, k + 1, right, inverse[k])
         right = per * conductance(thickness[k - 1], thickness[k])
-    for of in range(ADJOINTS):
-        at_middle = ADJOINTS * middle + of
+    for column in range(ADJOINTS):
+        at_middle = ADJOINTS * middle + column
         total = adjoint[at_middle] + left * adjoint[at_middle - ADJOINTS]
         adjoint[at_middle] = (total + right * adjoint[at_middle + ADJOINTS]) * inverse[middle]
     for i in range(middle + 1, n):
         share = per * conductance(thickness[i - 1], thickness[i]) * inverse[i]
-        _add_share(adjoint, i, i - 1, share)
+        _substitute_back(adjoint, i, i - 1, share)
         k = 2 * middle - i
         if k > 0:
             share = per * conductance(thickness[k], thickness[k + 1]) * inverse[k]
-            _add_share(adjoint, k, k + 1, share)
+            _substitute_back(adjoint, k, k + 1, share)
 
 
 @jit
-def _go_on(adjoint, i, before, flow, inverse):
+def _eliminate_node(adjoint, i, before, flow, inverse):
     """Eliminate the node `before` from the adjoints' equations at node i."""
-    for of in range(ADJOINTS):
-        at = ADJOINTS * i + of
-        adjoint[at] = (adjoint[at] + flow * adjoint[ADJOINTS * before + of]) * inverse
+    for column in range(ADJOINTS):
+        at = ADJOINTS * i + column
+        adjoint[at] = (adjoint[at] + flow * adjoint[ADJOINTS * before + column]) * inverse
 
 
 @jit
-def _add_share(adjoint, i, after, share):
-    """Add to the adjoints at node i what they take from the node `after`."""
-    for of in range(ADJOINTS):
-        adjoint[ADJOINTS * i + of] += share * adjoint[ADJOINTS * after + of]
+def _substitute_back(adjoint, i, after, share):
+    """Add to the adjoints at node i the contribution of the node `after`."""
+    for column in range(ADJOINTS):
+        adjoint[ADJOINTS * i + column] += share * adjoint[ADJOINTS * after + column]
 
 
 @jit
 def clear_ends(film, work):
-    """Make the adjoints 0 at both ends."""
+    """Set the adjoints to 0 at both ends."""
     adjoint = vectors(film, work).adjoint
-    for of in range(ADJOINTS):
-        adjoint[of] = adjoint[ADJOINTS * film.n + of] = 0.0
+    for column in range(ADJOINTS):
+        adjoint[column] = adjoint[ADJOINTS * film.n + column] = 0.0
 
 
 @jit_not_inlined
@@ -134,19 +135,19 @@ def _fill_adjoints(film, zone, work):
 
 
 @jit_not_inlined
-def _of_load(film, zone, work, of):
+def _of_load(film, zone, work, column):
     """Return the `Gradient` of the load's x or y."""
     n = film.n
     cosine, sine, _, _, _, P, _, _ = vectors(film, work)
     step = (zone.last - zone.first) / n
     total = by_first = by_last = 0.0
     for i in range(1, n):
-        along = sine[i] if of == OF_Y else cosine[i]
-        turned = P[i] * step * (cosine[i] if of == OF_Y else -sine[i])
+        along = sine[i] if column == OF_Y else cosine[i]
+        turned = P[i] * step * (cosine[i] if column == OF_Y else -sine[i])
         total += P[i] * along
         by_first += turned * (1.0 - i / n)
         by_last += turned * (i / n)
-    g = gradient(film, zone, work, of)
+    g = gradient(film, zone, work, column)
     stretched = total / n
     return Gradient(
         g.by_D, g.by_S, g.by_first + by_first - stretched, g.by_last + by_last + stretched
@@ -154,8 +155,8 @@ def _of_load(film, zone, work, of):
 
 
 @jit
-def _follow(g, of_first, of_last, zone):
-    """Return the gradient by D and S of a number whose own is g, the free ends following so that
+def _with_free_ends(g, of_first, of_last, zone):
+    """Return the gradient by D and S of a number with the gradient g, the free ends moving so that
     their flows remain 0."""
     first = last = 0.0  # weights of the flows' gradients
     if zone.is_first_free and zone.is_last_free:
@@ -181,8 +182,8 @@ def zone_tangent(film, zone, work):
         of_first = gradient(film, zone, work, OF_FIRST)
     if zone.is_last_free:
         of_last = gradient(film, zone, work, OF_LAST)
-    x_D, x_S = _follow(_of_load(film, zone, work, OF_X), of_first, of_last, zone)
-    y_D, y_S = _follow(_of_load(film, zone, work, OF_Y), of_first, of_last, zone)
+    x_D, x_S = _with_free_ends(_of_load(film, zone, work, OF_X), of_first, of_last, zone)
+    y_D, y_S = _with_free_ends(_of_load(film, zone, work, OF_Y), of_first, of_last, zone)
     return pairs_of(x_D, x_S, y_D, y_S)
 
 

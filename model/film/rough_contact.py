@@ -1,5 +1,5 @@
-"""A journal that presses through its film: where the film is thinner than the surfaces are rough,
-they touch, pad by pad, by the law of `wall` with the friction of `rubbing`."""
+"""A journal that touches its pads: where the film is thinner than the surfaces' roughness, they
+touch, pad by pad, by the law of `wall` with the friction of `rubbing`."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from .bearing_film import pad_count, pad_of, thinnest
 
 @jit
 def touch(bearing, pad):
-    """Return the `Touch` of a journal at a pad; everything but the penetration is 0 where it does
-    not touch."""
+    """Return the `Touch` of a journal with a pad; everything but the penetration is 0 without
+    contact."""
     gap, along, curvature = thinnest(pad)
     delta = bearing.roughness - gap
     if delta <= 0.0 or bearing.k == 0.0:
@@ -30,13 +30,13 @@ def touch(bearing, pad):
 @jit
 def sliding_of(bearing, pad, at, kinematics):
     """Return the velocity at which a journal slides on a pad that it touches [m/s]: the surface of
-    one that tilts moves along."""
+    a tilting pad moves too."""
     return at.velocity.imag + bearing.journal_radius * kinematics.sliding_speed - pad.turning
 
 
 class WallState(NamedTuple):
-    """How a journal rubs on its pads: force [N], normal force and friction, which brakes it, of all
-    pads [N], and the powers of the contact's damping and of friction [W]."""
+    """Rubbing of a journal on its pads: force [N], normal force and friction, which brakes it, of
+    all pads [N], and the powers of the contact's damping and of friction [W]."""
 
     force: complex
     normal: float
@@ -96,7 +96,7 @@ def wall_energy(bearing, tables, kinematics):
 
 @jit_not_inlined
 def breaks(bearing, tables, kinematics):
-    """Return whether a journal without contact is where its surfaces would touch."""
+    """Return whether a journal without contact stiffness is where its surfaces would touch."""
     if bearing.k > 0.0:
         return False
     for i in range(pad_count(bearing, tables)):

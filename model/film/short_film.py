@@ -17,8 +17,9 @@ _ROUND = 2.0 * math.pi - 1e-9
 
 
 class Sommerfeld(NamedTuple):
-    """Two angles of a film as Sommerfeld's: eccentricity e [1], sqrt(1 - e^2), the direction of
-    the thinnest film, sine and cosine of both angles gamma, and by how much they differ [rad]."""
+    """Two angles of a film in Sommerfeld's substitution: eccentricity e [1], sqrt(1 - e^2), the
+    direction of the thinnest film, sine and cosine of both angles gamma, and their difference
+    [rad]."""
 
     e: float
     root: float
@@ -51,8 +52,8 @@ def sommerfeld(D, first, last):
 
 @jit
 def blunted(D, floor):
-    """Return D shortened so that a film of the thickness `floor` remains, and the factors by which
-    its changes along D and across it are."""
+    """Return D shortened so that a film of the thickness `floor` remains, and the factors of its
+    changes along D and across it."""
     e = modulus(D)
     at = floored(1.0 - e, floor)
     if at.slope == 1.0:
@@ -71,9 +72,9 @@ def shear(D, first, last):
 
 @jit_not_inlined
 def short_load(D, S, floor, first, last):
-    """Return the integral of f exp(i theta) / H^3 between two angles [1/s], see `film_zone`, and
-    its derivative as pairs p z + q conj(z), by D and by S: load, p_D, q_D, p_S, q_S. The angles
-    stay, or f is 0 there."""
+    """Return the integral of f exp(i theta) / H^3 between two angles [1/s], see `zone_pressure`,
+    and its derivative as pairs p z + q conj(z), by D and by S: load, p_D, q_D, p_S, q_S. The angles
+    are constant, or f is 0 there."""
     D, radially, across = blunted(D, floor)
     g = sommerfeld(D, first, last)
     e, s_0, c_0, s_1, c_1 = g.e, g.sine_0, g.cosine_0, g.sine_1, g.cosine_1

@@ -21,19 +21,19 @@ from typing import NamedTuple
 from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_not_inlined
 
-VECTORS = 11  # of n + 1 numbers, that the work array of a zone holds: `Vectors`
+VECTORS = 11  # vectors of n + 1 numbers in the work array of a zone: `Vectors`
 _ITERATIONS = 600  # a few as a rule; hundreds where elements are few and the film thin
 _CONVERGED = 1e-10  # of the ends [rad]
-_FEW, _NEAR = 8, 1e-2  # elements that the ends are first looked for with, and how well [rad]
-_ONWARD = 1.35  # of the change that an error by the element's square would still bring
+_FEW, _NEAR = 8, 1e-2  # elements of the first search for the ends, and its accuracy [rad]
+_ONWARD = 1.35  # factor on the correction of an error of second order in the element
 _SECANT = 1e-8  # move of an end from which a slope may be taken [rad]
-_SHORTEST = 1e-9  # a zone of a pad's edge [rad]: what is less bears nothing
+_SHORTEST = 1e-9  # shorter zones at a pad's edge bear no load [rad]
 _PI = math.pi
 
 
 class Gap(NamedTuple):
-    """The film's thickness over the clearance [1], of which something remains where the
-    surfaces are rough, and its first and second derivative by the geometric one."""
+    """The film's thickness over the clearance [1], which is bounded below where the surfaces are
+    rough, and its first and second derivative by the geometric one."""
 
     thickness: float
     slope: float
@@ -42,8 +42,8 @@ class Gap(NamedTuple):
 
 @jit
 def floored(h, floor):
-    """Return the `Gap` of a geometric thickness: h from twice the floor on; less and less follows
-    below, the floor itself at 0."""
+    """Return the `Gap` of a geometric thickness h: h above twice the floor, and below it a smooth
+    transition to the floor at h = 0."""
     if h >= 2.0 * floor:
         return Gap(h, 1.0, 0.0)
     inverse = 1.0 / (4.0 * floor - h)
@@ -80,7 +80,7 @@ class Zone(NamedTuple):
 
 
 class Bound(NamedTuple):
-    """Where the ends of a zone may lie [rad]; low: the least and most of the first, high: of the
+    """Bounds of the ends of a zone [rad]; low: the least and most of the first end, high: of the
     last."""
 
     low: tuple
@@ -90,7 +90,7 @@ class Bound(NamedTuple):
 @jit
 def zone_bound(film, sense, turn):
     """Return whether pressure builds up in the pad in the half circle about the angle `sense`
-    [rad], `turn` times turned on, and the `Bound` of that zone."""
+    [rad], `turn` turns further, and the `Bound` of that zone."""
     middle = sense + 2.0 * _PI * turn
     begin, end = middle - 0.5 * _PI, middle + 0.5 * _PI
     if film.is_full:
@@ -135,42 +135,43 @@ def conductance(low, high):
 
 
 @jit
-def _fill_node(film, of, i, way):
-    """Fill in what Reynolds' equation has at the node in a direction."""
-    at = floored(1.0 - (way.real * film.D.real + way.imag * film.D.imag), film.floor)
-    of.cosine[i] = way.real
-    of.sine[i] = way.imag
-    of.thickness[i] = at.thickness
-    of.slope[i] = at.slope
-    of.bend[i] = at.bend
+def _fill_node(film, nodes, i, along):
+    """Fill in the coefficients of Reynolds' equation at a node in the direction `along`."""
+    at = floored(1.0 - (along.real * film.D.real + along.imag * film.D.imag), film.floor)
+    nodes.cosine[i] = along.real
+    nodes.sine[i] = along.imag
+    nodes.thickness[i] = at.thickness
+    nodes.slope[i] = at.slope
+    nodes.bend[i] = at.bend
 
 
 @jit_not_inlined
 def _fill_nodes(film, first, last, work):
-    """Fill in what Reynolds' equation has at nodes between two angles, from both ends on."""
-    n, of = film.n, vectors(film, work)
+    """Fill in the coefficients of Reynolds' equation at nodes between two angles, from both ends
+    on."""
+    n, nodes = film.n, vectors(film, work)
     turn = direction((last - first) / n)
     ahead, behind = direction(first), direction(last)
     back = turn.conjugate()
     for i in range(n // 2 + 1):
-        _fill_node(film, of, i, ahead)
-        _fill_node(film, of, n - i, behind)
+        _fill_node(film, nodes, i, ahead)
+        _fill_node(film, nodes, n - i, behind)
         ahead = ahead * turn
         behind = behind * back
 
 
 @jit
-def _eliminate(film, of, weights, i, way, flow, passed):
-    """Eliminate the pressure at node i, behind which node i + way is; weights: of a difference, of
-    the flow that the pressure itself drives out, of the source; flow: conductance from the node
-    before, passed: what its pressure takes of this one's. Returns these two of the next node."""
+def _eliminate(film, nodes, weights, i, offset, flow, passed):
+    """Eliminate the pressure at node i, next to node i + offset; weights: of a difference, of the
+    outflow by the pressure itself, of the source; flow: conductance from the node before, passed:
+    share of this node's pressure in that of the node before. Return these two for the next node."""
     per, mass, source = weights
-    onward = per * conductance(of.thickness[i], of.thickness[i + way])
-    cube = of.thickness[i] * of.thickness[i] * of.thickness[i]
-    of.inverse[i] = 1.0 / (flow + onward + mass * cube - flow * passed)
-    f = of.cosine[i] * film.S.real + of.sine[i] * film.S.imag
-    of.P[i] = (source * of.slope[i] * f + flow * of.P[i - way]) * of.inverse[i]
-    return onward, onward * of.inverse[i]
+    ahead = per * conductance(nodes.thickness[i], nodes.thickness[i + offset])
+    cube = nodes.thickness[i] * nodes.thickness[i] * nodes.thickness[i]
+    nodes.inverse[i] = 1.0 / (flow + ahead + mass * cube - flow * passed)
+    f = nodes.cosine[i] * film.S.real + nodes.sine[i] * film.S.imag
+    nodes.P[i] = (source * nodes.slope[i] * f + flow * nodes.P[i - offset]) * nodes.inverse[i]
+    return ahead, ahead * nodes.inverse[i]
 
 
 @jit_not_inlined
@@ -179,8 +180,8 @@ def fill_pressure(film, first, last, work):
     elimination goes from both ends to the middle, and back."""
     n, S = film.n, film.S
     _fill_nodes(film, first, last, work)
-    of = vectors(film, work)
-    cosine, sine, thickness, slope, _, P, inverse, _ = of
+    nodes = vectors(film, work)
+    cosine, sine, thickness, slope, _, P, inverse, _ = nodes
     step = (last - first) / n
     per, mass, source = weights = (1.0 / step, film.a * step, 1.25 * step)
     P[0] = 0.0
@@ -191,8 +192,8 @@ def fill_pressure(film, first, last, work):
     right = per * conductance(thickness[n - 1], thickness[n])
     for i in range(1, n - middle):
         if i < middle:
-            left, above = _eliminate(film, of, weights, i, 1, left, above)
-        right, below = _eliminate(film, of, weights, n - i, -1, right, below)
+            left, above = _eliminate(film, nodes, weights, i, 1, left, above)
+        right, below = _eliminate(film, nodes, weights, n - i, -1, right, below)
     h = thickness[middle]
     inverse[middle] = 1.0 / (left + right + mass * (h * h * h) - left * above - right * below)
     f = cosine[middle] * S.real + sine[middle] * S.imag
@@ -216,9 +217,9 @@ def fill_pressure(film, first, last, work):
 
 @jit
 def _slope(rate, steep, across, moved, change):
-    """Return the derivative of P' at an end by its place: P'' once P' is 0, that of the last step
-    where it may be believed. across: of P' by a pressure there [1/rad]; moved: the end by the last
-    step [rad]; change: of P' by that."""
+    """Return the derivative of P' at an end by its position: P'' once P' is 0, that of the last
+    step where it is plausible. across: of P' by a pressure there [1/rad]; moved: the end by the
+    last step [rad]; change: of P' by that."""
     expected = max(0.0, steep) + abs(rate) * across
     if abs(moved) > _SECANT:
         seen = change / moved
@@ -268,7 +269,8 @@ def _with_elements(film, n):
 @jit_not_inlined
 def solve_zone(film, bound, work):
     """Return the `Zone` within a `Bound`, its pressure filled into `work`: on a few elements first,
-    on some more, then on all, from where the ends are if they err by the element's square."""
+    on some more, then on all, from ends extrapolated for an error of second order in the
+    element."""
     few = max(_FEW, film.n // 8)
     some = max(2 * few, film.n // 4)
     at = _ruptured(_with_elements(film, few), bound, bound.low[1], bound.high[0], _NEAR, work)

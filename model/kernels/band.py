@@ -1,10 +1,10 @@
 """Symmetric band matrices: product, form, factorization A = L D L^T without pivoting, solution.
 
 Storage: `band[i, d]` is A[i + d, i], d = 0 .. half-bandwidth, a column of the lower triangle in a
-row. What factorizes and solves takes real or complex symmetric (not Hermitian) matrices. No
-pivoting is needed for the step matrices of the time integration: their real part is positive
-definite, and growth is then bounded (Higham, Accuracy and Stability of Numerical Algorithms, 2nd
-ed., sec. 10.4; George, Ikramov and Kucherov 2002).
+row. Factorization and solution take real or complex symmetric (not Hermitian) matrices. The step
+matrices of the time integration need no pivoting: their real part is positive definite, and growth
+is then bounded (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., sec. 10.4; George,
+Ikramov and Kucherov 2002).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 @jit
 def add_product(band, x, y):
-    """y += A x of a real matrix and complex vectors of shape (n,)."""
+    """Add A x to y, for a real matrix and complex vectors of shape (n,)."""
     n, width = band.shape
     for i in range(n):
         total = y[i] + scaled(band[i, 0], x[i])
@@ -62,7 +62,7 @@ def add_product(band, x, y):
 
 @jit
 def form(band, x, y):
-    """Return x^H A y of a real matrix and complex vectors of shape (n,)."""
+    """Return x^H A y for a real matrix and complex vectors of shape (n,)."""
     n, width = band.shape
     total = 0.0j
     for i in range(n):
@@ -77,7 +77,7 @@ def form(band, x, y):
 
 @jit
 def square(band, x):
-    """Return x^H A x of a real matrix and a complex vector of shape (n,)."""
+    """Return x^H A x for a real matrix and a complex vector of shape (n,)."""
     n, width = band.shape
     total = 0.0
     for i in range(n):

@@ -1,12 +1,12 @@
 """One block of memory for everything that a run reads or writes, described by a table.
 
-A named tuple says of each of its arrays what it holds and how large it is:
+A named tuple declares type and extents of each of its arrays:
 
     q: Annotated[np.ndarray, complex, "size"]
 
-The sizes are expressions in a few numbers that stand at the head of the block. From these tuples
-follow the table (name, type, shape, offset) and `view`, which finds them all in a block: compiled,
-from the block or its address alone, or in plain Python.
+The extents are expressions in a few sizes at the head of the block. From these tuples follow the
+table (name, type, shape, offset) and `view`, which returns all arrays of a block: compiled, from
+the block or its address alone, or in plain Python.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from .jit import IS_COMPILED, OPTIONS, Kernel
+from .jit import IS_COMPILED, OPTIONS
+from .kernel import Kernel
 
 ALIGNMENT = 64
 _HEADER_TYPE = np.dtype(np.int64)
@@ -33,8 +34,8 @@ class Field(NamedTuple):
 
 @dataclass(frozen=True)
 class Group:
-    """A named tuple of the block: its name there, its type, and what stands for members that are
-    tuples of arrays themselves (types and extents of each)."""
+    """A named tuple of the block: its name there, its type, and for members that are tuples of
+    arrays the types and extents of their arrays."""
 
     name: str
     kind: type
@@ -58,7 +59,7 @@ class Group:
 class Layout:
     """The table of a block: groups one after another, sizes at the head.
 
-    run: the named tuple of all groups, in their order; size_names: of the numbers at the head.
+    run: the named tuple of all groups, in their order; size_names: the names of the sizes.
     """
 
     def __init__(self, run: type, groups: Sequence[Group], size_names: Sequence[str]) -> None:
@@ -76,7 +77,7 @@ class Layout:
         )
 
     def offsets(self, sizes: Mapping[str, int]) -> dict[str, int]:
-        """Return where each array begins [bytes], and under "" where the block ends."""
+        """Return the offset of each array, and under "" the end of the block [bytes]."""
         at = _padded(self.header_length * _HEADER_TYPE.itemsize)
         where = {}
         for field, count in zip(
@@ -99,7 +100,7 @@ class Layout:
         return block
 
     def extent(self, block: np.ndarray, group: str) -> slice:
-        """Return which bytes of the block a group takes."""
+        """Return the range of bytes of a group in a block."""
         header = block[: self.header_length * _HEADER_TYPE.itemsize].view(_HEADER_TYPE)
         names = [g.name for g in self.groups]
         last = names.index(group) + 1
@@ -116,8 +117,8 @@ class Layout:
         return dispatcher(self._view(array_at), options=OPTIONS)
 
     def _view(self, at: Callable[..., Any]) -> Callable[[Any], Any]:
-        """Return the function that finds all groups in a block, from source that the table spells;
-        at: finds an array."""
+        """Return the function that returns all groups of a block, from generated source; at: the
+        function that returns an array."""
         scope: dict[str, Any] = {"at": at, "header_type": _HEADER_TYPE, "run": self.run}
         lines = [f"    header = at(block, 0, ({self.header_length},), header_type)"]
         lines += [f"    {name} = header[{i}]" for i, name in enumerate(self.size_names, 1)]

@@ -1,4 +1,4 @@
-"""The user's cache folder, for libraries and for code that numba compiled."""
+"""The user's cache folder, for libraries and for code compiled by numba."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def check_private(folder: Path) -> None:
 
 
 def warn_once(subject: str, sentence: str) -> None:
-    """Log the first sentence about a subject as a warning."""
+    """Log the first warning about a subject, and ignore further ones."""
     if subject not in _said:
         _said.add(subject)
         _log.warning(sentence)

@@ -1,8 +1,8 @@
 """Digests of the kernels' sources, by which a library is identified.
 
 A digest follows the syntax trees, without docstrings, of a module and of all modules of `model`
-that importing it leads to. Comments, docstrings and layout change nothing. To parse them takes a
-quarter of a second, so a record beside each library stores the digest of its files.
+that it imports, directly or not. Comments, docstrings and layout change nothing. Parsing them takes
+a quarter of a second, so a record beside each library stores the digest of its files.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ _MODEL = Path(__file__).parents[1]
 _NAME = __name__.removesuffix(".kernels.digest")
 # The modules of a library's functions.
 _ENTRIES = ("time_loop", "periodic")
-# Beside the kernels: what a wheel carries, or was made in a source tree.
+# The folder of libraries that a wheel contains, or that were made in a source tree.
 CARRIED = _MODEL / "library"
 _RECORD = "kernels.digest"
 _DIGITS = 16
-# Imported by what compiles kernels, these say where code lies, not what it is.
+# Modules that locate compiled code without changing it.
 _NO_KERNELS = (Path(__file__), Path(__file__).with_name("cache.py"))
 
 
@@ -37,7 +37,7 @@ def kernels_digest() -> str:
 
 @cache
 def _digests() -> tuple[str, str]:
-    """Return the digests of all files' bytes and of the kernels' syntax."""
+    """Return the digests of the bytes of all files and of the syntax of the kernels."""
     files = files_digest()
     for folder in folders():
         with suppress(OSError, ValueError):
@@ -53,12 +53,12 @@ def _digests() -> tuple[str, str]:
 
 
 def made_here() -> Path:
-    """Return the folder in the user's cache for libraries. Raises what `user_cache` does."""
+    """Return the folder in the user's cache for libraries. Raises what `user_cache` raises."""
     return user_cache() / "native"
 
 
 def folders() -> Iterator[Path]:
-    """Where libraries and their records lie."""
+    """Yield the folders of libraries and their records."""
     yield CARRIED
     try:
         folder = made_here()
@@ -72,7 +72,7 @@ def folders() -> Iterator[Path]:
 
 
 def record(folder: Path) -> None:
-    """Write down the digest of the kernels, where that can be."""
+    """Write the digest of the kernels into a folder, if it can be written to."""
     file = folder / _RECORD
     content = "{} {}\n".format(*_digests())
     with suppress(OSError):
@@ -83,7 +83,7 @@ def record(folder: Path) -> None:
 
 
 def files_digest() -> str:
-    """Return the sixteen characters that follow every byte of the model's modules."""
+    """Return the digest, sixteen characters, of every byte of the model's modules."""
     digest = hashlib.sha256()
     for file in sorted(_MODEL.rglob("*.py")):
         digest.update(_path(file) + b"\0" + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
@@ -91,7 +91,7 @@ def files_digest() -> str:
 
 
 def syntax_digest(files: list[Path], before: str = "") -> str:
-    """Return the sixteen characters that follow the syntax trees of modules without their
+    """Return the digest, sixteen characters, of the syntax trees of modules without their
     docstrings."""
     digest = hashlib.sha256(before.encode())
     for file in files:
@@ -101,7 +101,7 @@ def syntax_digest(files: list[Path], before: str = "") -> str:
 
 
 def _path(file: Path) -> bytes:
-    """Return the module's name, wherever the package is installed."""
+    """Return the path of a module within the package, wherever it is installed."""
     inside = file.is_relative_to(_MODEL)
     return (file.relative_to(_MODEL).as_posix() if inside else f"../{file.name}").encode()
 
@@ -126,7 +126,7 @@ _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def imported(start: Path, package: str) -> list[Path]:
-    """Return a module of `package`, and the modules of the model that importing it leads to,
+    """Return a module of `package` and the modules of the model that it imports, directly or not,
     sorted."""
     result = {start}
     left = [(start, package)]
@@ -142,7 +142,8 @@ def imported(start: Path, package: str) -> list[Path]:
 
 
 def _imports(file: Path, package: str) -> Iterator[str]:
-    """Full names of what a module imports, in functions too; of types for checkers alone not."""
+    """Yield the full names that a module imports, also within functions, but not types for type
+    checkers alone."""
     nodes: list[ast.AST] = [ast.parse(file.read_bytes())]
     while nodes:
         node = nodes.pop()
@@ -160,7 +161,8 @@ def _imports(file: Path, package: str) -> Iterator[str]:
 
 
 def _modules(name: str) -> Iterator[Path]:
-    """The model's files that importing a name runs: of packages on the way, and its own."""
+    """Yield the model's files that run when a name is imported: those of the packages above it, and
+    its own."""
     if name != _NAME and not name.startswith(f"{_NAME}."):
         return
     place = _MODEL

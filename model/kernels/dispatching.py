@@ -13,7 +13,7 @@ from numba.extending import intrinsic, typeof_impl
 
 from .cache import private_folder, user_cache, warn_once
 from .digest import kernels_digest
-from .jit import Kernel
+from .kernel import Kernel
 
 _HAS_NRT = hasattr(numba.core.cpu.CPUTargetOptions, "_nrt")
 # Options of every kernel of a process that compiles them for another use than calling them.
@@ -41,9 +41,9 @@ def dispatcher(
 
 @cache
 def cache_folder() -> Path | None:
-    """Return the folder in which numba caches the code of these kernels: its own check, a file's
-    time, ignores the kernels that a kernel calls. None, which is logged, if there can be no such
-    folder."""
+    """Return the folder in which numba caches the code of these kernels; None, which is logged, if
+    there can be no such folder. Numba's own check, the time of a file, ignores the kernels that a
+    kernel calls."""
     try:
         kernels = private_folder(user_cache()) / "numba"
         return private_folder(private_folder(kernels) / kernels_digest())
@@ -53,7 +53,7 @@ def cache_folder() -> Path | None:
 
 
 def is_cached(function: Callable[..., Any]) -> bool:
-    """Return whether code of a function is cached, of whatever signature."""
+    """Return whether code of a function is cached, for any signature."""
     folder = cache_folder()
     name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
     return folder is not None and any(folder.rglob(f"{name}-*.nbc"))
@@ -67,12 +67,12 @@ def _type_of(kernel, context):
 
 @intrinsic
 def array_at(typing_context, block, offset, shape, dtype):
-    """`block._array` of a block or of its address, without a reference count: numba's own `carray`
-    is a function that returns an array, which it does not compile without them."""
+    """Return `block._array` of a block or of its address, without a reference count. Numba's own
+    `carray` cannot be compiled without reference counts."""
     array_type = types.Array(dtype.dtype, len(shape), "C")
 
     def generate(context, builder, signature, arguments):
-        """Return the array's record, filled with where it lies and its extents."""
+        """Return the array's record, filled in with its address and extents."""
         from numba.np import arrayobj
 
         base = arguments[0]

@@ -1,8 +1,8 @@
-"""The few functions beyond the square root that the kernels need, of sums and products alone.
+"""The few functions beyond the square root that the kernels need, made of sums and products alone.
 
-Every system's library rounds them in its own way, and a run amplifies a last bit; these give the
-same numbers wherever arithmetic is IEEE's. Polynomials: Chebyshev fits of the remainders of
-the series, in the square of the argument.
+Every system's library rounds them in its own way, and a run amplifies a difference in the last bit;
+these give the same numbers wherever arithmetic is IEEE's. Polynomials: Chebyshev fits of the
+remainders of the series, in the square of the argument.
 """
 
 from __future__ import annotations
@@ -24,15 +24,16 @@ def modulus(z):
 
 @jit
 def scaled(factor, z):
-    """Return the product of a real and a complex number. `factor * z` makes the factor complex
-    first, and then multiplies by its zeros as well: in a loop over all dofs that is felt."""
+    """Return the product of a real and a complex number. `factor * z` would make the factor complex
+    and multiply by its zeros as well, which costs time in a loop over all dofs."""
     return complex(factor * z.real, factor * z.imag)
 
 
 @jit
 def inverse(z):
-    """Return 1 / z of such a number. Division of complex numbers is rounded in as many ways as
-    there are languages and libraries; this is the same in all."""
+    """Return 1 / z of a complex number that neither overflows nor underflows when it is squared.
+    Languages and libraries round the division of complex numbers differently; this is the same in
+    all."""
     return z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
 
 
@@ -59,7 +60,8 @@ def _product(a, b):
 
 @jit
 def _reduced(theta):
-    """theta = n pi / 2 + r + low with |r| <= pi / 4: n modulo 4, r, low; 0 <= theta <= 1e12."""
+    """Return n modulo 4, r and low, with theta = n pi / 2 + r + low and |r| <= pi / 4; 0 <= theta
+    <= 1e12."""
     n = int(theta * 0.6366197723675814 + 0.5)
     n_low = float(n % 1048576)
     n_high = float(n) - n_low
@@ -96,7 +98,7 @@ def direction(theta):
     return complex(cosine, sine if theta >= 0.0 else -sine)
 
 
-# arctan(k / 16), k = 0 .. 16, and what its rounding lost
+# arctan(k / 16), k = 0 .. 16, and its rounding error
 _ARCTAN = (
     (0.0, 0.0),
     (0.06241880999595735, -1.5490756308295046e-18),

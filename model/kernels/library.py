@@ -1,10 +1,10 @@
-"""The solver library, made ahead: located by the digest of its sources, and loaded.
+"""The solver library, compiled ahead of time: located by the digest of its sources, and loaded.
 
-A file counts only if its name says that it was made of exactly these kernels and is whole:
+A file counts only if its name shows that it was made of exactly these kernels and is complete:
 
     linux64.CORE.KERNELS.CHECKSUM.so
 
-CORE follows all that the library is made of, KERNELS the kernels of a run (`digest`).
+CORE is the digest of all sources of the library, KERNELS that of the kernels of a run (`digest`).
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pathlib import Path
 
 from .cache import warn_once
 from .digest import folders, kernels_digest
+from .signatures import ANALYSES, INTEGER, REAL, RUN
 
 _MACHINES = {"x86_64": "x86_64", "AMD64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 # By the system and the processor, as in FMI 2.0 where it has a name.
@@ -29,6 +30,7 @@ _PLATFORMS = {
     ("darwin", "aarch64"): "aarch64-darwin",
 }
 _DIGITS = 16
+_TYPES = {REAL: ctypes.c_double, INTEGER: ctypes.c_int64}
 # The status of a function whose kernel raised an exception (`rotor_fmu/fmi/c/kernels.h`).
 RAISED = 1 << 20
 
@@ -47,8 +49,8 @@ def file_name(name: str, core: str, suffix: str, content: bytes) -> str:
 
 
 def find(name: str, core: str = "*") -> Path | None:
-    """Return the library of a platform that was made of these kernels, if there is one; core: and
-    of what else."""
+    """Return the library of a platform that was made of these kernels, if there is one; core: the
+    digest of all its sources."""
     for folder in folders():
         for file in sorted(folder.glob(f"{name}.{core}.{kernels_digest()}.*")):
             if file.name == file_name(name, file.name.split(".")[1], file.suffix, _read(file)):
@@ -72,16 +74,9 @@ def loaded() -> ctypes.CDLL | None:
         return None
     try:
         library = ctypes.CDLL(str(file))
-        real, block = ctypes.c_double, ctypes.c_void_p
-        library.rotor_start.argtypes = (block, real, real, real)
-        library.rotor_advance.argtypes = (block, real, real, real)
-        library.rotor_survey.argtypes = (block, real, ctypes.c_int64)
-        library.rotor_refresh_outputs.argtypes = (block,)
-        library.rotor_differentiate.argtypes = (block, ctypes.c_int64)
-        library.rotor_call_laws.argtypes = (block, real, real, real, real)
-        library.rotor_vibrate_laws.argtypes = (block, real, real, real)
-        library.rotor_find_openings.argtypes = (block,)
-        library.rotor_step_through.argtypes = (block, real)
+        for entry, numbers in (RUN | ANALYSES).items():
+            types = (ctypes.c_void_p, *(_TYPES[number] for number in numbers))
+            getattr(library, f"rotor_{entry}").argtypes = types
     except (OSError, AttributeError) as error:
         warn_once("library", f"the library of the solver cannot be loaded: {error}")
         return None

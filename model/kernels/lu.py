@@ -1,4 +1,4 @@
-"""Small dense systems of equations: factors with partial pivoting, in place."""
+"""Small dense linear systems: LU factors with partial pivoting, in place."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from .jit import jit
 
 @jit
 def factorize_dense(a, pivots, count):
-    """Overwrite the first rows and columns of a by its factors, with partial pivoting; False if
-    they are singular."""
+    """Overwrite the first rows and columns of a by its factors, with partial pivoting; return False
+    if they are singular."""
     for k in range(count):
         pivot = k
         for i in range(k + 1, count):

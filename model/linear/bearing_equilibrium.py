@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 
 from ..film.bearing_film import bearing_of, pad_count, pad_of, solved
-from ..film.tilting_pads import pad_balance, put, put_pivot
+from ..film.tilting_pads import pad_balance, set_pivot_displacement, set_tilt
 from ..film.zone_pressure import vectors, zone_bound
-from ..kernels.jit import interpreted
+from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..parts import LAWS
-from ..parts.film_equilibrium import FilmAlone
+from ..parts.film_equilibrium import FilmProbe
 from ..parts.film_law import bearing_at
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
 from ..parts.law_probe import BY_D
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..parts.tilting_pads import states_of_pad
-from ..step.laws_along_motion import alone
+from ..step.laws_along_motion import single_law
 from .system_at_speed import LinearError
 from .tangents import LawsAtRest
 
@@ -32,13 +32,13 @@ _TURNS, _MOST_TURN = 8, 0.3  # steps of Newton's method, and their size [rad]
 _CLOSE = 1e-5  # of a displacement: what it makes of a load is not seen in a message
 
 
-class FilmAtRest(FilmAlone, ABC):
+class FilmAtRest(FilmProbe, ABC):
     """A film that the solver library lets rest, if there is one: `interpreted`, each of its pads
     takes milliseconds."""
 
     def __init__(self, part: Any, speed: float, where: str) -> None:
         super().__init__(part, speed, where)
-        one = alone(self._law, self._record, self._tables, len(self._states))
+        one = single_law(self._law, self._record, self._tables, len(self._states))
         self._laws = LawsAtRest(*one)
         laws = self._laws.machine.laws
         self._record, self._tables = laws[LAWS.index(self._law)][0], laws[-1]
@@ -55,8 +55,8 @@ class FilmAtRest(FilmAlone, ABC):
     def rest(self, load: complex, start: complex | None = None) -> complex:
         """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
         `LinearError` with the load where none is found or a film is thinner than its roughness."""
-        d = self.find_rest(load, start)
-        if d is None or self.is_broken(d):
+        d = self.equilibrium(load, start)
+        if d is None or self.is_invalid(d):
             raise self.no_equilibrium(load)
         return d
 
@@ -161,8 +161,8 @@ class BearingAlone(FilmAtRest):
         tilts = self.tilts(d)
         moving, tables = self._moving(d, 0j), self._tables
         for i, tilt in enumerate(tilts):
-            interpreted(put)(self._bearing, tables, i, tilt.real, 0.0)
-            interpreted(put_pivot)(self._bearing, tables, i, tilt.imag, 0.0)
+            interpreted(set_tilt)(self._bearing, tables, i, tilt.real, 0.0)
+            interpreted(set_pivot_displacement)(self._bearing, tables, i, tilt.imag, 0.0)
         count = interpreted(pad_count)(self._bearing, tables)
         balance = interpreted(pad_balance)
         return np.array(
@@ -188,8 +188,8 @@ class BearingAlone(FilmAtRest):
         low, high = 0.0, 1.0
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            d = self.find_rest(middle * load)
-            is_carried = d is not None and not self.is_broken(d)
+            d = self.equilibrium(middle * load)
+            is_carried = d is not None and not self.is_invalid(d)
             low, high = (middle, high) if is_carried else (low, middle)
         return low * abs(load)
 
@@ -259,7 +259,7 @@ def check_films(
     for j, (name, at, on) in enumerate(zip(interfaces, d, force, strict=True)):
         part = parts.get(name)
         if isinstance(part, JournalBearing | SqueezeFilmDamper):
-            if laws.is_broken(j, at):
+            if laws.is_invalid(j, at):
                 raise BearingAlone(part, speed, name).no_equilibrium(-complex(on))
-        elif isinstance(part, FloatingRingBearing) and laws.is_broken(j, at):
+        elif isinstance(part, FloatingRingBearing) and laws.is_invalid(j, at):
             raise RingAlone(part, speed, name).no_equilibrium(-complex(on))

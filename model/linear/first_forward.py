@@ -25,6 +25,7 @@ from ..machine.rotor import Rotor
 from ..parts.linear_bearing import Coefficients, LinearBearing
 from ..quantities import quantities
 from ..structure.assembly import assemble
+from ..structure.structure import total_mass
 from .linear_machine import LinearMachine
 from .modes import BACKWARD, FORWARD, Modes, modes_of
 from .system_at_speed import Linear, LinearError
@@ -65,7 +66,9 @@ class _Followed:
         """Go on by steps that leave no doubt which eigenvalue it is."""
         expected, found = self.known[start], self.modes(end).eigenvalues
         if len(found) == 0:
-            raise LinearError(f"no mode oscillates with {end:g} of what is added")
+            raise LinearError(
+                f"no oscillating mode is left when {end:.0%} of the coupling is applied"
+            )
         away = np.sort(np.abs(found - expected))
         if depth < _HALVINGS and len(away) > 1 and 3 * away[0] > away[1]:
             middle = (start + end) / 2
@@ -112,7 +115,7 @@ class FirstForward:
         first = modes_of(self._machine, self._alone, _COUNT)
         at = _place(first)
         self._is_double = bool(first.is_degenerate[at])
-        self.scale = float(assemble(rotor).mass_sum[::2].sum()) * float(first.natural[at]) ** 2
+        self.scale = total_mass(assemble(rotor)) * float(first.natural[at]) ** 2
         self._coupled = _Followed(self._with_coupling, {0.0: complex(first.eigenvalues[at])})
         if self._is_double:
             self._coupled.split(_LITTLE * self.scale)

@@ -222,8 +222,8 @@ def _is_stable(plant: _Plant, loops: Sequence[ControlLoop]) -> bool:
             numerator, denominator = np.polymul(numerator, late), np.polymul(denominator, early)
         if len(numerator) > len(denominator):
             raise LinearError(
-                f"loop {loop.name}: needs filter_frequency or amplifier_time: without either its "
-                "force grows with the frequency beyond all bounds"
+                f"loop {loop.name}: filter_frequency or amplifier_time is required; otherwise the "
+                "loop gain is unbounded at high frequency"
             )
         system = scipy.signal.tf2ss(numerator, denominator)
         for axis in (0, 1):

@@ -18,6 +18,7 @@ from ..parts.journal_bearing import JournalBearing
 from ..parts.rolling_bearing import RollingBearing
 from ..parts.speed_table import interpolant
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
+from ..quantities import GRAVITY
 from .bearing_equilibrium import BearingAlone, critical_mass
 from .reynolds_2d import film_in_plane
 from .static import speeds_and_loads
@@ -118,7 +119,7 @@ def bearing_curves(
         start = alone.rest(on, None if on == 0.0 else start)
         rows.append(_row(alone, known[name], start))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
-    gravity = rotor.gravity or 9.81
+    gravity = rotor.gravity or GRAVITY
     mass = float(abs(loads[0])) / gravity
     masses = np.abs(loads) / gravity if is_over_load else np.full(len(loads), mass)
     stable = columns["critical_mass"] >= masses

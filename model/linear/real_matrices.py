@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from ..kernels.jit import interpreted
+from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..parts.housing import masses
 from ..structure.strain_solver import strains

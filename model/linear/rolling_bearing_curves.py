@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize
 
-from ..kernels.jit import interpreted
+from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..parts.law import Weights
-from ..parts.law_probe import LawAlone, cleared
+from ..parts.law_probe import LawProbe, cleared
 from ..parts.rolling_bearing import RollingBearing, cage_ratio
 from .static import speeds_and_loads
 from .system_at_speed import LinearError
@@ -25,7 +25,7 @@ _NEWTON, _SOFT = 8, 1e-12  # steps; of the stiffness, where nothing resists
 _PLACES = 24  # of the cage while an element comes to where that before it was
 
 
-class RollingAlone(LawAlone):
+class RollingAlone(LawProbe):
     """A rolling bearing whose shaft rests and whose elements stand.
 
     part: the bearing; where: its name, for messages; passed: how far the cage has turned from its
@@ -96,7 +96,7 @@ class RollingAlone(LawAlone):
         for i in range(int(part.count)):
             # the law of this element alone
             angle = part.cage_angle + 2.0 * math.pi * i / part.count
-            one = LawAlone(replace(part, cage_angle=angle, cage_ratio=self.ratio), 0.0, self.where)
+            one = LawProbe(replace(part, cage_angle=angle, cage_ratio=self.ratio), 0.0, self.where)
             one._record.count, one._states = 1.0, self._states
             loads.append(one.outputs(d)["largest"])
         return np.array(loads)

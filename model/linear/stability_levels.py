@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..machine.rotor import Rotor
-from ..parts.base import Body
+from ..parts.base import BodyElement
 from ..parts.linear_bearing import LinearBearing, Seal
 from .critical_map import first_rigid_critical
 from .first_forward import SPAN, FirstForward
@@ -251,10 +251,8 @@ def _stage_node(rotor: Rotor, stages: Mapping[int, float], contacts: str | None)
 def _bodies(rotor: Rotor) -> dict[int, float]:
     """Return the mass [kg] of the bodies on each node (from 1)."""
     result: dict[int, float] = {}
-    for where, part in rotor.named_parts():
-        for element in part.elements(where, rotor.material.density):
-            if isinstance(element, Body):
-                result[element.node] = result.get(element.node, 0.0) + element.mass
+    for _, body in rotor.elements_of_kind(BodyElement):
+        result[body.node] = result.get(body.node, 0.0) + body.mass
     return result
 
 

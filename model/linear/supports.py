@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..machine.rotor import Rotor
-from ..parts.base import Interface, Mount, Spring
+from ..parts.base import InterfaceElement, MountElement, SpringElement
 from ..parts.linear_bearing import LINEAR_BEARING
 
 
@@ -27,10 +27,9 @@ def seat(rotor: Rotor) -> float:
     return max(seats, default=0.0)
 
 
-def interfaces(rotor: Rotor) -> Iterator[Interface]:
-    """Yield the interfaces of all parts, in their order."""
-    for where, part in rotor.named_parts():
-        yield from (e for e in part.elements(where, 1.0) if isinstance(e, Interface))
+def interfaces(rotor: Rotor) -> Iterator[InterfaceElement]:
+    """Return the interfaces of all parts, in their order."""
+    return (element for _, element in rotor.elements_of_kind(InterfaceElement))
 
 
 def are_linear(rotor: Rotor) -> np.ndarray:
@@ -40,9 +39,9 @@ def are_linear(rotor: Rotor) -> np.ndarray:
 
 def supports(rotor: Rotor) -> Supports:
     """Return the `Supports` of a machine."""
-    names: dict[type, list[str]] = {Spring: [], Interface: [], Mount: []}
-    for where, part in rotor.named_parts():
-        for element in part.elements(where, rotor.material.density):
-            if type(element) in names:
-                names[type(element)].append(element.name if type(element) is Mount else where)
-    return Supports(*(tuple(names[kind]) for kind in (Spring, Interface, Mount)))
+    springs, interfaces = (
+        tuple(where for where, _ in rotor.elements_of_kind(kind))
+        for kind in (SpringElement, InterfaceElement)
+    )
+    housings = tuple(mount.name for _, mount in rotor.elements_of_kind(MountElement))
+    return Supports(springs, interfaces, housings)

@@ -79,6 +79,4 @@ class Linear(NamedTuple):
         try:
             return factorized(own, self.strain.across, self.strain.flexibility(turned))
         except RuntimeError as error:
-            raise LinearError(
-                f"the machine has no answer at {root:g} 1/s: its equations are singular there"
-            ) from error
+            raise LinearError(f"the machine's system matrix is singular at {root:g} 1/s") from error

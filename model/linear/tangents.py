@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..backend import bound_unless_compiled
-from ..kernels.jit import interpreted
+from ..kernels.kernel import interpreted
 from ..step.laws import law_breaks
 from ..step.laws_along_motion import block_of, vibrate_laws
 from ..structure.structure import starts_of
@@ -53,14 +53,14 @@ class LawsAtRest:
         """
         at = self._samples
         at.d[:, 0] = d
-        at.own[0] = at.solved[0] = self._starts if states is None else states
+        at.states[0] = at.solved[0] = self._starts if states is None else states
         self._vibrate(float(speed), float(sliding), float(frequency))
         p, q = at.p[:, :, 0], at.q[:, :, 0]
         matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
         by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)
         return Tangents(at.force[:, 0].copy(), by_d, by_v)
 
-    def is_broken(self, j: int, d: complex) -> bool:
+    def is_invalid(self, j: int, d: complex) -> bool:
         """Return whether an interface's law means nothing at a displacement [m], its states as they
         were solved last."""
         laws, interfaces = self.machine

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..machine.rotor import Rotor
+from ..quantities import STANDARD_GRAVITY
 from ..structure.assembly import assemble
 from .linear_machine import LinearError
 from .static import static
@@ -31,7 +32,6 @@ FACTOR = 2.0  # of the residual unbalance, for the analysis
 _RESIDUAL = 6350e-6 * math.pi / 30  # kg.m rad/s per kg
 _FASTEST = 25_000 * 2 * math.pi / 60  # speed above which the eccentricity no longer falls [rad/s]
 _LOBE = 0.25  # of the largest amplitude: what is smaller gets no unbalance
-_GRAVITY = 9.80665
 
 
 class PlacedUnbalance(NamedTuple):
@@ -77,7 +77,7 @@ def placed_unbalances(
     shapes = undamped.planar_shapes(speed)
     if not 1 <= mode <= len(shapes):
         raise LinearError(f"mode = {mode}: must be from 1 to {len(shapes)}")
-    weighed = replace(rotor, gravity=_GRAVITY, gravity_angle=0.0, inclination=0.0)
+    weighed = replace(rotor, gravity=STANDARD_GRAVITY, gravity_angle=0.0, inclination=0.0)
     bearings = _bearing_masses(weighed, undamped, speed)
     places = _places(rotor, shapes[mode - 1], bearings)
     return [
@@ -94,7 +94,7 @@ def _bearing_masses(rotor: Rotor, undamped: UndampedMachine, speed: float) -> di
     for name, x, y in zip(loads.supports, loads.load_x, loads.load_y, strict=True):
         if name in undamped.bearings:
             node = undamped.bearings[name].node  # type: ignore[attr-defined]
-            result[node] = result.get(node, 0.0) + float(np.hypot(x, y)) / _GRAVITY
+            result[node] = result.get(node, 0.0) + float(np.hypot(x, y)) / STANDARD_GRAVITY
     return dict(sorted(result.items()))
 
 

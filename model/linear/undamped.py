@@ -17,8 +17,9 @@ import scipy.linalg
 
 from ..contact.wall import ContactQuantities
 from ..machine.rotor import Rotor
-from ..parts.base import GROUND, Interface, Part, Spring
+from ..parts.base import GROUND, InterfaceElement, Part, SpringElement
 from ..parts.linear_bearing import Seal
+from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
@@ -50,7 +51,7 @@ class UndampedMachine:
         self._held = np.array(held)
         self._own: dict[float, np.ndarray] = {}
         self._matrices = machine.undamped(held, rigid_pedestals)
-        mass = float(machine.structure.mass_sum[::2].sum())
+        mass = total_mass(machine.structure)
         self.rigid_stiffness = _RIGID * mass * float(machine.structure.numbers[0].lowest_omega) ** 2
         self._nodes = len(rotor.nodes)
 
@@ -131,16 +132,12 @@ def _solve(inverse: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _bearings(rotor: Rotor, contacts: str) -> dict[str, Part]:
-    """Return by their names the parts that hold the machine, seals aside."""
-    result = {}
-    for where, part in rotor.named_parts():
-        for element in part.elements(where, rotor.material.density):
-            is_contact = isinstance(element, Interface) and element.law.has_wall
-            is_of_ring = isinstance(element, Interface) and element.ring != GROUND
-            holds = isinstance(element, Spring | Interface) and not (is_contact or is_of_ring)
-            if holds or (is_contact and contacts == PINNED):
-                result[where] = part
-    return result
+    """Return the parts that support the shaft of a machine without seals, by their names."""
+    supports = [where for where, _ in rotor.elements_of_kind(SpringElement)]
+    for where, interface in rotor.elements_of_kind(InterfaceElement):
+        if contacts == PINNED if interface.law.has_wall else interface.ring == GROUND:
+            supports.append(where)
+    return {where: part for where, part in rotor.named_parts() if where in supports}
 
 
 def without_seals(rotor: Rotor) -> Rotor:

@@ -9,8 +9,8 @@ from typing import Any
 from ..parts.shaft import Section
 from ..quantities import QuantityError
 
-# Of the shaft's length: positions that are one; and how near to a node no other may lie, because so
-# short an element is stiffer than rounding allows.
+# Shares of the shaft's length: positions closer than the first are the same; between the first and
+# the second they are refused, because rounding does not allow so short, and so stiff, an element.
 _SAME, _NEAR = 1e-9, 1e-4
 
 
@@ -18,7 +18,7 @@ class Mesh:
     """Sections between nodes, divided where parts are placed.
 
     sections: the file's; start: position of the first node [m]; places: names of parts with their
-    positions [m]. Raises `QuantityError` for a place beside the shaft, or all but at a node.
+    positions [m]. Raises `QuantityError` for a position off the shaft, or too close to a node.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Mesh:
         return 1 + min(range(len(self.nodes)), key=lambda i: abs(self.nodes[i] - z))
 
     def node(self, where: str, number: Any) -> int:
-        """Return the number of a node that the file's sections have, given by its number there."""
+        """Return the number of a node of the file's sections, from its number there."""
         highest = len(self._given)
         if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= highest:
             raise QuantityError(

@@ -1,4 +1,4 @@
-"""How a machine is run: its speeds in the terms of API 684, and the rates of its speed."""
+"""Operating speeds of a machine in the terms of API 684, and its run-up and run-down rates."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ASCENDING = ("minimum_speed", "rated_speed", "maximum_continuous_speed", "trip_
 class Operation:
     """The table `[operation]` of a machine file; None: not given.
 
-    Raises `QuantityError` for a value that cannot be, and for speeds that do not ascend.
+    Raises `QuantityError` for an impossible value, and for speeds that do not ascend.
     """
 
     rated_speed: float | None = quantity(
@@ -49,10 +49,10 @@ class Operation:
 
     @property
     def continuous_speeds(self) -> list[float]:
-        """The speeds that are given of those at which it may run for long [rad/s], ascending."""
+        """The given speeds at which the machine may run continuously [rad/s], ascending."""
         return [speed for name, speed in self.speeds.items() if name != "trip_speed"]
 
     @property
     def speeds(self) -> dict[str, float]:
-        """The speeds that are given [rad/s], by their names, ascending."""
+        """The given speeds [rad/s], by their names, ascending."""
         return {n: value for n in _ASCENDING if (value := getattr(self, n)) is not None}

@@ -1,7 +1,7 @@
-"""Rotors as ROSS (petrobras/ross) saves them -> the tables of a machine file, without ROSS.
+"""Rotors saved by ROSS (petrobras/ross) -> the tables of a machine file, without ROSS.
 
 One table an element, keyed `{Class}_{tag}`; SI units, nodes from 0, x and y transverse. Elements of
-one `n` lie in layers. A bearing's `n_link` beyond the shaft is a pedestal: a point mass on a second
+one `n` are layers. A bearing's `n_link` beyond the shaft is a pedestal: a point mass on a second
 bearing to ground; here a housing. An element that cannot be imported is an error that names it.
 """
 
@@ -21,7 +21,7 @@ _BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
 _COEFFICIENTS = tuple(f"{of}{axes}" for of in "kc" for axes in ("xx", "xy", "yx", "yy"))
 _MASSES = ("mxx", "mxy", "myx", "myy")
 _AXIAL = ("kzz", "czz", "mzz")
-# What draws, names or repeats, and what the classes know besides the coefficients.
+# Entries that draw, name or repeat something, and those of the classes beside the coefficients.
 _IDLE = ("tag", "color", "scale_factor", "radial_clearance", "interpolation")
 _HEAD = ("ross_version", "parameters", "_note")
 _SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
@@ -55,7 +55,7 @@ def parse_ross(text: str, name: str = "rotor", *, is_json: bool = False) -> Impo
 
 
 class _Element(NamedTuple):
-    """One table of the file: its key, its class, what stands in it."""
+    """One table of the file: its key, its class, its values."""
 
     where: str
     kind: str
@@ -117,7 +117,7 @@ class _Reader:
             kind = key.partition("_")[0]
             if kind not in (_SHAFT, _DISC, _MASS, *_BEARINGS):
                 raise QuantityError(
-                    f"{key}: a {kind} of ROSS has no part here; take it out, or save its "
+                    f"{key}: a {kind} of ROSS is not supported; remove it, or save its "
                     "coefficients as a BearingElement"
                 )
             if not isinstance(value, dict):
@@ -169,13 +169,13 @@ class _Reader:
     def _sections(self, shaft: list[_Element], materials: dict[str, Any]) -> list[dict[str, Any]]:
         """Return the sections from left to right, the inmost layer first."""
         if not shaft:
-            raise QuantityError("no ShaftElement_... is there")
+            raise QuantityError("ShaftElement_... is missing")
         at: dict[int, list[dict[str, Any]]] = {}
         for element in shaft:
             at.setdefault(element.node(), []).append(self._section(element, materials))
         for n in range(max(at) + 1):
             if n not in at:
-                raise QuantityError(f"ShaftElement: none with n = {n}; the shaft must be whole")
+                raise QuantityError(f"ShaftElement with n = {n} is missing")
         sections = []
         for n in sorted(at):
             core, *layers = sorted(at[n], key=lambda section: section["bore_left"])
@@ -192,12 +192,14 @@ class _Reader:
         element.refuse_others("L", "n", "material", "shear_method_calc", *sides, *flags, *loads)
         for flag in flags[1:]:
             if element.values.get(flag, True) is not True:
-                raise QuantityError(f"{element.where}.{flag} = false: a shaft here always has it")
+                raise QuantityError(
+                    f"{element.where}.{flag} = false: not supported, a shaft here always has it"
+                )
         for load in ("torque", "alpha"):
             if element.number(load, 0.0) != 0:
                 raise QuantityError(
-                    f"{element.where}.{load} = {element.number(load):g}: must be 0; no part here "
-                    "stands for it"
+                    f"{element.where}.{load} = {element.number(load):g}: must be 0; it is not "
+                    "supported"
                 )
         method = element.values.get("shear_method_calc", "cowper")
         if method not in _SHEARS:
@@ -292,8 +294,8 @@ class _Reader:
         for key in _MASSES:
             if element.column(key) != 0:
                 raise QuantityError(
-                    f"{element.where}.{key}: must be 0; added mass has no place in a bearing here, "
-                    "take a PointMass"
+                    f"{element.where}.{key}: must be 0; a bearing here has no added mass, take a "
+                    "PointMass"
                 )
         if any(element.column(key) != 0 for key in _AXIAL):
             self._notes.append(f"{element.where}: kzz, czz, mzz act along the axis, left out")
@@ -327,8 +329,8 @@ class _Reader:
             n = element.node("n_link")
             if n not in pedestals:
                 raise QuantityError(
-                    f"{element.where}.n_link = {n}: a bearing between two shaft nodes has no part "
-                    "here"
+                    f"{element.where}.n_link = {n}: a bearing between two shaft nodes is not "
+                    "supported"
                 )
             table["housing"] = pedestals[n][0]["name"]
         return table | self._coefficients(element)

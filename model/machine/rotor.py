@@ -1,7 +1,7 @@
-"""What a machine is: frozen data classes in SI units, checked when they are made.
+"""The definition of a machine: frozen data classes in SI units, checked when they are made.
 
-Lateral motion is written in complex coordinates, z = x + i y (x horizontal, y vertical and up),
-as for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4).
+Lateral motion is written in complex coordinates, z = x + i y (x horizontal, y vertical and up), as
+for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4).
 """
 
 from __future__ import annotations
@@ -16,8 +16,17 @@ from difflib import get_close_matches
 from itertools import accumulate
 from typing import Any, NamedTuple, TypeVar
 
-from ..message_templates import spell
-from ..parts.base import BASE, GROUND, Element, Interface, Mount, Part, Port, Release
+from ..message_templates import fill_template
+from ..parts.base import (
+    BASE,
+    GROUND,
+    Element,
+    InterfaceElement,
+    MountElement,
+    Part,
+    PortElement,
+    ReleaseElement,
+)
 from ..parts.bearing import Bearing
 from ..parts.disc import Coupling, Disc
 from ..parts.law import weighs_nothing
@@ -25,6 +34,7 @@ from ..parts.shaft import Material, Section
 from ..parts.support import Support
 from ..quantities import (
     ANY,
+    GRAVITY,
     NOT_NEGATIVE,
     Quantity,
     QuantityError,
@@ -36,6 +46,7 @@ from ..quantities import (
 from .operating_speeds import Operation
 
 AnyPart = TypeVar("AnyPart", bound=Part)
+AnyElement = TypeVar("AnyElement", bound=Element)
 # See `message_templates`.
 HYSTERETIC_AT_REST = (
     "shaft.eta_h = {g}: must be 0 unless shaft.rotating_damping is true (hysteretic damping has no "
@@ -55,13 +66,13 @@ _TAKEN = (
 
 
 def _is_base(element: Element) -> bool:
-    """Return whether it is no node that the element acts on but the foundation."""
-    return isinstance(element, Port) and element.node == BASE
+    """Return whether the element is a port on the foundation instead of a node."""
+    return isinstance(element, PortElement) and element.node == BASE
 
 
 class Name(NamedTuple):
-    """A quantity of a machine: the kind of part, its number from 1 (0 of what a machine has one
-    of), the quantity. It is spelled at the edge and never taken apart."""
+    """The name of a machine's quantity: the kind of part, its number from 1 (0 if a machine has
+    only one), the quantity. It is formatted for output and never parsed."""
 
     kind: str
     number: int
@@ -86,13 +97,13 @@ OWN = {"eta_v": "shaft", "eta_h": "shaft", "rotating_damping": "shaft", "gravity
 class Rotor:
     """A shaft of sections with parts on it and beside it.
 
-    material: of discs, and of the sections unless they say otherwise; sections: from left to right;
-    parts: see `parts`; eta_v: viscous [s] and eta_h: hysteretic [1] internal damping;
+    material: of discs, and of the sections unless they have their own; sections: from left to
+    right; parts: see `parts`; eta_v: viscous [s] and eta_h: hysteretic [1] internal damping;
     rotating_damping: whether the internal damping turns with the shaft (Zorzi and Nelson 1977);
-    gravity [m/s2], downwards, unless gravity_angle turns it about the shaft [rad], and of which the
-    inclination of the shaft [rad] leaves the cosine; start: position of the first node along the
-    shaft [m]; operation: how it is run; identifier: what its FMU is called, made from the name
-    where it is empty; units: in which its pictures are drawn.
+    gravity [m/s2], downwards, unless gravity_angle turns it about the shaft [rad], multiplied by
+    the cosine of the inclination of the shaft [rad]; start: position of the first node along the
+    shaft [m]; operation: operating speeds; identifier: model identifier of its FMU, made from the
+    name if empty; units: display units.
 
     Raises `QuantityError` for an impossible value.
     """
@@ -112,7 +123,7 @@ class Rotor:
         is_parameter=True,
     )
     gravity: float = quantity(
-        "m/s2", "gravity, downwards (-y)", NOT_NEGATIVE, 9.81, is_parameter=True
+        "m/s2", "gravity, downwards (-y)", NOT_NEGATIVE, GRAVITY, is_parameter=True
     )
     gravity_angle: float = quantity(
         "rad", "angle of gravity from downwards (-y), x towards y", ANY, 0.0
@@ -144,12 +155,12 @@ class Rotor:
         for where, part in self.named_parts():
             part.check(where)
             for element in part.elements(where, self.material.density):
-                if isinstance(element, Mount):
+                if isinstance(element, MountElement):
                     if element.name in housings:
                         whose = housings[element.name]
                         raise QuantityError(f"{where}: {whose} has the name {element.name} already")
                     housings[element.name] = where
-                elif not isinstance(element, Release) and not _is_base(element):
+                elif not isinstance(element, ReleaseElement) and not _is_base(element):
                     self._check_node(where, element.node)
                     self._check_bow(where, element)
         self._check_housings(set(housings))
@@ -160,7 +171,7 @@ class Rotor:
         for name in ("gravity_angle", "inclination"):
             check(name, quantities(self)[name], getattr(self, name))
         if self.eta_h > 0 and not self.rotating_damping:
-            raise QuantityError(spell(HYSTERETIC_AT_REST, [self.eta_h]))
+            raise QuantityError(fill_template(HYSTERETIC_AT_REST, [self.eta_h]))
 
     def _check_shaft(self) -> None:
         if not self.sections:
@@ -180,7 +191,7 @@ class Rotor:
             raise QuantityError(f"{where}.node = {node!r}: must be an integer from 1 to {highest}")
 
     def _check_bow(self, where: str, element: Element) -> None:
-        if not isinstance(element, Interface) or element.law.bow is None:
+        if not isinstance(element, InterfaceElement) or element.law.bow is None:
             return
         highest = len(self.sections) + 1
         if not 1 < element.node < highest:
@@ -210,13 +221,15 @@ class Rotor:
                 )
             where = spelled(part.KIND, counts[part.KIND])
             if label in kinds:
-                raise QuantityError(f"{where}.name = {label}: is the name of a kind of part")
+                raise QuantityError(
+                    f"{where}.name = {label}: is reserved, as the name of a part type"
+                )
             if label in seen:
                 raise QuantityError(f"{where}.name = {label}: {seen[label]} has this name already")
             seen[label] = where
 
     def _check_housings(self, housings: set[str]) -> None:
-        interfaces = [(w, e) for w, e in self._named_elements() if isinstance(e, Interface)]
+        interfaces = self.elements_of_kind(InterfaceElement)
         held = {(e.node, e.housing) for _, e in interfaces if e.ring == GROUND}
         for where, element in interfaces:
             for key in ("housing", "ring"):
@@ -234,23 +247,23 @@ class Rotor:
                     f"{element.node}"
                 )
 
-    def _named_elements(self) -> list[tuple[str, Element]]:
-        density = self.material.density
-        return [(w, e) for w, part in self.named_parts() for e in part.elements(w, density)]
-
     def _check_base(self) -> None:
-        elements = self._named_elements()
+        elements = list(self.named_elements())
         moved = [where for where, element in elements if _is_base(element)]
         for where, element in elements:
-            if moved and isinstance(element, Interface) and element.law.weigh is not weighs_nothing:
+            if (
+                moved
+                and isinstance(element, InterfaceElement)
+                and element.law.weigh is not weighs_nothing
+            ):
                 raise QuantityError(
-                    f"{where}: its own mass does not feel the acceleration of a [{moved[0]}]; take "
-                    "one of both away"
+                    f"{where}: is not compatible with [{moved[0]}]: its own mass would not be "
+                    "accelerated; remove one of them"
                 )
 
     def indexed_parts(self) -> Iterator[tuple[tuple[str, int], Part]]:
-        """Every part with its kind and its number from 1 (0 of what a machine has one of), or with
-        its own name and 0, in the order of `parts`."""
+        """Yield every part with its kind and its number from 1 (0 if a machine has only one), or
+        with its own name and 0, in the order of `parts`."""
         seen: dict[str, int] = {}
         for part in self.parts:
             seen[part.KIND] = seen.get(part.KIND, 0) + 1
@@ -260,9 +273,24 @@ class Rotor:
                 yield (part.KIND, 0 if part.IS_SINGLE else seen[part.KIND]), part
 
     def named_parts(self) -> Iterator[tuple[str, Part]]:
-        """Every part with its name, `disc[1]`, in the order of `parts`."""
+        """Yield every part with its name, `disc[1]`, in the order of `parts`."""
         for key, part in self.indexed_parts():
             yield spelled(*key), part
+
+    def indexed_elements(self) -> Iterator[tuple[tuple[str, int], Element]]:
+        """Yield every element with the kind and the number of its part, in the order of `parts`."""
+        for key, part in self.indexed_parts():
+            for element in part.elements(spelled(*key), self.material.density):
+                yield key, element
+
+    def named_elements(self) -> Iterator[tuple[str, Element]]:
+        """Yield every element with the name of its part, in the order of `parts`."""
+        for key, element in self.indexed_elements():
+            yield spelled(*key), element
+
+    def elements_of_kind(self, kind: type[AnyElement]) -> list[tuple[str, AnyElement]]:
+        """Return the elements of a kind with the names of their parts, in the order of `parts`."""
+        return [(where, e) for where, e in self.named_elements() if isinstance(e, kind)]
 
     def of_kind(self, kind: type[AnyPart]) -> tuple[AnyPart, ...]:
         """Return the parts of exactly this kind, in their order."""
@@ -290,23 +318,24 @@ class Rotor:
 
     @property
     def nodes(self) -> tuple[float, ...]:
-        """Positions of the nodes along the shaft [m]."""
+        """The positions of the nodes along the shaft [m]."""
         return tuple(accumulate((s.length for s in self.sections), initial=self.start))
 
     @property
     def weight_share(self) -> float:
-        """Share of gravity that acts across the shaft [1]; of a vertical one none."""
+        """The share of gravity that acts across the shaft [1]; 0 for a vertical one."""
         share = math.cos(self.inclination)
         return share if abs(share) > _VERTICAL else 0.0
 
     @property
     def down(self) -> complex:
-        """Direction of gravity across the shaft, as long as the share of it that acts there [1]."""
+        """The direction of gravity across the shaft, its length the share of gravity that
+        acts there [1]."""
         return -1j * cmath.exp(1j * self.gravity_angle) * self.weight_share
 
     @property
     def length(self) -> float:
-        """Length of the shaft [m]."""
+        """The length of the shaft [m]."""
         return sum(section.length for section in self.sections)
 
     def with_parts(self, kind: type[Part], *parts: Part) -> Rotor:
@@ -316,7 +345,7 @@ class Rotor:
         return replace(self, parts=(*self.parts[:at], *parts, *behind))
 
     def parameters(self) -> Iterator[tuple[Name, Quantity, float]]:
-        """The quantities that an FMU takes as parameters, with what they are and their values: of
+        """Yield name, declaration and value of the quantities that an FMU takes as parameters: of
         the parts, of the shaft, gravity."""
         for name, part in self.indexed_parts():
             for quantity_name, declared in quantities(part).items():

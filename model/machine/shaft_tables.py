@@ -120,7 +120,9 @@ def _profile(where: str, table: dict[str, Any], length: float, materials: Materi
     for name, default in (("outer", None), ("bore", 0.0)):
         sides = [f"{name}_left", f"{name}_right"]
         if name in table and any(side in table for side in sides):
-            raise QuantityError(f"{where}.{name}: is given beside {name}_left or {name}_right")
+            raise QuantityError(
+                f"{where}.{name}: cannot be combined with {name}_left or {name}_right"
+            )
         for side in sides:
             values[side] = table.get(side, table.get(name, default))
             if values[side] is None:

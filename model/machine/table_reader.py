@@ -26,8 +26,8 @@ def tables_of(where: str, given: Any) -> list[tuple[str, dict[str, Any]]]:
 
 
 def number(value: Any, may_be_list: bool = False) -> Any:
-    """Return a number as a float, a list as a tuple of such where it may be one; anything else is
-    left to the check of its quantity."""
+    """Return a number as a float, and a list as a tuple of floats if it may be one; anything else
+    is left to the check of its quantity."""
     if may_be_list and isinstance(value, list):
         return tuple(number(item) for item in value)
     is_number = isinstance(value, int) and not isinstance(value, bool)

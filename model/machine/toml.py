@@ -10,7 +10,7 @@ from typing import Any
 
 from ..parts import PARTS
 from ..parts.base import Part
-from ..quantities import ANY, Quantity, QuantityError, check
+from ..quantities import ANY, GRAVITY, Quantity, QuantityError, check
 from .mesh import Mesh
 from .operating_speeds import Operation
 from .rotor import Rotor
@@ -58,12 +58,12 @@ def parse_rotor(text: str) -> Rotor:
     if "section" in data:
         for key in ("nodes", "diameters"):
             if key in shaft:
-                raise QuantityError(f"shaft.{key}: is given beside [[section]]")
+                raise QuantityError(f"shaft.{key}: cannot be combined with [[section]]")
         sections = sections_in_turn(data["section"], materials)
         start = number(shaft.get("start", 0.0))
     else:
         if "start" in shaft:
-            raise QuantityError("shaft.start: is given beside shaft.nodes")
+            raise QuantityError("shaft.start: cannot be combined with shaft.nodes")
         start, sections = sections_between(
             shaft.get("nodes"), shaft.get("diameters"), materials.own
         )
@@ -76,7 +76,7 @@ def parse_rotor(text: str) -> Rotor:
         eta_v=number(shaft.get("eta_v", 0.0)),
         eta_h=number(shaft.get("eta_h", 0.0)),
         rotating_damping=shaft.get("rotating_damping", False),
-        gravity=number(data.get("gravity", 9.81)),
+        gravity=number(data.get("gravity", GRAVITY)),
         gravity_angle=number(data.get("gravity_angle", 0.0)),
         inclination=number(data.get("inclination", 0.0)),
         name=name,
@@ -109,7 +109,7 @@ def _places(data: dict[str, Any]) -> Iterator[tuple[str, float]]:
             if "z" not in table:
                 continue
             if "node" in table:
-                raise QuantityError(f"{where}.z: is given beside {where}.node")
+                raise QuantityError(f"{where}.z: cannot be combined with {where}.node")
             check(f"{where}.z", _POSITION, table["z"])
             yield where, float(table["z"])
 

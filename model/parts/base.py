@@ -1,7 +1,8 @@
-"""What a part is: a frozen data class that says which elements of the machine it is made of.
+"""The definition of a part: a frozen data class that says which elements of the machine it consists
+of.
 
-The few elements below are all that assembly knows. A new kind of part combines them, and brings a
-`Law` of its own where a force is neither linear nor constant.
+Assembly knows only the few elements below. A new kind of part combines them, and brings a `Law` of
+its own if a force is neither linear nor constant.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ BASE = 0  # the node of a port that is the foundation's acceleration
 GROUND = ""  # the name of the housing that does not move
 
 
-class Body(NamedTuple):
+class BodyElement(NamedTuple):
     """A rigid body on the shaft: mass [kg], diametral and polar moment of inertia about its centre
     [kg.m2], which lies `offset` [m] beyond the node along the shaft."""
 
@@ -31,7 +32,7 @@ class Body(NamedTuple):
     offset: float = 0.0
 
 
-class Spring(NamedTuple):
+class SpringElement(NamedTuple):
     """An isotropic linear spring [N/m] and damper [N.s/m] from a node to ground."""
 
     node: int
@@ -39,7 +40,7 @@ class Spring(NamedTuple):
     damping: float
 
 
-class Unbalance(NamedTuple):
+class UnbalanceElement(NamedTuple):
     """A rotating unbalance `mass` times `e` [kg.m] at the angle `phase` of a part's quantities.
 
     spinning_mass [kg] turns on the circle of radius e and adds to the inertia about the axis; both
@@ -54,10 +55,10 @@ class Unbalance(NamedTuple):
     offset: float = 0.0
 
 
-class Port(NamedTuple):
+class PortElement(NamedTuple):
     """A place where an external force acts, `offset` [m] beyond a node, with its name in texts; or
-    `BASE`, whose input is the acceleration of the foundation. impedance: of a line, which takes
-    this much force per velocity off again [N.s/m]."""
+    `BASE`, whose input is the acceleration of the foundation. impedance: of a transmission line,
+    whose end resists with this force per velocity [N.s/m]."""
 
     node: int
     where: str
@@ -65,21 +66,21 @@ class Port(NamedTuple):
     impedance: float = 0.0
 
 
-class Probe(NamedTuple):
+class ProbeElement(NamedTuple):
     """A place whose displacement and amplitude are observed, `offset` [m] beyond a node."""
 
     node: int
     offset: float = 0.0
 
 
-class Velocity(NamedTuple):
+class VelocityElement(NamedTuple):
     """A node whose velocity is observed."""
 
     node: int
 
 
-class Release(NamedTuple):
-    """The rotor's motion as one body at the start, in the place of equilibrium: of its centre of
+class ReleaseElement(NamedTuple):
+    """The rotor's rigid-body motion at the start, in the place of the equilibrium: of its centre of
     mass [m], [m/s], and its slope [1] with its rate [rad/s]."""
 
     x: float
@@ -92,16 +93,16 @@ class Release(NamedTuple):
     rate_y: float
 
 
-class Mount(NamedTuple):
+class MountElement(NamedTuple):
     """A housing called `name`, with the numbers of `source` (`parts.housing`)."""
 
     name: str
     source: Any
 
 
-class Interface(NamedTuple):
+class InterfaceElement(NamedTuple):
     """A node against a housing, or against `GROUND`: a law with the numbers of `source`. ring: the
-    housing that stands at the node and moves in its place, if one does."""
+    housing at the node that moves in its place, if any."""
 
     node: int
     law: Law
@@ -110,7 +111,17 @@ class Interface(NamedTuple):
     ring: str = GROUND
 
 
-Element = Body | Spring | Unbalance | Port | Probe | Velocity | Release | Mount | Interface
+Element = (
+    BodyElement
+    | SpringElement
+    | UnbalanceElement
+    | PortElement
+    | ProbeElement
+    | VelocityElement
+    | ReleaseElement
+    | MountElement
+    | InterfaceElement
+)
 
 
 _LAST = "over the last revolution, or, at standstill, since the last communication point"
@@ -152,7 +163,7 @@ WAVE_OUTPUTS = tuple(
     Output(
         f"wave_{axis}",
         "N",
-        f"wave that goes back, f{axis} - 2 Z v{axis}",
+        f"reflected wave, f{axis} - 2 Z v{axis}",
         True,
         10.0,
         reached_by=ALL,
@@ -170,28 +181,17 @@ MOUNT_OUTPUTS = (
 
 
 def outputs_of(element: Element) -> tuple[Output, ...]:
-    """Return the outputs of an element.
-
-    Parameters
-    ----------
-    element : Element
-        An element of a part.
-
-    Returns
-    -------
-    tuple of Output
-        Its outputs, in the order in which they are observed.
-    """
-    if isinstance(element, Probe):
+    """Return the outputs of an element, in the order in which they are observed."""
+    if isinstance(element, ProbeElement):
         return PROBE_OUTPUTS
-    if isinstance(element, Velocity):
+    if isinstance(element, VelocityElement):
         return VELOCITY_OUTPUTS
-    if isinstance(element, Mount):
+    if isinstance(element, MountElement):
         return MOUNT_OUTPUTS
-    if isinstance(element, Port):
+    if isinstance(element, PortElement):
         outputs = PORT_OUTPUTS[:1] if element.node == BASE else PORT_OUTPUTS
         return (*outputs, *WAVE_OUTPUTS) if element.impedance > 0.0 else outputs
-    return element.law.outputs_of(element.source) if isinstance(element, Interface) else ()
+    return element.law.outputs_of(element.source) if isinstance(element, InterfaceElement) else ()
 
 
 @dataclass(frozen=True)
@@ -238,13 +238,7 @@ class Part(ABC):
 
     @property
     def label(self) -> str:
-        """Name that a user gave the part.
-
-        Returns
-        -------
-        str
-            The name, or "".
-        """
+        """The name that a user gave the part; empty without one."""
         return self.name
 
     def check(self, where: str) -> None:

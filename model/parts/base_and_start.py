@@ -1,4 +1,4 @@
-"""Conditions on the machine as a whole: a foundation that moves, a start in the air."""
+"""Conditions on the machine as a whole: a moving foundation, a start out of equilibrium."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..quantities import ANY, Rule, quantity
-from .base import BASE, Element, Part, Port, Release
+from .base import BASE, Element, Part, PortElement, ReleaseElement
 
 # sound in steel is no faster, and a shaft whose ends leave each other faster breaks
 _VELOCITY = Rule(-5e3, False, "must be from -5000 to 5000", most=5e3)
@@ -16,7 +16,7 @@ _RATE = Rule(-1e5, False, "must be from -100000 to 100000", most=1e5)
 
 @dataclass(frozen=True)
 class Base(Part):
-    """A foundation that moves: its acceleration [m/s2] is an input, and all motion is relative to
+    """A moving foundation: its acceleration [m/s2] is an input, and all motion is relative to
     it."""
 
     KIND: ClassVar[str] = "base"
@@ -24,14 +24,14 @@ class Base(Part):
     IS_SINGLE: ClassVar[bool] = True
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One port, of the base."""
-        yield Port(BASE, "the foundation")
+        """Yield the port of the base."""
+        yield PortElement(BASE, "the foundation")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Start(Part):
-    """A start in the air, in the place of equilibrium: displacement and velocity of the rotor's
-    centre of mass, and its slope dx/dz, dy/dz with its rate. Housings rest on their springs."""
+    """A start out of equilibrium: displacement and velocity of the rotor's centre of mass, and its
+    slope dx/dz, dy/dz with its rate. Housings are in equilibrium on their springs."""
 
     KIND: ClassVar[str] = "start"
     TEXT: ClassVar[str] = (
@@ -51,7 +51,7 @@ class Start(Part):
     rate_y: float = quantity("rad/s", "rate of tilt_y at the start", _RATE, 0.0, is_parameter=True)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One release."""
-        yield Release(
+        """Yield the release."""
+        yield ReleaseElement(
             self.x, self.y, self.vx, self.vy, self.tilt_x, self.tilt_y, self.rate_x, self.rate_y
         )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..contact.wall import ContactQuantities
-from .base import Element, Interface, Mount, Part, Shape
+from .base import Element, InterfaceElement, MountElement, Part, Shape
 from .clearance_contact import ClearanceContact, contact_law
 from .housing import HousingQuantities
 from .law import Law
@@ -25,10 +25,10 @@ class Bearing(HousingQuantities, ContactQuantities, Part):
     node: int
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """A housing, and the contact with it."""
-        yield Interface(self.node, contact_law(self), self, where)
-        yield Mount(where, self)
+        """Yield a housing, and the contact with it."""
+        yield InterfaceElement(self.node, contact_law(self), self, where)
+        yield MountElement(where, self)
 
     def outline(self) -> Iterator[Shape]:
-        """A housing about the journal."""
+        """Yield a housing about the journal."""
         yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, "housing")

@@ -38,11 +38,11 @@ class Body(of.Part):
     phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_tunable=True)
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
-        """A body with its unbalance, loaded and observed."""
-        yield of.Body(self.node, self.mass, self.I_d, self.I_p, self.offset)
-        yield of.Unbalance(self.node, self.mass, self.mass, self.e, self.phase, self.offset)
-        yield of.Port(self.node, where.replace("[", " ").rstrip("]"), self.offset)
-        yield of.Probe(self.node, self.offset)
+        """Yield a body with its unbalance, a port and a probe."""
+        yield of.BodyElement(self.node, self.mass, self.I_d, self.I_p, self.offset)
+        yield of.UnbalanceElement(self.node, self.mass, self.mass, self.e, self.phase, self.offset)
+        yield of.PortElement(self.node, where.replace("[", " ").rstrip("]"), self.offset)
+        yield of.ProbeElement(self.node, self.offset)
 
     def outline(self) -> Iterator[of.Shape]:
         """Yield the solid cylinder of the same mass and inertia, if there is one."""
@@ -62,5 +62,5 @@ class PointMass(of.Part):
     mass: float = quantity("kg", "mass")
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
-        """A body."""
-        yield of.Body(self.node, self.mass, 0.0, 0.0)
+        """Yield a body."""
+        yield of.BodyElement(self.node, self.mass, 0.0, 0.0)

@@ -1,6 +1,5 @@
 """A journal in the clearance of its housing: penalty contact with damping and friction (`contact`),
-which smooths friction at small sliding speeds, or lets the journal stick.
-"""
+which is smoothed at small sliding speeds, or lets the journal stick."""
 
 from __future__ import annotations
 
@@ -12,7 +11,7 @@ from ..contact.rubbing import rubbing, rubbing_tangent, stretched, stretching
 from ..contact.wall import ContactQuantities, compression, contact_angle, gap, length
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import SPEED, Output, places
-from .base import GROUND, Element, Interface, Part, Shape
+from .base import GROUND, Element, InterfaceElement, Part, Shape
 from .law import Law
 
 OUTPUTS = (
@@ -33,14 +32,13 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 @jit
 def contact_force(part, kinematics):
-    """Return the `Rubbing` of one contact whose journal does not stick, `part` a record of
+    """Return the `Rubbing` of a contact whose journal does not stick, `part` a record of
     `ContactQuantities`."""
     return rubbing(part, kinematics, part.journal_radius * kinematics.sliding_speed, 0.0)
 
 
 @jit
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     surface = part.journal_radius * kinematics.sliding_speed
     force, p, q, _ = rubbing_tangent(part, kinematics, weights, surface, 0.0, 0.0)
     return force, p, q
@@ -48,19 +46,16 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit
 def _force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     return contact_force(part, kinematics).force
 
 
 @jit
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     return (compression(part, displacement),)
 
 
 @jit
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): contact damping, friction."""
     contact = contact_force(part, kinematics)
     out[_LOSS.contact] = contact.damping * contact.rate
     out[_LOSS.friction] = contact.friction * contact.sliding
@@ -80,7 +75,6 @@ def observe_contact(displacement, contact, out):
 
 @jit
 def _observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     observe_contact(kinematics.displacement, contact_force(part, kinematics), out)
 
 
@@ -103,7 +97,6 @@ CLEARANCE_CONTACT = Law(
 
 @jit_not_inlined
 def _sticking_tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     surface = part.journal_radius * kinematics.sliding_speed
     force, p, q, z = rubbing_tangent(part, kinematics, weights, surface, weights.rate, free[0])
     internal_state[0] = z
@@ -120,13 +113,11 @@ def _sticking(part, kinematics, internal_state):
 
 @jit_not_inlined
 def _sticking_force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     return _sticking(part, kinematics, internal_state).force
 
 
 @jit_not_inlined
 def _sticking_rates(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     out[0] = stretching(
         part, _sticking(part, kinematics, internal_state).friction, internal_state[0]
     )
@@ -134,14 +125,11 @@ def _sticking_rates(part, tables, kinematics, internal_state, out):
 
 @jit
 def _sticking_energy(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     return (compression(part, displacement) + stretched(part, internal_state[0]),)
 
 
 @jit_not_inlined
 def _sticking_dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): contact damping, friction less what its
-    spring takes."""
     contact = _sticking(part, kinematics, internal_state)
     spring = part.k_t * internal_state[0] * stretching(part, contact.friction, internal_state[0])
     out[_LOSS.contact] = contact.damping * contact.rate
@@ -151,7 +139,6 @@ def _sticking_dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _sticking_observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     observe_contact(kinematics.displacement, _sticking(part, kinematics, internal_state), out)
 
 
@@ -175,8 +162,8 @@ def contact_law(part: ContactQuantities) -> Law:
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceContact(ContactQuantities, Part):
-    """A clearance contact between a node (from 1) and the housing of that name, or a stator that
-    does not move."""
+    """A clearance contact between a node (from 1) and the housing of that name, or a fixed
+    stator."""
 
     KIND: ClassVar[str] = "contact"
     TEXT: ClassVar[str] = "a journal in the clearance of a housing or of a fixed stator"
@@ -191,10 +178,10 @@ class ClearanceContact(ContactQuantities, Part):
         return contact_law(self)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One interface."""
-        yield Interface(self.node, self.law, self, self.housing)
+        """Yield one interface."""
+        yield InterfaceElement(self.node, self.law, self, self.housing)
 
     def outline(self) -> Iterator[Shape]:
-        """A stator about the journal, on springs where it is a housing."""
+        """Yield a stator about the journal, on springs if it is a housing."""
         role = "stator" if self.housing == GROUND else "housing"
         yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, role)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..quantities import ANY, NOT_NEGATIVE, QuantityError, quantity
-from .base import Body, Element, Part, Port, Probe, Shape, Unbalance
+from .base import BodyElement, Element, Part, PortElement, ProbeElement, Shape, UnbalanceElement
 from .shaft import Material
 
 
@@ -33,7 +33,7 @@ class Disc(Part):
     material: Material | None = None
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError`, for an impossible disc too."""
+        """Raise `QuantityError` for impossible quantities or an impossible disc."""
         super().check(where)
         if self.bore >= self.diameter:
             raise QuantityError(
@@ -55,15 +55,17 @@ class Disc(Part):
         return self.mass(density) * ((self.diameter**2 + self.bore**2) / 16 + self.width**2 / 12)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """A body with its unbalance, loaded and observed."""
+        """Yield a body with its unbalance, a port and a probe."""
         mass = self.mass(density)
-        yield Body(self.node, mass, self.diametral_inertia(density), self.polar_inertia(density))
-        yield Unbalance(self.node, mass, mass, self.e, self.phase)
-        yield Port(self.node, where.replace("[", " ").rstrip("]"))
-        yield Probe(self.node)
+        yield BodyElement(
+            self.node, mass, self.diametral_inertia(density), self.polar_inertia(density)
+        )
+        yield UnbalanceElement(self.node, mass, mass, self.e, self.phase)
+        yield PortElement(self.node, where.replace("[", " ").rstrip("]"))
+        yield ProbeElement(self.node)
 
     def outline(self) -> Iterator[Shape]:
-        """A block about the shaft."""
+        """Yield a block about the shaft."""
         yield Shape(-self.width / 2, self.width, self.bore / 2, self.diameter / 2, "body")
 
 
@@ -81,7 +83,7 @@ class Coupling(Disc):
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """Yield the elements of a disc, except for its probes."""
         for element in super().elements(where, density):
-            if isinstance(element, Port):
-                yield Port(self.node, "the coupling")
-            elif not isinstance(element, Probe):
+            if isinstance(element, PortElement):
+                yield PortElement(self.node, "the coupling")
+            elif not isinstance(element, ProbeElement):
                 yield element

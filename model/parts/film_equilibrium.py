@@ -1,4 +1,4 @@
-"""An oil film by itself: where its journal rests under a load."""
+"""The equilibrium of a journal in an oil film under a load."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from ..kernels.jit import interpreted
-from .law_probe import BY_D, LawAlone
+from ..kernels.kernel import interpreted
+from .law_probe import BY_D, LawProbe
 
 _ITERATIONS, _CHANGE = 200, 1e-12  # of the clearance
 _NEAR = 1e-6  # of the clearance: a step no shorter than the last is of rounding then
 _SHARE = 0.1  # of the clearance, that a step of Newton's method moves the journal
 
 
-class FilmAlone(LawAlone):
-    """The film of a part, whose journal is moved by hand at a speed [rad/s].
+class FilmProbe(LawProbe):
+    """The film of a part at a prescribed motion of its journal, at a speed [rad/s].
 
     part: the part; where: its name, for messages.
     """
@@ -25,12 +25,12 @@ class FilmAlone(LawAlone):
         super().__init__(part, speed, where)
         self._part = part
 
-    def find_rest(self, load: complex, start: complex | None = None) -> complex | None:
-        """Return where the journal rests under a load [N], looked for from `start` on [m]; None
-        where nothing is found."""
+    def equilibrium(self, load: complex, start: complex | None = None) -> complex | None:
+        """Return the equilibrium of the journal under a load [N], by Newton's method from `start`
+        on [m]; None if none is found."""
         c, stiffness = self._part.clearance, self._law.stiffness
-        is_held = stiffness is not None and stiffness(self._part) > 0.0
-        if self.speed == 0.0 and not is_held:  # on its wall, if there is one
+        has_spring = stiffness is not None and stiffness(self._part) > 0.0
+        if self.speed == 0.0 and not has_spring:  # it rests on its wall, if there is one
             if load == 0.0:
                 return 0j
             if self._part.k == 0.0:
@@ -57,7 +57,7 @@ class FilmAlone(LawAlone):
             before = size
         return None
 
-    def is_broken(self, d: complex) -> bool:
+    def is_invalid(self, d: complex) -> bool:
         """Return whether the film is thinner than its roughness, without a contact behind it."""
         self._settle_at(d, 0j)
         breaks = interpreted(self._law.breaks)

@@ -1,8 +1,8 @@
-"""What all parts with an oil film have: its quantities, its table, and what comes out of it.
+"""Common to all parts with an oil film: quantities, table and outputs.
 
-The film is solved at every instant: Reynolds' equation pad by pad, with the rupture where its
-pressure and its gradient vanish (`contact.film_zone`), or Ocvirk's closed form. Nothing is stored
-in it: what the rotor puts into it, the torque's power and that of the force, is dissipated.
+The film is solved at every instant: Reynolds' equation pad by pad, ruptured where pressure and
+pressure gradient vanish (`film.zone_pressure`), or Ocvirk's closed form. A film stores no energy:
+the power of the rotor's torque and force is dissipated.
 """
 
 from __future__ import annotations
@@ -89,14 +89,15 @@ LOSSES = (Output("film", "J", "dissipated in oil films", nominal=10.0), *CONTACT
 
 @jit
 def film_breaks(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
+    """Return whether the journal touches in a film without contact stiffness: `Law.breaks` of a
+    film."""
     return breaks(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0))
 
 
 @jit
 def viscosity_at(part, tables, speed):
-    """Return the viscosity of a part at a speed [rad/s], of either sign: by the rows of
-    `speed_table` behind its film's table, if there are some [Pa.s]."""
+    """Return the viscosity of a part at a speed [rad/s] of either sign [Pa.s]: from the
+    `speed_table` behind its film's table, if there is one."""
     first = part.table + 1 + len(PAD) * int(tables[part.table]) + VECTORS * (int(part.points) + 1)
     rows = (part.table + part.rows - first) // _WIDTH
     if rows == 0:
@@ -114,28 +115,28 @@ def bearing_at(part, tables, speed):
 
 @jit
 def film_length(part):
-    """Implement this function of a law; see `parts.law`."""
+    """Return the clearance [m]: `Law.length` of a film."""
     return part.clearance
 
 
 def film_table(
     rows: Sequence[Sequence[float]], points: float, viscosity: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return rows of `contact.film.PAD` as a table, with the room in which the films are solved,
-    and the `speed_table` of the viscosity."""
+    """Return rows of `film.bearing_film.PAD` as a table, with work space for the films, and the
+    `speed_table` of the viscosity."""
     room = np.zeros(VECTORS * (int(points) + 1))
     behind = np.zeros(0) if viscosity is None else np.ravel(viscosity)
     return np.concatenate([[len(rows)], np.ravel(rows), room, behind])
 
 
 def whole_circle(is_full: float = False, is_sealed: bool = False) -> list[float]:
-    """Return the row of `contact.film.PAD` of a plain circle."""
+    """Return the row of `film.bearing_film.PAD` of a plain circle."""
     return [0.0, 2.0 * math.pi, 0.0, 0.0, 1.0, 1.0, float(is_full), float(is_sealed), *STANDS]
 
 
 def check_film(where: str, film: Any, prefix: str = "", radius: str = "journal_radius") -> None:
-    """Raise `QuantityError` for a film whose quantities do not go together; prefix: of the names of
-    its length and clearance, radius: the name of that."""
+    """Raise `QuantityError` for incompatible quantities of a film; prefix: of the names of its
+    length and clearance, radius: name of its radius."""
     if float(film.points) != int(film.points):
         raise QuantityError(f"{where}.points = {film.points:g}: must be a whole number")
     length, clearance = getattr(film, f"{prefix}length"), getattr(film, f"{prefix}clearance")

@@ -1,12 +1,12 @@
-"""The viscosity of an oil film that is no constant: a table over the speed or the temperature.
+"""Viscosity of an oil film as a function of speed or temperature.
 
-Over the temperature, the film has one temperature at each speed, that of its heat balance,
+With temperature the film has one temperature at each speed, that of its heat balance,
 
     T = inlet + share P / (density c Q)
 
-with the power P and the side flow Q of the journal at rest under the static load. share = 1 is the
-adiabatic balance: all heat leaves with the lubricant. So there is a table over the speed alone, and
-a run takes the viscosity of its speed at once, wherever its journal is.
+with the power P and the side flow Q of the journal in equilibrium under the static load. share = 1
+is the adiabatic balance: all heat leaves with the lubricant. The result is a table over the speed
+alone, and a run uses the viscosity of its speed at once, wherever its journal is.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..quantities import ANY, NOT_NEGATIVE, QuantityError, Rule, quantity
-from .film_equilibrium import FilmAlone
+from .film_equilibrium import FilmProbe
 from .speed_table import check_ascending, check_column, interpolant
 
 _SHARE = Rule(0.0, False, "must be from 0 to 1", most=1.0)
@@ -31,10 +31,10 @@ _STEEP = 1e3  # K, that a balance changes as the temperature does by one
 
 @dataclass(frozen=True, kw_only=True)
 class HeatQuantities:
-    """What the viscosity is a list over: speed [rad/s], or temperature [degC], with the heat
+    """Abscissae of a list of viscosities: speed [rad/s], or temperature [degC], with the heat
     balance: temperature at the inlet [degC], density [kg/m3] and specific heat [J/(kg.K)] of the
-    lubricant, the share of the film's power that it carries away [1], and the load under which the
-    balance is made [N]."""
+    lubricant, the share of the film's power that it carries away [1], and the load of the balance
+    [N]."""
 
     speed: tuple[float, ...] = quantity(
         *("rad/s", "speeds of the viscosity's list, ascending; with a temperature: of its balance"),
@@ -66,8 +66,8 @@ class Oil(NamedTuple):
 
 
 def check_viscosity(where: str, part: Any) -> None:
-    """Raise `QuantityError` for a list of viscosities that is over nothing, or that its heat
-    balance leaves."""
+    """Raise `QuantityError` for a list of viscosities without abscissae, or whose heat balance
+    leaves the list."""
     for name, unit in (("speed", "rad/s"), ("temperature", "degC")):
         values = getattr(part, name)
         if not isinstance(values, tuple):
@@ -108,9 +108,7 @@ def _check_balance(where: str, part: Any) -> None:
             f"{where}.temperature, {low:g} to {high:g} degC"
         )
     if part.static_load == 0.0:
-        raise QuantityError(
-            f"{where}.static_load = 0 N: must be > 0, under which its heat balance is made"
-        )
+        raise QuantityError(f"{where}.static_load = 0 N: must be > 0: the heat balance needs it")
     try:
         oil_of(part)
     except QuantityError as error:
@@ -126,7 +124,7 @@ def viscosity_over_temperature(part: Any) -> Callable[[float], float]:
 def oil_of(part: Any) -> Oil | None:
     """Return the lubricant of a bearing over the speeds of its table; None if it is constant.
 
-    Raises `QuantityError` where its heat balance leaves the table.
+    Raises `QuantityError` if its heat balance leaves the table.
     """
     if not isinstance(part.viscosity, tuple):
         return None
@@ -151,13 +149,13 @@ def _temperature(part: Any, speed: float, viscosity: Callable[[float], float]) -
     places: list[complex] = []
 
     @cache
-    def needed(temperature: float) -> float | None:
-        """Temperature that a film of the viscosity at another one takes; None if it bears less than
-        its load."""
+    def film_temperature(temperature: float) -> float | None:
+        """Return the film temperature for the viscosity at another temperature; None if the film
+        does not carry its load."""
         constant = {"viscosity": viscosity(temperature), "speed": (), "temperature": ()}
-        film = FilmAlone(replace(part, **constant), speed, "")
-        d = film.find_rest(-1j * part.static_load, places[-1] if places else None)
-        if d is None or film.is_broken(d):
+        film = FilmProbe(replace(part, **constant), speed, "")
+        d = film.equilibrium(-1j * part.static_load, places[-1] if places else None)
+        if d is None or film.is_invalid(d):
             return None
         places.append(d)
         seen = film.outputs(d)
@@ -166,30 +164,31 @@ def _temperature(part: Any, speed: float, viscosity: Callable[[float], float]) -
         return float(part.inlet_temperature + heat / carried)
 
     low, end = float(part.inlet_temperature), float(part.temperature[-1])
-    first = needed(low)
+    first = film_temperature(low)
     if first is None:
         raise QuantityError(
             f"no equilibrium: its film does not carry static_load = {part.static_load:g} N at "
             f"{speed:g} rad/s and {low:g} degC"
         )
     high = min(first, end)
-    at_end = needed(high)
+    at_end = film_temperature(high)
     if at_end is not None and at_end > high:
         raise QuantityError(
             f"its film would be hotter at {speed:g} rad/s than its temperature, which ends at "
             f"{end:g} degC; give a longer list, a smaller heat_share or a thinner lubricant"
         )
 
-    def beyond(temperature: float) -> float:
-        """By how much a temperature is above what it leads to; 1 where the load is not carried."""
-        result = needed(temperature)
+    def temperature_residual(temperature: float) -> float:
+        """Return the temperature residual of the heat balance; 1 if the film does not carry the
+        load."""
+        result = film_temperature(temperature)
         return 1.0 if result is None else temperature - result
 
     # imported where a balance is made: it takes longer than all else that a machine is made of
     from scipy.optimize import brentq
 
-    balanced = float(brentq(beyond, low, high, xtol=_CLOSE)) if high > low else low
-    if needed(balanced) is None or abs(beyond(balanced)) > _STEEP * _CLOSE:
+    balanced = float(brentq(temperature_residual, low, high, xtol=_CLOSE)) if high > low else low
+    if film_temperature(balanced) is None or abs(temperature_residual(balanced)) > _STEEP * _CLOSE:
         raise QuantityError(
             f"no equilibrium: its film does not carry static_load = {part.static_load:g} N at "
             f"{speed:g} rad/s, as it heats above {low:.4g} degC"

@@ -1,10 +1,10 @@
 """A bearing with a floating ring: two oil films in series, and the ring between them.
 
-The ring's place, velocity and speed of rotation are states of the law. Over a step they follow the
-journal by one system of equations in the ring's velocity and speed, solved by Newton's method
-(`ring_motion`). Where equilibrium is sought the ring is where it rests; as the machine vibrates it
-follows at a frequency. Its weight, the mass times the machine's gravity, is with the
-law's table (`Law.weigh`), its potential energy with its kinetic one in the ledger.
+The ring's position, velocity and speed of rotation are states of the law. Over a step they follow
+the journal by one system of equations in the ring's velocity and speed, solved by Newton's method
+(`floating_ring_states`). In an equilibrium the ring is at rest; in a vibration it follows at the
+frequency. Its weight, mass times the machine's gravity, is in the law's table (`Law.weigh`), its
+potential energy is in the ledger with its kinetic energy.
 """
 
 from __future__ import annotations
@@ -15,14 +15,21 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..film.floating_ring import answer, stiffness, torque_of
+from ..film.floating_ring import ring_response, stiffness, torque_of
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import SPEED, Output, QuantityError, check_all, places, quantity, switch
-from .base import GROUND, Element, Interface, Part, Shape
+from .base import GROUND, Element, InterfaceElement, Part, Shape
 from .film_law import LOSSES as FILM_LOSSES
 from .film_law import POINTS, check_film, film_table, whole_circle
-from .floating_ring_states import STATE, WEIGHT, follow, keep, ring_of_states, settle
+from .floating_ring_states import (
+    STATE,
+    WEIGHT,
+    ring_at_rest,
+    ring_of_states,
+    ring_over_step,
+    store_ring,
+)
 from .law import Law
 
 _SLOW = 1e-4  # of the speed: the least frequency of a vibration
@@ -89,41 +96,37 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     return ring_of_states(part, tables, kinematics, internal_state).inner.force
 
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     b = weights.rate
     by_d, by_v = complex(weights.displacement, 0.0), complex(weights.velocity, 0.0)
     if b == 0.0 and kinematics.sliding_speed == 0.0:
-        at = settle(part, tables, kinematics, internal_state)
+        at = ring_at_rest(part, tables, kinematics, internal_state)
         none = 0.0j
-        seen = answer(
+        seen = ring_response(
             *(at.inner, at.outer, by_d, by_v, 1.0 + 0.0j, none, none, none, none, 0.0)
         ).matrix
         return at.inner.force, seen.aa, seen.ab
     if b == 0.0:
         at = ring_of_states(part, tables, kinematics, free)
-        keep(internal_state, at.outer.z, at.velocity, at.speed)
+        store_ring(internal_state, at.outer.z, at.velocity, at.speed)
         seen = stiffness(at.inner, by_d, by_v)
         return at.inner.force, seen.aa, seen.ab
-    return follow(part, tables, kinematics, weights, free, internal_state)
+    return ring_over_step(part, tables, kinematics, weights, free, internal_state)
 
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     at = ring_of_states(part, tables, kinematics, internal_state)
     gain = at.force * (1.0 / part.ring_mass)
-    keep(out, at.velocity, gain, at.torque / part.ring_inertia)
+    store_ring(out, at.velocity, gain, at.torque / part.ring_inertia)
 
 
 @jit
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law (see `parts.law`): the ring's."""
     vx, vy, w = internal_state[STATE.vx], internal_state[STATE.vy], internal_state[STATE.speed]
     fallen = tables[part.table] * internal_state[STATE.x]
     fallen += tables[part.table + 1] * internal_state[STATE.y]
@@ -137,7 +140,7 @@ def _powers(at, omega):
     the rotor [N.m]."""
     torque = torque_of(at.inner, -1.0)
     inner = torque * omega - torque_of(at.inner, 1.0) * at.speed
-    inner -= (at.inner.force * at.past.conjugate()).real
+    inner -= (at.inner.force * at.relative_velocity.conjugate()).real
     outer = torque_of(at.outer, -1.0) * at.speed
     outer -= (at.outer.force * at.velocity.conjugate()).real
     return inner, outer, torque
@@ -145,7 +148,6 @@ def _powers(at, omega):
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): both films."""
     at = ring_of_states(part, tables, kinematics, internal_state)
     inner, outer, torque = _powers(at, kinematics.speed)
     out[_LOSS.film] = inner + outer
@@ -154,7 +156,6 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     at = ring_of_states(part, tables, kinematics, internal_state)
     inner, outer, torque = _powers(at, kinematics.speed)
     out[_OUT.fx] = at.inner.force.real
@@ -172,13 +173,12 @@ def _observe(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _vibrate(part, tables, kinematics, frequency, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     for i in range(len(STATE)):
         internal_state[i] = free[i]
-    at = settle(part, tables, kinematics, internal_state)
+    at = ring_at_rest(part, tables, kinematics, internal_state)
     w = max(frequency, _SLOW * abs(kinematics.speed), 1e-6)
     by_v = complex(0.0, w)
-    seen = answer(
+    seen = ring_response(
         *(at.inner, at.outer, 1.0 + 0.0j, by_v, 1.0 + 0.0j, by_v),
         *(complex(-w * w * part.ring_mass, 0.0), by_v * part.ring_inertia, 0.0j, 0.0),
     ).matrix
@@ -195,20 +195,17 @@ def _vibrate(part, tables, kinematics, frequency, free, internal_state):
 
 @jit
 def _weigh(part, tables, gravity):
-    """Implement this function of a law; see `parts.law`."""
     tables[part.table] = gravity.real
     tables[part.table + 1] = gravity.imag
 
 
 @jit
 def _length(part):
-    """Implement this function of a law; see `parts.law`."""
     return part.clearance
 
 
 @jit
 def _breaks(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     x = complex(internal_state[STATE.x], internal_state[STATE.y])
     inner = part.clearance - modulus(displacement - x)
     return min(inner, part.outer_clearance - modulus(x)) < part.roughness
@@ -239,8 +236,8 @@ FLOATING_RING_BEARING = Law(
 
 @dataclass(frozen=True, kw_only=True)
 class FloatingRingBearing(RingQuantities, Part):
-    """A bearing with a floating ring between a node (from 1) and ground, at rest in its films at
-    the start."""
+    """A bearing with a floating ring between a node (from 1) and ground, in equilibrium in its
+    films at the start."""
 
     KIND: ClassVar[str] = "floating_ring_bearing"
     TEXT: ClassVar[str] = "a journal in an oil film, in a ring that floats and turns in another one"
@@ -249,7 +246,7 @@ class FloatingRingBearing(RingQuantities, Part):
     node: int
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError`, for films and rings that cannot be too."""
+        """Raise `QuantityError` for impossible quantities, films or rings."""
         check_all(where, self)
         check_film(where, self)
         check_film(where, self, "outer_", "outer_radius")
@@ -267,11 +264,11 @@ class FloatingRingBearing(RingQuantities, Part):
             )
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One interface."""
-        yield Interface(self.node, FLOATING_RING_BEARING, self, GROUND)
+        """Yield one interface."""
+        yield InterfaceElement(self.node, FLOATING_RING_BEARING, self, GROUND)
 
     def outline(self) -> Iterator[Shape]:
-        """The ring about the journal, and a bush about it."""
+        """Yield the ring about the journal, and a bush about it."""
         bore, outer = self.journal_radius, self.outer_radius
         yield Shape(-0.5 * self.length, self.length, bore, outer, "body")
         yield Shape(-0.5 * self.outer_length, self.outer_length, outer, outer, "stator")

@@ -1,22 +1,21 @@
-"""The ring of a floating ring bearing: its place, velocity and speed of rotation at rest and over a
-step, which are states of the bearing's law (`floating_ring_bearing`).
-"""
+"""The ring of a floating ring bearing: its position, velocity and speed of rotation in equilibrium
+and over a step, which are states of the bearing's law (`floating_ring_bearing`)."""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
 from ..film.bearing_film import FilmBearing
-from ..film.floating_ring import answer, sheared, torque_of
+from ..film.floating_ring import ring_response, sheared, torque_of
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import places
 from .law import Kinematics
 
 _STEPS, _REST_STEPS = 60, 120
-_NEAR = 1e-7  # of the scales: what Newton's last step leaves is of second order in it
-_AT_REST = 1e-10  # of the clearance
-_REACH = 0.2  # of the smaller clearance, that a step moves the ring
+_NEAR = 1e-7  # share of the scales: the error after Newton's last step is of second order in it
+_AT_REST = 1e-10  # share of the clearance
+_REACH = 0.2  # largest share of the smaller clearance by which a step moves the ring
 WEIGHT = places(("x", "y"))  # gravity, at the head of the law's table
 STATE = places(("x", "y", "vx", "vy", "speed"))
 
@@ -40,12 +39,12 @@ def _films(part):
 
 
 class Ring(NamedTuple):
-    """A ring at an instant: its `Sheared` films, velocities of the journal in it and of itself
-    [m/s], its speed [rad/s]; force [N] and torque [N.m] on it, without those of its inertia."""
+    """A ring at an instant: its `Sheared` films, velocities of the journal relative to it and of
+    itself [m/s], its speed [rad/s]; force [N] and torque [N.m] on it, without inertia."""
 
     inner: Any
     outer: Any
-    past: complex
+    relative_velocity: complex
     velocity: complex
     speed: float
     force: complex
@@ -54,14 +53,20 @@ class Ring(NamedTuple):
 
 @jit_not_inlined
 def ring(part, tables, kinematics, x, velocity, speed):
-    """Return the `Ring` at a place [m]."""
+    """Return the `Ring` at a position [m]."""
     of_inner, of_outer = _films(part)
-    d, past, omega = kinematics.displacement - x, kinematics.velocity - velocity, kinematics.speed
-    inner = sheared(of_inner, tables, Kinematics(d, past, omega + speed, omega - speed, 0.0))
+    d, relative_velocity, omega = (
+        kinematics.displacement - x,
+        kinematics.velocity - velocity,
+        kinematics.speed,
+    )
+    inner = sheared(
+        of_inner, tables, Kinematics(d, relative_velocity, omega + speed, omega - speed, 0.0)
+    )
     outer = sheared(of_outer, tables, Kinematics(x, velocity, speed, speed, 0.0))
     weight = part.ring_mass * complex(tables[part.table], tables[part.table + 1])
     return Ring(
-        *(inner, outer, past, velocity, speed),
+        *(inner, outer, relative_velocity, velocity, speed),
         outer.force - inner.force + weight,
         torque_of(inner, 1.0) - torque_of(outer, -1.0),
     )
@@ -77,7 +82,7 @@ def ring_of_states(part, tables, kinematics, states):
 
 
 @jit
-def keep(internal_state, x, velocity, speed):
+def store_ring(internal_state, x, velocity, speed):
     """Fill in the states of a ring."""
     internal_state[STATE.x] = x.real
     internal_state[STATE.y] = x.imag
@@ -88,15 +93,15 @@ def keep(internal_state, x, velocity, speed):
 
 @jit
 def _within(part, size):
-    """Return the share of a move of a size [m] that a step of Newton's method takes."""
+    """Return the share of a Newton step of a size [m] that is applied."""
     reach = _REACH * min(part.clearance, part.outer_clearance)
     return reach / size if size > reach else 1.0
 
 
 @jit_not_inlined
-def settle(part, tables, kinematics, internal_state):
-    """Return the `Ring` where it rests about a journal at rest, looked for from the states on and
-    filled in there; by implicit steps of a ring without inertia, ever longer ones."""
+def ring_at_rest(part, tables, kinematics, internal_state):
+    """Return the `Ring` in equilibrium about a journal at rest, and store it in the states, from
+    which the search starts; by implicit steps of a ring without inertia, of growing length."""
     x = complex(internal_state[STATE.x], internal_state[STATE.y])
     speed = internal_state[STATE.speed]
     at = ring(part, tables, kinematics, x, 0.0j, speed)
@@ -104,28 +109,28 @@ def settle(part, tables, kinematics, internal_state):
         return at
     step = 1.0 / abs(kinematics.speed)
     for _ in range(_REST_STEPS):
-        found = answer(
+        response = ring_response(
             *(at.inner, at.outer, 1.0 + 0.0j, 0.0j, step + 0.0j, 1.0 + 0.0j, 0.0j, 0.0j),
             *(at.force, at.torque),
         )
-        size = step * modulus(found.moved)
-        x += found.moved * (step * _within(part, size))
-        speed += found.turned
+        size = step * modulus(response.moved)
+        x += response.moved * (step * _within(part, size))
+        speed += response.turned
         at = ring(part, tables, kinematics, x, 0.0j, speed)
         if size <= _AT_REST * part.clearance:
             break
         step *= 2.0
-    keep(internal_state, x, 0.0j, speed)
+    store_ring(internal_state, x, 0.0j, speed)
     return at
 
 
 @jit
-def follow(part, tables, kinematics, weights, free, internal_state):
+def ring_over_step(part, tables, kinematics, weights, free, internal_state):
     """Fill in the states at the end of a step, by Newton's method in the ring's velocity and speed;
-    returns the force on the journal and its derivatives p, q as `Law.tangent` does."""
+    return the force on the journal and its derivatives p, q as `Law.tangent` does."""
     b = weights.rate
     by_d, by_v = complex(weights.displacement, 0.0), complex(weights.velocity, 0.0)
-    begun = complex(free[STATE.x], free[STATE.y])
+    x_before = complex(free[STATE.x], free[STATE.y])
     before = complex(free[STATE.vx], free[STATE.vy])
     v, speed = before, free[STATE.speed]
     mass, inertia = part.ring_mass / b, part.ring_inertia / b
@@ -133,19 +138,19 @@ def follow(part, tables, kinematics, weights, free, internal_state):
     quick = part.clearance * fast + modulus(kinematics.velocity) + modulus(before)
     force = p = q = 0.0j
     for _ in range(_STEPS):
-        at = ring(part, tables, kinematics, begun + b * v, v, speed)
-        found = answer(
+        at = ring(part, tables, kinematics, x_before + b * v, v, speed)
+        response = ring_response(
             *(at.inner, at.outer, by_d, by_v, b + 0.0j, 1.0 + 0.0j, mass + 0.0j, inertia + 0.0j),
             at.force - mass * (v - before),
             at.torque - inertia * (speed - free[STATE.speed]),
         )
-        size = modulus(found.moved)
+        size = modulus(response.moved)
         share = _within(part, b * size)
-        v += share * found.moved
-        speed += share * found.turned
-        force = at.inner.force + share * found.force
-        p, q = found.matrix.aa, found.matrix.ab
-        if size <= _NEAR * quick and abs(found.turned) <= _NEAR * fast:
+        v += share * response.moved
+        speed += share * response.turned
+        force = at.inner.force + share * response.force
+        p, q = response.matrix.aa, response.matrix.ab
+        if size <= _NEAR * quick and abs(response.turned) <= _NEAR * fast:
             break
-    keep(internal_state, begun + b * v, v, speed)
+    store_ring(internal_state, x_before + b * v, v, speed)
     return force, p, q

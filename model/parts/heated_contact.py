@@ -1,13 +1,13 @@
 """A contact whose friction heats the shaft on one side, so that it bows (Newkirk 1926).
 
 The heat Q [W] of friction enters where the journal touches, at the angle psi - theta from the mark
-of the rotor, and that side grows longer. The bow b [m] (`structure.bow`), complex in the rotor's
-frame, follows
+of the rotor, and that side expands. The bow b [m] (`structure.bow`), complex in the rotor's frame,
+follows
 
     b' = p Q e^(i (psi - theta)) - q b
 
-with p = bow_per_heat and q = bow_decay (Kellenberger 1980, with the heat of his seal ring in the
-place of its displacement). The rest is a clearance contact that may stick.
+with p = bow_per_heat and q = bow_decay (Kellenberger 1980, with the heat in the place of the
+displacement of his seal ring). The rest is a clearance contact that may stick.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from .law import Law
 
 @dataclass(frozen=True, kw_only=True)
 class BowQuantities:
-    """The quantities of a bow by heat: how far heat bows the shaft, p [m/J], and the rate at which
-    the bow decays as the heat spreads, q [1/s]."""
+    """The quantities of a thermal bow: bow per heat, p [m/J], and the rate at which the bow decays
+    as the heat spreads, q [1/s]."""
 
     bow_per_heat: float = quantity(
         "m/J",
@@ -78,26 +78,23 @@ def _heating(part, kinematics, heat):
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     return _rubbing(part, kinematics, internal_state)[0].force
 
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     surface, b = part.journal_radius * kinematics.sliding_speed, weights.rate
     force, p, q, z = rubbing_tangent(part, kinematics, weights, surface, b, free[_STATE.elongation])
     internal_state[_STATE.elongation] = z
     heating = _heating(part, kinematics, _rubbing(part, kinematics, internal_state)[1])
-    held = 1.0 / (1.0 + b * part.bow_decay)
-    internal_state[_STATE.bow_x] = held * (free[_STATE.bow_x] + b * heating.real)
-    internal_state[_STATE.bow_y] = held * (free[_STATE.bow_y] + b * heating.imag)
+    factor = 1.0 / (1.0 + b * part.bow_decay)
+    internal_state[_STATE.bow_x] = factor * (free[_STATE.bow_x] + b * heating.real)
+    internal_state[_STATE.bow_y] = factor * (free[_STATE.bow_y] + b * heating.imag)
     return force, p, q
 
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     contact, heat = _rubbing(part, kinematics, internal_state)
     heating = _heating(part, kinematics, heat)
     out[_STATE.elongation] = stretching(part, contact.friction, internal_state[_STATE.elongation])
@@ -107,14 +104,11 @@ def _rates(part, tables, kinematics, internal_state, out):
 
 @jit
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     return (compression(part, displacement) + stretched(part, internal_state[_STATE.elongation]),)
 
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): contact damping, and friction, all of
-    which is heat."""
     contact, heat = _rubbing(part, kinematics, internal_state)
     out[_LOSS.contact] = contact.damping * contact.rate
     out[_LOSS.friction] = heat
@@ -123,7 +117,6 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     contact, heat = _rubbing(part, kinematics, internal_state)
     observe_contact(kinematics.displacement, contact, out)
     bow = complex(internal_state[_STATE.bow_x], internal_state[_STATE.bow_y])

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from ..kernels.jit import jit
 from ..quantities import NOT_NEGATIVE, QuantityError, quantity
-from .base import Element, Mount, Part
+from .base import Element, MountElement, Part
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ def masses(housing):
 
 @dataclass(frozen=True, kw_only=True)
 class Housing(HousingQuantities, Part):
-    """A housing of its own, which any number of interfaces may name.
+    """A housing of its own, to which any number of interfaces may refer by its name.
 
     Raises `QuantityError` without a name.
     """
@@ -48,7 +48,7 @@ class Housing(HousingQuantities, Part):
 
     @property
     def label(self) -> str:
-        """None: its name is for the bearings that sit on it, its variables are `housing[1]`."""
+        """Empty: bearings refer to the housing by its name; its variables are `housing[1]`."""
         return ""
 
     def __post_init__(self) -> None:
@@ -56,5 +56,5 @@ class Housing(HousingQuantities, Part):
             raise QuantityError(f"housing.name = {self.name!r}: must be a word")
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One mount."""
-        yield Mount(self.name, self)
+        """Yield one mount."""
+        yield MountElement(self.name, self)

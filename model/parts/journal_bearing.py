@@ -1,6 +1,7 @@
-"""A journal bearing: a journal in an oil film between pads, which it may press through.
+"""A journal bearing: a journal in an oil film between pads, which it may touch.
 
-The film is solved at every instant (`film_law`). Pads stand, or tilt about pivots (`tilting_pads`).
+The film is solved at every instant (`film_law`). Pads are fixed, or tilt about pivots
+(`tilting_pads`).
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ from ..film.bearing_film import PAD, STANDS, TILTS, film_force, film_tangent, pa
 from ..film.film_outputs import film_state
 from ..film.rough_contact import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import angle, modulus
-from ..kernels.jit import interpreted, jit, jit_not_inlined
+from ..kernels.jit import jit, jit_not_inlined
+from ..kernels.kernel import interpreted
 from ..quantities import ANY, QuantityError, Rule, check_all, places, quantity
-from .base import GROUND, Element, Interface, Part, Shape
+from .base import GROUND, Element, InterfaceElement, Part, Shape
 from .clearance_contact import STORES
 from .film_law import (
     LOSSES,
@@ -41,9 +43,9 @@ from .tilting_pads import (
     energy_of_pads,
     pads_tangent,
     pads_vibrate,
-    put_pads,
-    put_pads_still,
     rates_of_pads,
+    set_pads,
+    set_pads_at_rest,
     states_of_pad,
     tilts_of,
 )
@@ -62,16 +64,14 @@ _BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     bearing = bearing_at(part, tables, kinematics.speed)
-    put_pads(part, bearing, tables, kinematics, internal_state)
+    set_pads(part, bearing, tables, kinematics, internal_state)
     wall = wall_state(bearing, tables, kinematics)
     return film_force(bearing, tables, kinematics) + wall.force
 
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     bearing = bearing_at(part, tables, kinematics.speed)
     if part.tilting > 0.0:
         return pads_tangent(part, bearing, tables, kinematics, weights, free, internal_state)
@@ -82,9 +82,8 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit_not_inlined
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law (see `parts.law`): contact, pads that tilt."""
     bearing = bearing_at(part, tables, 0.0)
-    put_pads_still(part, bearing, tables, internal_state)
+    set_pads_at_rest(part, bearing, tables, internal_state)
     still = Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0)
     return wall_energy(bearing, tables, still), energy_of_pads(
         part, bearing, tables, internal_state
@@ -93,16 +92,15 @@ def _energy(part, tables, displacement, internal_state):
 
 @jit
 def _film_power(film, kinematics):
-    """Return the power that goes into the film [W]."""
+    """Return the power dissipated in the film [W]."""
     pushed = (film.force * kinematics.velocity.conjugate()).real
     return film.torque * kinematics.speed - pushed - film.tilted
 
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): film, contact damping, friction."""
     bearing = bearing_at(part, tables, kinematics.speed)
-    put_pads(part, bearing, tables, kinematics, internal_state)
+    set_pads(part, bearing, tables, kinematics, internal_state)
     film = film_state(bearing, tables, kinematics)
     wall = wall_state(bearing, tables, kinematics)
     out[_LOSS.film] = _film_power(film, kinematics)
@@ -113,9 +111,8 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     bearing = bearing_at(part, tables, kinematics.speed)
-    put_pads(part, bearing, tables, kinematics, internal_state)
+    set_pads(part, bearing, tables, kinematics, internal_state)
     film = film_state(bearing, tables, kinematics)
     wall = wall_state(bearing, tables, kinematics)
     d = kinematics.displacement
@@ -142,7 +139,6 @@ def _observe(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     if part.tilting > 0.0:
         bearing = bearing_at(part, tables, kinematics.speed)
         rates_of_pads(part, bearing, tables, kinematics, internal_state, out)
@@ -150,7 +146,6 @@ def _rates(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _vibrate(part, tables, kinematics, frequency, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     if part.tilting > 0.0:
         bearing = bearing_at(part, tables, kinematics.speed)
         return pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_state)
@@ -161,8 +156,7 @@ def _vibrate(part, tables, kinematics, frequency, free, internal_state):
 
 @jit_not_inlined
 def _breaks(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
-    put_pads_still(part, bearing_at(part, tables, 0.0), tables, internal_state)
+    set_pads_at_rest(part, bearing_at(part, tables, 0.0), tables, internal_state)
     return film_breaks(part, tables, displacement, internal_state)
 
 
@@ -205,7 +199,7 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
 
     Without pads it is a plain, whole circle. A pad has the angle of its middle [rad], anticlockwise
     from the right; an arc [rad]; a preload, 1 less the bearing's clearance over the pad's; and an
-    offset, the share of its arc from its first angle to where its preload brings it closest; there
+    offset, the share of its arc from its first angle to where its preload brings it closest, which
     is the pivot of a pad that tilts. rupture: of the film, one of `RUPTURES`.
     """
 
@@ -230,7 +224,7 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
         return TILTING_PADS if self.tilting else JOURNAL_BEARING
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError`, for impossible pads too."""
+        """Raise `QuantityError` for impossible quantities or pads."""
         check_all(where, self)
         if not isinstance(self.pads, tuple):
             raise QuantityError(f"{where}.pads = {self.pads!r}: must be a list of numbers")
@@ -243,7 +237,7 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
                     f"{where}.pads has"
                 )
         if not self.pads and (self.arc, self.preload) != (2.0 * math.pi, 0.0):
-            raise QuantityError(f"{where}.pads: none is given for an arc or a preload")
+            raise QuantityError(f"{where}.pads: is missing; arc and preload need pads")
         self._check_overlap(where)
         self._check_tilting(where)
         self._check_rupture(where)
@@ -289,7 +283,7 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
 
     @property
     def _is_full(self) -> bool:
-        """Whether films fill their pads; a short one is the same with either rupture."""
+        """Whether films fill their pads; a short film is the same with either rupture."""
         return self.rupture == GUEMBEL and not self.short
 
     def _shape(self, i: int) -> tuple[float, ...]:
@@ -312,7 +306,7 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
                 raise QuantityError(f"{where}.pads: pads {low} and {high} overlap")
 
     def pad_rows(self) -> list[list[float]]:
-        """Return a row of `contact.film.PAD` for each pad."""
+        """Return a row of `film.bearing_film.PAD` for each pad."""
         if not self.pads:
             return [whole_circle(self._is_full)]
         rows = []
@@ -337,17 +331,17 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
         return rows
 
     def viscosity_table(self) -> np.ndarray | None:
-        """Return the `speed_table` of the viscosity, None of a constant."""
+        """Return the `speed_table` of the viscosity, None if it is constant."""
         oil = oil_of(self)
         if oil is None:
             return None
         return speed_table(oil.speed, ("viscosity",), {"viscosity": oil.viscosity})
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One interface."""
-        yield Interface(self.node, self.law, self, self.housing)
+        """Yield one interface."""
+        yield InterfaceElement(self.node, self.law, self, self.housing)
 
     def outline(self) -> Iterator[Shape]:
-        """A bush about the journal, on springs where it is a housing."""
+        """Yield a bush about the journal, on springs if it is a housing."""
         role = "stator" if self.housing == GROUND else "housing"
         yield Shape(-0.5 * self.length, self.length, self.journal_radius, self.journal_radius, role)

@@ -3,37 +3,39 @@
 A law is a handful of compiled functions of a record `part` with the quantities of the part, by
 their names, and of the node's `Kinematics` relative to the housing:
 
-    force(part, tables, kinematics, own)                        -> F
-    tangent(part, tables, kinematics, weights, free, own)       -> F, p, q
-    energy(part, tables, displacement, own)                     -> energies
-    dissipate(part, tables, kinematics, own, out)               -> torque
-    rates(part, tables, kinematics, own, out)
-    observe(part, tables, kinematics, own, out)
-    gap(part, displacement)                                     -> distance
-    length(part)                                                -> scale
-    breaks(part, tables, displacement, own)                     -> whether it does
-    vibrate(part, tables, kinematics, frequency, free, own)     -> F, p, q by d, p, q by d'
+    force(part, tables, kinematics, internal_state)                   -> F
+    tangent(part, tables, kinematics, weights, free, internal_state)  -> F, p, q
+    energy(part, tables, displacement, internal_state)                -> energies
+    dissipate(part, tables, kinematics, internal_state, out)          -> torque
+    rates(part, tables, kinematics, internal_state, out)
+    observe(part, tables, kinematics, internal_state, out)
+    gap(part, displacement)                                           -> distance
+    length(part)                                                      -> scale
+    breaks(part, tables, displacement, internal_state)                -> whether it does
+    vibrate(part, tables, kinematics, frequency, free, internal_state)
+                                                        -> F, p, q by d, p, q by d'
     weigh(part, tables, gravity)
 
-F: complex force on the node [N], the housing gets -F. tangent: the change of F for `Weights` of its
-derivatives, as the pair of the real-linear map z -> p z + q conj(z). energy: a tuple of what is
-stored [J], in the order of `Law.stores`. dissipate: fills `out` with the powers dissipated [W] at
+F: complex force on the node [N]; the housing gets -F. tangent: the derivative of F for the given
+`Weights`, as the pair of the real-linear map z -> p z + q conj(z). energy: a tuple of the stored
+energies [J], in the order of `Law.stores`. dissipate: fills `out` with the dissipated powers [W] at
 the `places` of `Law.losses`; returns the torque that brakes the rotor [N.m]. observe: fills `out`
-at the places of `Law.outputs`. gap: how far the displacement is from where the force begins
-[m], negative where it acts. length: displacement that matters [m], 0 for that of the machine; of a
-law with a wall the wall's radius. breaks: whether a displacement lies where the law means nothing,
-so that a run stops there. vibrate: of a node at rest, with its internal states where they rest,
-looked for from `free` on and filled in: the force there, and the changes of F by displacement and
-velocity while the states follow a vibration of a frequency [rad/s]. weigh: keeps the machine's
-gravity [m/s2], complex, in the part's table, before a run and whenever that has changed.
+at the places of `Law.outputs`. gap: distance of the displacement from the onset of the force [m],
+negative where it acts. length: characteristic displacement [m], 0 for that of the machine; of a law
+with a wall the wall's radius. breaks: whether the law is invalid at a displacement, so that a run
+stops there. vibrate: for a node at rest, with its internal states in equilibrium, searched for from
+`free` on and stored: the force there, and the derivatives of F by displacement and velocity while
+the states follow a vibration of a frequency [rad/s]. weigh: stores the machine's gravity [m/s2],
+complex, in the part's table, before a run and whenever it changes.
 
-tables: numbers of all parts that a record has no room for, one array, flat; the records of a law
-with a `table` say where theirs begin, `part.table`, and how many rows they have, `part.rows`.
+tables: numbers of all parts that do not fit into a record, one flat array; the records of a law
+with a `table` have its first index, `part.table`, and its length, `part.rows`.
 
 A law may have internal states, `internal_state`, shape (len(Law.states),): rates fills in their
-rates. Over a step they are implicit, internal_state = free + weights.rate * rate: `tangent` finds
-them, fills `internal_state`, and lets them take part in p and q. Two of them, from the place
-`Law.bow` on, may be a bow that the law gives the shaft at its node (`structure.bow`).
+rates. Over a step they are implicit, internal_state = free + weights.rate * rate: `tangent` solves
+for them, stores them in `internal_state`, and includes their derivatives in p and q. Two of them,
+from the index `Law.bow` on, may be a bow that the law gives the shaft at its node
+(`structure.bow`).
 """
 
 from __future__ import annotations
@@ -51,10 +53,10 @@ _Kernel = Callable[..., Any]
 
 
 class Kinematics(NamedTuple):
-    """How a node moves relative to its housing or to ground: displacement u + i v [m] and velocity
+    """Motion of a node relative to its housing or to ground: displacement u + i v [m] and velocity
     [m/s]; speed: of the machine [rad/s], on which coefficients may depend; sliding_speed: at which
-    the journal's surface turns past what it rubs on [rad/s], 0 where equilibrium is sought, which
-    has no friction; angle: of the rotor [rad]."""
+    the journal's surface slides on its counterpart [rad/s], 0 in the search for an equilibrium,
+    which has no friction; angle: of the rotor [rad]."""
 
     displacement: complex
     velocity: complex
@@ -64,8 +66,9 @@ class Kinematics(NamedTuple):
 
 
 class Weights(NamedTuple):
-    """Of a tangent: dF = displacement dF/dd + velocity dF/dd', of an unknown of which d and d' are
-    linear functions; rate: internal_state = free + rate * rates, of a law's states [s]."""
+    """Weights of a tangent: dF = displacement dF/dd + velocity dF/dd', for an unknown of which d
+    and d' are linear functions; rate: internal_state = free + rate * rates, of a law's states
+    [s]."""
 
     displacement: float
     velocity: float
@@ -74,7 +77,7 @@ class Weights(NamedTuple):
 
 @jit
 def no_length(part):
-    """Return 0, the length of a law without one of its own."""
+    """Return 0, the length of a law that does not define one."""
     return 0.0
 
 
@@ -86,19 +89,19 @@ def always_acts(part, displacement):
 
 @jit
 def never_breaks(part, tables, displacement, internal_state):
-    """Return that a law acts at every displacement."""
+    """Return False: the law is valid at every displacement."""
     return False
 
 
 @jit
 def weighs_nothing(part, tables, gravity):
-    """Do nothing: what a law without mass does with gravity."""
+    """Do nothing: `Law.weigh` of a law without mass."""
     return
 
 
 @jit
 def no_rates(part, tables, kinematics, internal_state, out):
-    """Do nothing: the rates of a law without states."""
+    """Do nothing: `Law.rates` of a law without states."""
     return
 
 
@@ -212,19 +215,14 @@ class Law:
 
     @property
     def dtype(self) -> np.dtype:
-        """Type of a record: the quantities of the part, by their names, and where its table lies.
-
-        Returns
-        -------
-        numpy.dtype
-            The type.
-        """
+        """The type of a record: the quantities of the part, by their names, and the location
+        of its table."""
         places = [("table", "i8"), ("rows", "i8")] if self.table else []
         return np.dtype([*((name, "f8") for name in quantities(self.kind)), *places])
 
 
 def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
-    """Return a function that calls `function` for interfaces of the law `code`, `rest` for the
+    """Return a function that calls `function` for interfaces of the law `code`, and `rest` for the
     others."""
     if rest is None:
 
@@ -241,21 +239,11 @@ def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
 
 
 def dispatcher(functions: Sequence[_Kernel], takes_tables: bool = True) -> _Kernel:
-    """Return one compiled function `call(laws, interface, ...)` of a function a law.
+    """Return one compiled function `call(laws, interface, ...)` for one function of each law.
 
-    Parameters
-    ----------
-    functions : sequence of callable
-        A compiled function of each law.
-    takes_tables : bool
-        Whether the functions take the tables behind the record.
-
-    Returns
-    -------
-    callable
-        The function. laws: the records of each law, in the order of `functions`, and last the
-        tables; interface: a record whose `law` is the place in that order and whose `row` is that
-        of the law's record.
+    laws: the records of each law, in the order of `functions`, and last the tables; interface: a
+    record whose `law` is the index in that order and whose `row` is that of the law's record;
+    takes_tables: whether the functions take the tables behind the record.
     """
     *others, lowest = range(len(functions))
     call = _link(lowest, functions[lowest], None)

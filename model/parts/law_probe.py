@@ -1,4 +1,4 @@
-"""A part's law by itself: its node is moved by hand in a housing that stands."""
+"""Evaluates one part's force law at a prescribed motion of its node, its housing fixed."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..kernels.jit import interpreted
+from ..kernels.kernel import interpreted
 from ..quantities import quantities
-from .base import Interface, Part
+from .base import InterfaceElement, Part
 from .law import Kinematics, Weights
 
 _ROUNDING = 1e-12  # of the largest
@@ -16,21 +16,21 @@ BY_D, BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
 
 def numbers_of(kind: type, source: Any) -> tuple[float, ...]:
-    """Return the numbers of a law's record or a housing's, `source` a part: its quantities, those
-    in a table of it 0."""
+    """Return the numbers of a law's or a housing's record from the quantities of a part, 0 for
+    those in a table."""
     values = [getattr(source, name) for name in quantities(kind)]
     return tuple(0.0 if isinstance(value, tuple) else float(value) for value in values)
 
 
-class LawAlone:
-    """The first law of a part, whose node is moved by hand at a speed [rad/s].
+class LawProbe:
+    """The first law of a part at a prescribed motion of its node, at a speed [rad/s].
 
-    part: the part; where: its name, for messages; sliding: speed of the surfaces that slide, by
-    default that of the machine [rad/s].
+    part: the part; where: its name, for messages; sliding: sliding speed of the surfaces, by
+    default the speed of the machine [rad/s].
     """
 
     def __init__(self, part: Part, speed: float, where: str, sliding: float | None = None) -> None:
-        element = next(e for e in part.elements(where, 0.0) if isinstance(e, Interface))
+        element = next(e for e in part.elements(where, 0.0) if isinstance(e, InterfaceElement))
         self.speed, self.where, self._law = float(speed), where, element.law
         self._sliding = self.speed if sliding is None else sliding
         numbers = list(numbers_of(self._law.kind, part))
@@ -42,7 +42,7 @@ class LawAlone:
         self._record = np.array([tuple(numbers)], self._law.dtype).view(np.recarray)[0]
         self._states = np.array(self._law.states_of(part), dtype=float)
         self._follows = self._law.vibrate is not None  # whether it is known as the node vibrates
-        self._settled: tuple[Any, Any] | None = None  # where the states rest, and the result there
+        self._settled: tuple[Any, Any] | None = None  # the states at rest, and the result with them
 
     def _moving(self, d: complex, v: complex) -> Kinematics:
         return Kinematics(complex(d), complex(v), self.speed, self._sliding, 0.0)
@@ -55,7 +55,7 @@ class LawAlone:
         return self._settled[1]
 
     def _vibrating(self, d: complex, frequency: float) -> tuple[complex, np.ndarray, np.ndarray]:
-        """Implement `settle`."""
+        """Return the result of `vibrate` without its cache."""
         vibrate = interpreted(self._law.vibrate)
         moving, free = self._moving(d, 0j), self._states.copy()
         force, *by = vibrate(self._record, self._tables, moving, frequency, free, self._states)
@@ -66,8 +66,8 @@ class LawAlone:
             self.settle(d)
 
     def force(self, d: complex, v: complex = 0j) -> complex:
-        """Return the force on the node [N] at a displacement [m] and a velocity [m/s]; the law's
-        states rest where the node does."""
+        """Return the force on the node [N] at a displacement [m] and a velocity [m/s], with the
+        law's states in equilibrium."""
         if self._follows and v == 0.0:
             return self.settle(d)[0]
         force = interpreted(self._law.force)
@@ -92,8 +92,8 @@ class LawAlone:
         return {o.name: float(value) for o, value in zip(self._outputs, out, strict=True)}
 
     def coefficients(self, d: complex) -> tuple[np.ndarray, np.ndarray]:
-        """Return K [N/m] and C [N.s/m] of the node at rest at a displacement, each of shape
-        (2, 2), of a vibration at the frequency of rotation."""
+        """Return K [N/m] and C [N.s/m] of the node at rest at a displacement, shape (2, 2) each,
+        for a vibration at the frequency of rotation."""
         if self._follows:
             _, by_d, by_v = self.settle(d, abs(self.speed))
             return -by_d, -by_v
@@ -106,5 +106,5 @@ def _matrix(p: complex, q: complex) -> np.ndarray:
 
 
 def cleared(values: np.ndarray) -> np.ndarray:
-    """Return values with 0 where but rounding stands."""
+    """Return values with rounding errors replaced by 0."""
     return np.where(np.abs(values) > _ROUNDING * np.abs(values).max(), values, 0.0)

@@ -4,13 +4,12 @@ With the node's displacement d = u + i v [m] relative to the housing, or to grou
 
     F = -(K d + C d'),    K = [[kxx, kxy], [kyx, kyy]],    C = [[cxx, cxy], [cyx, cyy]]
 
-and in complex coordinates K d = k d + l conj(d), with
-k = (kxx + kyy + i (kyx - kxy)) / 2 and l = (kxx - kyy + i (kyx + kxy)) / 2.
+and in complex coordinates K d = k d + l conj(d), with k = (kxx + kyy + i (kyx - kxy)) / 2 and l =
+(kxx - kyy + i (kyx + kxy)) / 2.
 
 The ledger: K0, the symmetric part of K at standstill, stores d^T K0 d / 2; C dissipates d'^T C d';
 the rest, d'^T (K - K0) d, has no potential: it is the work of the cross coupling and of a stiffness
-that depends on the speed. It is an entry of its own, `circulation`, negative where it feeds the
-whirl.
+that depends on the speed. It is a separate entry, `circulation`, negative where it feeds the whirl.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ from ..quantities import (
     quantities,
     quantity,
 )
-from .base import GROUND, Element, Interface, Part, Probe, Shape
+from .base import GROUND, Element, InterfaceElement, Part, ProbeElement, Shape
 from .law import Law
 from .speed_table import (
     check_ascending,
@@ -58,7 +57,7 @@ def _damping(direction: str, default: Any = ...) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class Coefficients:
-    """Stiffness [N/m] and damping [N.s/m]: kxy is minus the force to the right by an upward
+    """Stiffness [N/m] and damping [N.s/m]: kxy is minus the force to the right per upward
     displacement."""
 
     kxx: float | tuple[float, ...] = _stiffness("horizontal")
@@ -79,7 +78,7 @@ _CUBICS = places(quantities(Coefficients), 1, 4)
 @jit_not_inlined
 def coefficients(part, tables, speed):
     """Return the stiffness k, l [N/m] and damping c, e [N.s/m] at a speed [rad/s]: K d = k d + l
-    conj(d), C d' = c d' + e conj(d'). Beyond a table's ends they are those of the end."""
+    conj(d), C d' = c d' + e conj(d'). Beyond a table's ends they are those at the end."""
     kxx, kxy, kyx, kyy = part.kxx, part.kxy, part.kyx, part.kyy
     cxx, cxy, cyx, cyy = part.cxx, part.cxy, part.cyx, part.cyy
     rows = part.rows
@@ -117,7 +116,6 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 @jit
 def _force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     return -(k * d + l * d.conjugate() + c * d_dot + e * d_dot.conjugate())
@@ -125,7 +123,6 @@ def _force(part, tables, kinematics, internal_state):
 
 @jit
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     by_d, by_v = weights.displacement, weights.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
@@ -135,7 +132,6 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     d = displacement
     k, l, _, _ = coefficients(part, tables, 0.0)  # noqa: E741
     return (0.5 * ((k.real * d + l * d.conjugate()) * d.conjugate()).real,)
@@ -143,7 +139,6 @@ def _energy(part, tables, displacement, internal_state):
 
 @jit
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): damping, circulation."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     k0, l0, _, _ = coefficients(part, tables, 0.0)
@@ -155,7 +150,6 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit
 def _observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     force = _force(part, tables, kinematics, internal_state)
     out[_OUT.fx] = force.real
     out[_OUT.fy] = force.imag
@@ -185,8 +179,8 @@ LINEAR_BEARING = Law(
 
 @dataclass(frozen=True, kw_only=True)
 class LinearBearing(Coefficients, Part):
-    """A bearing by its eight coefficients, between a node (from 1) and the housing of that name or
-    ground.
+    """A bearing given by its eight coefficients, between a node (from 1) and the housing of that
+    name or ground.
 
     A coefficient is a number, or a list over `speed` [rad/s], ascending: interpolated monotonically
     (PCHIP: Fritsch and Carlson 1980), constant beyond the ends.
@@ -203,7 +197,7 @@ class LinearBearing(Coefficients, Part):
     )
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError`, for an impossible table too."""
+        """Raise `QuantityError` for impossible quantities or an impossible table."""
         check_all(where, self)
         if not isinstance(self.speed, tuple):
             raise QuantityError(f"{where}.speed = {self.speed!r}: must be a list of numbers")
@@ -227,12 +221,12 @@ class LinearBearing(Coefficients, Part):
         return np.reshape(values[:4], (2, 2)), np.reshape(values[4:], (2, 2))
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One interface, and a probe of the shaft in it."""
-        yield Interface(self.node, LINEAR_BEARING, self, self.housing)
-        yield Probe(self.node)
+        """Yield one interface, and a probe of the shaft in it."""
+        yield InterfaceElement(self.node, LINEAR_BEARING, self, self.housing)
+        yield ProbeElement(self.node)
 
     def outline(self) -> Iterator[Shape]:
-        """A spring from the shaft to ground or to its housing."""
+        """Yield a spring from the shaft to ground or to its housing."""
         yield Shape(0.0, 0.0, 0.0, 0.0, "spring" if self.housing == GROUND else "pedestal")
 
 

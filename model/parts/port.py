@@ -19,12 +19,12 @@ class Sensor(of.Part):
     node: int
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
-        """Two probes."""
-        yield of.Probe(self.node)
-        yield of.Velocity(self.node)
+        """Yield two probes."""
+        yield of.ProbeElement(self.node)
+        yield of.VelocityElement(self.node)
 
     def outline(self) -> Iterator[of.Shape]:
-        """A gauge beside the shaft."""
+        """Yield a gauge beside the shaft."""
         yield of.Shape(0.0, 0.0, 0.0, 0.0, "gauge")
 
 
@@ -36,10 +36,10 @@ class Port(Sensor):
     TEXT: ClassVar[str] = "an external force on a node, and the node's displacement and velocity"
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
-        """A port and two probes."""
-        yield of.Port(self.node, f"node {self.node}")
+        """Yield a port and two probes."""
+        yield of.PortElement(self.node, f"node {self.node}")
         yield from super().elements(where, density)
 
     def outline(self) -> Iterator[of.Shape]:
-        """An arrow to the shaft."""
+        """Yield an arrow to the shaft."""
         yield of.Shape(0.0, 0.0, 0.0, 0.0, "force")

@@ -1,6 +1,6 @@
 """A rolling bearing: balls or rollers between two races, one by one, each a Hertz contact.
 
-The element i of Z is at the angle a = phi + 2 pi i / Z, pressed together by
+Element i of Z is at the angle a = phi + 2 pi i / Z, compressed by
 
     delta = Re(exp(-i a) d) - clearance - (depth of the defects under it)
 
@@ -10,8 +10,8 @@ contacts with both races in series. The cage turns at a ratio of the rotor's spe
     ratio = (1 - element_diameter / pitch_diameter cos(contact_angle)) / 2
 
 (Harris and Kotzalas 2006), and the inner race with the rotor: phi and the race's angle are the
-law's states. An element that rolls on under load is pressed in further, or let go; the torque that
-this takes brakes the rotor, so that nothing but the contacts' damping dissipates.
+law's states. An element that rolls on under load is compressed further, or released; the torque for
+this brakes the rotor, so that only the contacts' damping dissipates.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from ..quantities import (
     places,
     quantity,
 )
-from .base import GROUND, Element, Interface, Part, Shape
+from .base import GROUND, Element, InterfaceElement, Part, Shape
 from .clearance_contact import LOSSES as CONTACT_LOSSES
 from .clearance_contact import STORES
 from .law import Law
@@ -98,20 +98,21 @@ LOSSES = tuple(loss for loss in CONTACT_LOSSES if loss.name == "contact")
 _OUT, _LOSS, _STATE = places(OUTPUTS), places(LOSSES), places(("cage", "race"))
 
 
-class Place(NamedTuple):
-    """Where an element is: its penetration [m], its derivative by the angle of the rotor [m], and
-    the direction of the element [1]."""
+class ElementPosition(NamedTuple):
+    """Position of an element: its penetration [m], its derivative by the angle of the rotor [m],
+    and the direction of the element [1]."""
 
     penetration: float
     by_turn: float
     along: complex
 
 
-class Rolling(NamedTuple):
-    """How an element is pressed: its `Place`, the rate of the penetration [m/s], the force along
-    it, its elastic part [N] and its derivatives by penetration and rate [N/m], [N.s/m]."""
+class ElementContact(NamedTuple):
+    """The contact of an element: its `ElementPosition`, the rate of the penetration [m/s], the
+    force along it, its elastic part [N] and its derivatives by penetration and rate [N/m],
+    [N.s/m]."""
 
-    place: Place
+    position: ElementPosition
     rate: float
     normal: float
     elastic: float
@@ -130,8 +131,8 @@ def cage_ratio(part):
 
 @jit
 def _defect(depth, arc, angle):
-    """Return how deep a defect is at an angle from its middle [m], and its derivative [m]: a raised
-    cosine over its arc."""
+    """Return the depth of a defect at an angle from its middle [m], and its derivative [m]: a
+    raised cosine over its arc."""
     if depth == 0.0:
         return 0.0, 0.0
     x = angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
@@ -143,8 +144,8 @@ def _defect(depth, arc, angle):
 
 
 @jit_not_inlined
-def _place(part, displacement, internal_state, i):
-    """Return the `Place` of an element."""
+def _position(part, displacement, internal_state, i):
+    """Return the `ElementPosition` of an element."""
     ratio, pitch = cage_ratio(part), 2.0 * math.pi / part.count
     at = internal_state[_STATE.cage] + part.cage_angle + i * pitch
     along = direction(at)
@@ -154,67 +155,63 @@ def _place(part, displacement, internal_state, i):
     inner, inner_slope = _defect(part.inner_depth, part.inner_arc, from_race)
     delta = turned.real - part.clearance - outer - inner
     by_turn = ratio * (turned.imag - outer_slope) - (ratio - 1.0) * inner_slope
-    return Place(delta, by_turn, along)
+    return ElementPosition(delta, by_turn, along)
 
 
 @jit_not_inlined
-def _rolling(part, kinematics, internal_state, i):
-    """Return the `Rolling` of an element."""
-    place = _place(part, kinematics.displacement, internal_state, i)
-    if place.penetration <= 0.0:
-        return Rolling(place, 0.0, 0.0, 0.0, 0.0, 0.0)
-    rate = (place.along.conjugate() * kinematics.velocity).real
-    rate += place.by_turn * kinematics.sliding_speed
-    n, n_k, stiffness, damping = pressed(part, place.penetration, rate)
-    return Rolling(place, rate, n, n_k, stiffness, damping)
+def _contact(part, kinematics, internal_state, i):
+    """Return the `ElementContact` of an element."""
+    position = _position(part, kinematics.displacement, internal_state, i)
+    if position.penetration <= 0.0:
+        return ElementContact(position, 0.0, 0.0, 0.0, 0.0, 0.0)
+    rate = (position.along.conjugate() * kinematics.velocity).real
+    rate += position.by_turn * kinematics.sliding_speed
+    n, n_k, stiffness, damping = pressed(part, position.penetration, rate)
+    return ElementContact(position, rate, n, n_k, stiffness, damping)
 
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     force = 0.0j
     for i in range(int(part.count)):
-        at = _rolling(part, kinematics, internal_state, i)
-        force -= at.normal * at.place.along
+        at = _contact(part, kinematics, internal_state, i)
+        force -= at.normal * at.position.along
     return force
 
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     force = p = q = 0.0j
     ratio = cage_ratio(part)
     speed = kinematics.sliding_speed
     internal_state[_STATE.cage] = free[_STATE.cage] + weights.rate * ratio * speed
     internal_state[_STATE.race] = free[_STATE.race] + weights.rate * speed
     for i in range(int(part.count)):
-        at = _rolling(part, kinematics, internal_state, i)
+        at = _contact(part, kinematics, internal_state, i)
         if at.normal <= 0.0:
             continue
-        force -= at.normal * at.place.along
+        force -= at.normal * at.position.along
         # dn = Re(conj(a) along* z), the part across of the cage's turning past the displacement
         a = complex(
             at.stiffness * weights.displacement + at.damping * weights.velocity,
             at.damping * weights.displacement * ratio * speed,
         )
         p -= 0.5 * a.conjugate()
-        q -= 0.5 * a * at.place.along * at.place.along
+        q -= 0.5 * a * at.position.along * at.position.along
     return force, p, q
 
 
 @jit
 def _rates(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     out[_STATE.cage] = cage_ratio(part) * kinematics.sliding_speed
     out[_STATE.race] = kinematics.sliding_speed
 
 
 @jit_not_inlined
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     energy = 0.0
     for i in range(int(part.count)):
-        delta = _place(part, displacement, internal_state, i).penetration
+        delta = _position(part, displacement, internal_state, i).penetration
         if delta > 0.0:
             energy += elastic(part, delta)[0] * delta / (part.exponent + 1.0)
     return (energy,)
@@ -222,27 +219,25 @@ def _energy(part, tables, displacement, internal_state):
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): contact damping."""
     torque = damped = 0.0
     for i in range(int(part.count)):
-        at = _rolling(part, kinematics, internal_state, i)
+        at = _contact(part, kinematics, internal_state, i)
         damped += (at.normal - at.elastic) * at.rate
-        torque += at.normal * at.place.by_turn
+        torque += at.normal * at.position.by_turn
     out[_LOSS.contact] = damped
     return torque
 
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     force = 0.0j
     largest = torque = loaded = 0.0
     for i in range(int(part.count)):
-        at = _rolling(part, kinematics, internal_state, i)
-        force -= at.normal * at.place.along
+        at = _contact(part, kinematics, internal_state, i)
+        force -= at.normal * at.position.along
         largest = max(largest, at.normal)
         loaded += 1.0 if at.normal > 0.0 else 0.0
-        torque += at.normal * at.place.by_turn
+        torque += at.normal * at.position.by_turn
     out[_OUT.fx] = force.real
     out[_OUT.fy] = force.imag
     out[_OUT.largest] = largest
@@ -256,7 +251,6 @@ def _observe(part, tables, kinematics, internal_state, out):
 
 @jit
 def _length(part):
-    """Implement this function of a law; see `parts.law`."""
     return _PRESSED * part.element_diameter
 
 
@@ -292,7 +286,8 @@ class RollingBearing(RollingQuantities, Part):
     housing: str = GROUND
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError`, for elements that do not fit on their circle too."""
+        """Raise `QuantityError` for impossible quantities, or elements that do not fit on their
+        circle."""
         check_all(where, self)
         if float(self.count) != int(self.count):
             raise QuantityError(f"{where}.count = {self.count:g}: must be a whole number")
@@ -304,11 +299,11 @@ class RollingBearing(RollingQuantities, Part):
             )
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One interface."""
-        yield Interface(self.node, ROLLING_BEARING, self, self.housing)
+        """Yield one interface."""
+        yield InterfaceElement(self.node, ROLLING_BEARING, self, self.housing)
 
     def outline(self) -> Iterator[Shape]:
-        """A bush of the elements' width about the shaft, on springs where it is a housing."""
+        """Yield a bush of the elements' width about the shaft, on springs if it is a housing."""
         role = "stator" if self.housing == GROUND else "housing"
         width, radius = self.element_diameter, 0.5 * (self.pitch_diameter - self.element_diameter)
         yield Shape(-0.5 * width, width, radius, radius, role)

@@ -31,16 +31,16 @@ class Material:
 
     @property
     def shear(self) -> float:
-        """Shear modulus [Pa]."""
+        """The shear modulus [Pa]."""
         return self.young / (2 * (1 + self.poisson))
 
 
 @dataclass(frozen=True)
 class Section:
-    """The shaft between two nodes, of circular sections that may taper and be hollow: length,
-    outer diameters and bores at its left and right end [m], its material; axial_force: tension [N];
-    layers: what else lies at the same place, of the same length; shear: the coefficient of the
-    shear stiffness, one of `SHEARS`; taper: whether a tapered section has its own, `exact`, shape
+    """The shaft between two nodes, of circular sections that may taper and be hollow: length, outer
+    diameters and bores at its left and right end [m], its material; axial_force: tension [N];
+    layers: further sections at the same place, of the same length; shear: the coefficient of the
+    shear stiffness, one of `SHEARS`; taper: whether a tapered section has its `exact` shape
     functions, or those of a cylinder with the shear ratio of its `mean` area and moment or of its
     `middle`."""
 
@@ -96,7 +96,7 @@ class Section:
         return replace(self, layers=layers)
 
     def part(self, begin: float, end: float) -> Section:
-        """Return the stretch between two shares of the length, from 0 to 1."""
+        """Return the stretch between two fractions of the length, from 0 to 1."""
 
         def between(name: str, share: float) -> float:
             left: float = getattr(self, f"{name}_left")
@@ -119,12 +119,12 @@ class Section:
 
     @property
     def is_cylinder(self) -> bool:
-        """Whether its diameters do not change along it."""
+        """Whether its diameters are constant along it."""
         return self.outer_left == self.outer_right and self.bore_left == self.bore_right
 
     @property
     def polar_inertia(self) -> float:
-        """Moment of inertia about the axis without that of further layers [kg.m2]."""
+        """The moment of inertia about the axis without that of further layers [kg.m2]."""
 
         def fourth(left: float, right: float) -> float:
             """Return the mean of the fourth power of a diameter that is linear along the

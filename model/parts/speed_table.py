@@ -17,8 +17,8 @@ from ..quantities import QuantityError
 
 @jit
 def row_at(tables, first, rows, width, speed):
-    """Return where the last row of `width` numbers begins that does not lie beyond a speed, or the
-    first."""
+    """Return the index of the last row of `width` numbers that does not lie beyond a speed, or of
+    the first."""
     at, left = first, rows
     while left > 1:
         half = left // 2
@@ -67,6 +67,6 @@ def check_ascending(name: str, unit: str, values: Sequence[float]) -> None:
 
 
 def check_column(name: str, values: Sequence[float], over: str, count: int) -> None:
-    """Raise `QuantityError` unless a column has as many values as the one that it is over."""
+    """Raise `QuantityError` unless a column has as many values as its abscissae."""
     if len(values) != count:
         raise QuantityError(f"{name}: {len(values)} given, {count} needed, as many as {over} has")

@@ -1,8 +1,8 @@
-"""A squeeze film damper: a ring that does not turn, in an oil film that its motion presses.
+"""A squeeze film damper: a ring that does not rotate, in an oil film that its motion squeezes.
 
-The film is a journal bearing's without rotation (`contact.film_zone`), open at both sides. One that
-is sealed has nowhere to take lubricant from, so that Reynolds' rupture would leave it full: of it
-the pressures below ambient do not count (the pi film, or half of Sommerfeld's).
+The film is that of a journal bearing without rotation (`film.zone_pressure`), open at both sides. A
+sealed film cannot draw in lubricant, so that Reynolds' rupture would leave it full: its pressures
+below ambient are neglected (the pi film, or half-Sommerfeld condition).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..film.rough_contact import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import NOT_NEGATIVE, Output, QuantityError, check_all, places, quantity, switch
-from .base import GROUND, Element, Interface, Part, Shape
+from .base import GROUND, Element, InterfaceElement, Part, Shape
 from .clearance_contact import STORES as CONTACT_STORES
 from .film_law import (
     LOSSES,
@@ -65,7 +65,6 @@ def _resting(kinematics):
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     bearing, moving = bearing_of(part), _resting(kinematics)
     force = film_force(bearing, tables, moving) + wall_state(bearing, tables, moving).force
     return force - part.stiffness * moving.displacement
@@ -73,7 +72,6 @@ def _force(part, tables, kinematics, internal_state):
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     bearing, moving = bearing_of(part), _resting(kinematics)
     force, p, q = film_tangent(bearing, tables, moving, weights)
     by_wall, p_wall, q_wall = wall_tangent(bearing, tables, moving, weights)
@@ -84,7 +82,6 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit_not_inlined
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law (see `parts.law`): contact, spring."""
     square = displacement.real * displacement.real + displacement.imag * displacement.imag
     moving = Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0)
     return wall_energy(bearing_of(part), tables, moving), 0.5 * part.stiffness * square
@@ -92,7 +89,6 @@ def _energy(part, tables, displacement, internal_state):
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): film, contact damping, friction."""
     bearing, moving = bearing_of(part), _resting(kinematics)
     film = film_force(bearing, tables, moving)
     wall = wall_state(bearing, tables, moving)
@@ -104,7 +100,6 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     bearing, moving = bearing_of(part), _resting(kinematics)
     film = film_state(bearing, tables, moving)
     wall = wall_state(bearing, tables, moving)
@@ -139,7 +134,7 @@ SQUEEZE_FILM_DAMPER = Law(
 
 @dataclass(frozen=True, kw_only=True)
 class SqueezeFilmDamper(DamperQuantities, Part):
-    """A squeeze film damper between a node (from 1), whose ring does not turn, and the housing of
+    """A squeeze film damper between a node (from 1), whose ring does not rotate, and the housing of
     that name or ground; or between another housing there, `ring`, such as the outer ring of the
     node's rolling bearing, and these."""
 
@@ -154,25 +149,23 @@ class SqueezeFilmDamper(DamperQuantities, Part):
     sealed: bool = switch("whether nothing leaves at the film's sides: a long film", False)
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError`, for films that cannot be combined too."""
+        """Raise `QuantityError` for impossible quantities or incompatible options of the film."""
         check_all(where, self)
         check_film(where, self)
         if self.sealed and self.short:
             raise QuantityError(f"{where}.sealed = true: needs {where}.short = false")
         if self.ring != GROUND and self.ring == self.housing:
-            raise QuantityError(
-                f"{where}.ring = {self.ring!r}: must be another one than {where}.housing"
-            )
+            raise QuantityError(f"{where}.ring = {self.ring!r}: must differ from {where}.housing")
 
     def circle(self) -> list[float]:
-        """Return the row of `contact.film.PAD` of the film."""
+        """Return the row of `film.bearing_film.PAD` of the film."""
         return whole_circle(NEVER if self.full else self.sealed, self.sealed)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One interface."""
-        yield Interface(self.node, SQUEEZE_FILM_DAMPER, self, self.housing, self.ring)
+        """Yield one interface."""
+        yield InterfaceElement(self.node, SQUEEZE_FILM_DAMPER, self, self.housing, self.ring)
 
     def outline(self) -> Iterator[Shape]:
-        """A bush about the ring, on springs where it is a housing."""
+        """Yield a bush about the ring, on springs if it is a housing."""
         role = "stator" if self.housing == GROUND else "housing"
         yield Shape(-0.5 * self.length, self.length, self.journal_radius, self.journal_radius, role)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..quantities import NOT_NEGATIVE, quantity
-from .base import Element, Part, Shape, Spring
+from .base import Element, Part, Shape, SpringElement
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class Support(Part):
     damping: float = quantity("N.s/m", "damping", NOT_NEGATIVE, 0.0)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One spring."""
-        yield Spring(self.node, self.stiffness, self.damping)
+        """Yield one spring."""
+        yield SpringElement(self.node, self.stiffness, self.damping)
 
     def outline(self) -> Iterator[Shape]:
-        """A spring from the shaft to ground."""
+        """Yield a spring from the shaft to ground."""
         yield Shape(0.0, 0.0, 0.0, 0.0, "spring")

@@ -1,8 +1,8 @@
-"""Pads of a journal bearing that tilt about their pivots, as its law has them.
+"""Tilting pads of a journal bearing, as states of its law.
 
-States of each pad: its tilt [m] (`contact.tilting`), of a pad with inertia the rate of that [m/s],
-and of one whose pivot gives how far that does [m]. Where equilibrium is sought pads are where they
-rest, and as the machine vibrates they follow at a frequency. Of pads that stand nothing is done.
+States of each pad: its tilt [m] (`film.tilting_pads`), of a pad with inertia its rate [m/s], and of
+a pad on a flexible pivot the pivot's displacement [m]. In an equilibrium the pads are at rest; in a
+vibration they follow at the frequency. Fixed pads need nothing of this.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from ..film.tilting_pads import (
     ITERATIONS,
     REACH,
     Balance,
-    Search,
+    PadSearch,
     across_of,
-    ahead_of,
-    at_rest,
-    find,
     following,
-    free_of_inertia,
-    none_of,
+    negligible_force,
+    next_iterate,
     on_pivot,
     pad_balance,
-    put,
-    put_pivot,
+    search_at_rest,
+    search_with_inertia,
+    search_without_inertia,
+    set_pivot_displacement,
+    set_tilt,
+    solve_pad,
     speed_of,
     vibrating,
-    with_inertia,
 )
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import NOT_NEGATIVE, Output, quantity, switch
@@ -43,8 +43,8 @@ from .law import Kinematics
 @dataclass(frozen=True, kw_only=True)
 class TiltingQuantities(FilmQuantities):
     """The quantities of a film, whose viscosity may be a list over the speed; whether its pads
-    tilt, the moment of inertia of each about its pivot [kg.m2], the radial stiffness of that [N/m],
-    0: rigid; and by how much the pressure around the film is above that of rupture [Pa]."""
+    tilt, the moment of inertia of each about its pivot [kg.m2], the radial stiffness of the pivot
+    [N/m], 0: rigid; and the pressure around the film above that of rupture [Pa]."""
 
     # a damper's may be no list
     viscosity: float | tuple[float, ...] = quantity(  # type: ignore[assignment]
@@ -71,7 +71,7 @@ PADS = Output(
 
 
 def tilts_of(part: Any) -> Iterator[Output]:
-    """Return the outputs of the pads of a part."""
+    """Yield the outputs of the pads of a part."""
     for i in range(1, len(part.pads) + 1):
         text = f"angle by which pad {i} is tilted, anticlockwise"
         yield Output(f"tilt_{i}", "rad", text, nominal=1e-4)
@@ -82,7 +82,7 @@ def tilts_of(part: Any) -> Iterator[Output]:
 
 @jit
 def states_of_pad(part):
-    """Return how many states a pad has."""
+    """Return the number of states of a pad."""
     inertial = 1 if part.pad_inertia > 0.0 else 0
     return 1 + inertial + (1 if part.pivot_stiffness > 0.0 else 0)
 
@@ -93,135 +93,136 @@ def _mass(part):
     return part.pad_inertia / (part.journal_radius * part.journal_radius)
 
 
-class Followed(NamedTuple):
-    """A pad that follows its journal: its `Search`, the result y, how what that looks for changes
-    by y, and the `Balance` there; give [m], giving [m/s]: of its pivot."""
+class PadMotion(NamedTuple):
+    """A pad that follows its journal: its `PadSearch`, the solution y, the derivative of the
+    residual by y, the `Balance` there; displacement [m] and velocity [m/s] of its pivot."""
 
-    search: Search
+    search: PadSearch
     y: float
     slope: float
     at: Balance
-    give: float
-    giving: float
+    pivot_displacement: float
+    pivot_velocity: float
 
 
 @jit_not_inlined
 def _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b):
-    """Return the `Search`, y, slope and `Balance` of a pad, its pivot as it was put last."""
+    """Return the `PadSearch`, y, slope and `Balance` of a pad, its pivot at the present
+    displacement."""
     if b == math.inf:
-        search = at_rest(bearing, tables, kinematics, i)
+        search = search_at_rest(bearing, tables, kinematics, i)
     elif part.pad_inertia == 0.0:
-        search = free_of_inertia(bearing, kinematics, tilt, b)
+        search = search_without_inertia(bearing, kinematics, tilt, b)
     elif b > 0.0:
-        search = with_inertia(bearing, kinematics, tilt, rate, b, _mass(part))
+        search = search_with_inertia(bearing, kinematics, tilt, rate, b, _mass(part))
     else:
-        put(bearing, tables, i, tilt, rate)
-        still = Search(tilt, 0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        set_tilt(bearing, tables, i, tilt, rate)
+        still = PadSearch(tilt, 0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         return still, 0.0, 0.0, pad_balance(bearing, tables, kinematics, i)
-    y, slope, at = find(bearing, tables, kinematics, i, search)
+    y, slope, at = solve_pad(bearing, tables, kinematics, i, search)
     return search, y, slope, at
 
 
 @jit
-def _by_give(at, search, slope, outwards, by_give, by_giving):
-    """Return minus the change of a pad's force as its pivot gives."""
-    p, q = following(at, search, slope, by_give, by_giving)
+def _by_pivot(at, search, slope, outwards, by_displacement, by_velocity):
+    """Return minus the change of a pad's force with the displacement of its pivot."""
+    p, q = following(at, search, slope, by_displacement, by_velocity)
     return p * outwards + q * outwards.conjugate()
 
 
 @jit_not_inlined
-def _follow(part, bearing, tables, kinematics, i, free, b):
-    """Return the `Followed` of a pad, which is put there; free: the states at the end of a step
-    without their rates, of weight b [s]; infinite where it rests."""
-    rests = b == math.inf
+def _pad_motion(part, bearing, tables, kinematics, i, free, b):
+    """Return the `PadMotion` of a pad, and move the pad there; free: the states at the end of a
+    step without their rates, of weight b [s]; infinite for a pad at rest."""
+    is_at_rest = b == math.inf
     first = states_of_pad(part) * i
     tilt, rate = free[first], free[first + 1] if part.pad_inertia > 0.0 else 0.0
     k = part.pivot_stiffness
     if k == 0.0:
         search, y, slope, at = _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b)
-        return Followed(search, y, slope, at, 0.0, 0.0)
+        return PadMotion(search, y, slope, at, 0.0, 0.0)
     outwards = across_of(bearing, tables, i) * -1j
-    begun = free[first + states_of_pad(part) - 1]
-    # what is sought is how far the pivot gives, or its rate at the end of the step
-    base, by_give, by_giving = (0.0, 1.0, 0.0) if rests else (begun, b, 1.0)
-    z = begun if rests else 0.0
-    none = none_of(bearing, speed_of(bearing, kinematics))
-    scale = bearing.clearance if rests else speed_of(bearing, kinematics)
-    reach = REACH * bearing.clearance if rests else scale
-    if by_give > 0.0:
-        reach = min(reach, REACH * bearing.clearance / by_give)
+    before = free[first + states_of_pad(part) - 1]
+    # the unknown is the displacement of the pivot, or its rate at the end of the step
+    base, by_displacement, by_velocity = (0.0, 1.0, 0.0) if is_at_rest else (before, b, 1.0)
+    z = before if is_at_rest else 0.0
+    negligible = negligible_force(bearing, speed_of(bearing, kinematics))
+    scale = bearing.clearance if is_at_rest else speed_of(bearing, kinematics)
+    reach = REACH * bearing.clearance if is_at_rest else scale
+    if by_displacement > 0.0:
+        reach = min(reach, REACH * bearing.clearance / by_displacement)
     low, high = -math.inf, math.inf
     is_found = False
     for _ in range(ITERATIONS):
-        put_pivot(bearing, tables, i, base + by_give * z, by_giving * z)
+        set_pivot_displacement(bearing, tables, i, base + by_displacement * z, by_velocity * z)
         search, y, slope, at = _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b)
-        left = -(outwards.conjugate() * at.force).real - k * (base + by_give * z)
-        if is_found or abs(left) <= none:
+        residual = -(outwards.conjugate() * at.force).real - k * (base + by_displacement * z)
+        if is_found or abs(residual) <= negligible:
             break
-        by = _by_give(at, search, slope, outwards, by_give, by_giving)
-        steep = (outwards.conjugate() * by).real - k * by_give
-        ahead, low, high, reach = ahead_of(z, left, steep, low, high, reach, scale)
+        by = _by_pivot(at, search, slope, outwards, by_displacement, by_velocity)
+        slope_of_pivot = (outwards.conjugate() * by).real - k * by_displacement
+        ahead, low, high, reach = next_iterate(z, residual, slope_of_pivot, low, high, reach, scale)
         is_found = abs(ahead - z) <= CONVERGED * scale
         z = ahead
-    return Followed(search, y, slope, at, base + by_give * z, by_giving * z)
+    return PadMotion(search, y, slope, at, base + by_displacement * z, by_velocity * z)
 
 
 @jit
-def _pair_of(part, bearing, tables, i, pad, by_d, by_v, by_give, by_giving):
+def _tangent_of_pad(part, bearing, tables, i, pad, by_d, by_v, by_displacement, by_velocity):
     """Return the pair p, q of a pad's force for `Weights` of displacement and velocity."""
     p, q = following(pad.at, pad.search, pad.slope, by_d, by_v)
     k = part.pivot_stiffness
     if k > 0.0:
         outwards = across_of(bearing, tables, i) * -1j
         back = outwards.conjugate()
-        by = _by_give(pad.at, pad.search, pad.slope, outwards, by_give, by_giving)
-        steep = (back * by).real - k * by_give
-        if steep < 0.0:
+        by = _by_pivot(pad.at, pad.search, pad.slope, outwards, by_displacement, by_velocity)
+        slope_of_pivot = (back * by).real - k * by_displacement
+        if slope_of_pivot < 0.0:
             g = outwards * p.conjugate() + back * q
-            by *= 0.5 / steep
+            by *= 0.5 / slope_of_pivot
             p -= by * g.conjugate()
             q -= by * g
     return p, q
 
 
 @jit_not_inlined
-def put_pads(part, bearing, tables, kinematics, internal_state):
-    """Put pads that tilt where they are, each at the rate at which it does."""
+def set_pads(part, bearing, tables, kinematics, internal_state):
+    """Move tilting pads to their states, each with its rate."""
     if part.tilting == 0.0:
         return
     for i in range(pad_count(bearing, tables)):
         if part.pad_inertia > 0.0 and part.pivot_stiffness == 0.0:
-            put(bearing, tables, i, internal_state[2 * i], internal_state[2 * i + 1])
+            set_tilt(bearing, tables, i, internal_state[2 * i], internal_state[2 * i + 1])
         else:
-            _follow(part, bearing, tables, kinematics, i, internal_state, 0.0)
+            _pad_motion(part, bearing, tables, kinematics, i, internal_state, 0.0)
 
 
 @jit_not_inlined
-def put_pads_still(part, bearing, tables, internal_state):
-    """Put pads that tilt where they are, as if they did not move."""
+def set_pads_at_rest(part, bearing, tables, internal_state):
+    """Move tilting pads to their states, without rates."""
     if part.tilting == 0.0:
         return
     stride = states_of_pad(part)
     for i in range(pad_count(bearing, tables)):
-        put(bearing, tables, i, internal_state[stride * i], 0.0)
+        set_tilt(bearing, tables, i, internal_state[stride * i], 0.0)
         if part.pivot_stiffness > 0.0:
-            put_pivot(bearing, tables, i, internal_state[stride * (i + 1) - 1], 0.0)
+            set_pivot_displacement(bearing, tables, i, internal_state[stride * (i + 1) - 1], 0.0)
 
 
 @jit_not_inlined
 def pads_tangent(part, bearing, tables, kinematics, weights, free, internal_state):
-    """Implement `tangent` of a law (see `parts.law`) for pads that tilt."""
+    """Return force and tangent of tilting pads: their `Law.tangent`."""
     b = weights.rate
-    rests = kinematics.sliding_speed == 0.0 and b == 0.0
-    by_give, by_giving = (1.0, 0.0) if rests else (b, 1.0)
+    is_at_rest = kinematics.sliding_speed == 0.0 and b == 0.0
+    by_displacement, by_velocity = (1.0, 0.0) if is_at_rest else (b, 1.0)
     force = p = q = 0.0j
     for i in range(pad_count(bearing, tables)):
-        pad = _follow(part, bearing, tables, kinematics, i, free, math.inf if rests else b)
-        _keep(part, i, pad, internal_state)
+        pad = _pad_motion(part, bearing, tables, kinematics, i, free, math.inf if is_at_rest else b)
+        _store_pad(part, i, pad, internal_state)
         force += pad.at.force
-        p_pad, q_pad = _pair_of(
+        p_pad, q_pad = _tangent_of_pad(
             *(part, bearing, tables, i, pad),
-            *(weights.displacement, weights.velocity, by_give, by_giving),
+            *(weights.displacement, weights.velocity, by_displacement, by_velocity),
         )
         p += p_pad
         q += q_pad
@@ -229,26 +230,26 @@ def pads_tangent(part, bearing, tables, kinematics, weights, free, internal_stat
 
 
 @jit
-def _keep(part, i, pad, internal_state):
+def _store_pad(part, i, pad, internal_state):
     """Fill in the states of a pad."""
     stride, search = states_of_pad(part), pad.search
     internal_state[stride * i] = search.tilt + search.by_tilt * pad.y
     if part.pad_inertia > 0.0:
         internal_state[stride * i + 1] = search.rate + search.by_rate * pad.y
     if part.pivot_stiffness > 0.0:
-        internal_state[stride * (i + 1) - 1] = pad.give
+        internal_state[stride * (i + 1) - 1] = pad.pivot_displacement
 
 
 @jit_not_inlined
 def pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_state):
-    """Implement `vibrate` of a law (see `parts.law`) for pads that tilt."""
+    """Return force and tangents of vibrating tilting pads: their `Law.vibrate`."""
     still = Kinematics(
         kinematics.displacement, 0.0j, kinematics.speed, kinematics.sliding_speed, 0.0
     )
     force = p_d = q_d = p_v = q_v = 0.0j
     for i in range(pad_count(bearing, tables)):
-        pad = _follow(part, bearing, tables, still, i, free, math.inf)
-        _keep(part, i, pad, internal_state)
+        pad = _pad_motion(part, bearing, tables, still, i, free, math.inf)
+        _store_pad(part, i, pad, internal_state)
         force += pad.at.force
         by = vibrating(pad.at, _mass(part), frequency)
         if part.pivot_stiffness > 0.0:
@@ -263,22 +264,22 @@ def pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_st
 
 @jit_not_inlined
 def rates_of_pads(part, bearing, tables, kinematics, internal_state, out):
-    """Implement `rates` of a law (see `parts.law`) for pads that tilt."""
+    """Fill in the rates of tilting pads: their `Law.rates`."""
     stride = states_of_pad(part)
     for i in range(pad_count(bearing, tables)):
-        pad = _follow(part, bearing, tables, kinematics, i, internal_state, 0.0)
+        pad = _pad_motion(part, bearing, tables, kinematics, i, internal_state, 0.0)
         if part.pad_inertia > 0.0:
             out[stride * i] = internal_state[stride * i + 1]
             out[stride * i + 1] = pad.at.moment / _mass(part)
         else:
             out[stride * i] = pad.y
         if part.pivot_stiffness > 0.0:
-            out[stride * (i + 1) - 1] = pad.giving
+            out[stride * (i + 1) - 1] = pad.pivot_velocity
 
 
 @jit
 def energy_of_pads(part, bearing, tables, internal_state):
-    """Return the energy of pads that tilt, kinetic and elastic of their pivots [J]."""
+    """Return the energy of tilting pads, kinetic and elastic of their pivots [J]."""
     energy = 0.0
     if part.tilting > 0.0 and (part.pad_inertia > 0.0 or part.pivot_stiffness > 0.0):
         stride = states_of_pad(part)
@@ -287,6 +288,6 @@ def energy_of_pads(part, bearing, tables, internal_state):
                 rate = internal_state[stride * i + 1]
                 energy += 0.5 * _mass(part) * rate * rate
             if part.pivot_stiffness > 0.0:
-                give = internal_state[stride * (i + 1) - 1]
-                energy += 0.5 * part.pivot_stiffness * give * give
+                pivot_displacement = internal_state[stride * (i + 1) - 1]
+                energy += 0.5 * part.pivot_stiffness * pivot_displacement * pivot_displacement
     return energy

@@ -8,10 +8,10 @@ and the friction force T that brakes the journal drives the race against its dra
 
     J w' = (R + clearance) T - drag w / sqrt(w^2 + w_s^2) - damping w
 
-Its own states are w and the elongation of the spring by which the journal may stick to the race
-(`contact.rubbing`). Over a step w = free + b w' is one equation in w. Its left side less its right
-rises with w (friction falls with it, drag rises), and the largest friction gives bounds of its
-root: Newton, kept between them.
+Its states are w and the elongation of the spring by which the journal may stick to the race
+(`contact.rubbing`). Over a step w = free + b w' is one equation in w. Its residual rises with w
+(friction falls with it, drag rises), and the largest friction bounds its root: Newton's method,
+kept between the bounds.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ def _race_speed(part, pressure, sliding, b, free, guess, free_z):
         return free
     radius = _radius(part)
     largest = per * (radius * pressure * (part.mu + part.mu_rise) + part.race_drag)
-    held = 1.0 / (1.0 + per * part.race_damping)
-    low, high = (free - largest) * held, (free + largest) * held
+    factor = 1.0 / (1.0 + per * part.race_damping)
+    low, high = (free - largest) * factor, (free + largest) * factor
     w = min(high, max(low, guess))
     for _ in range(_ITERATIONS):
         rubs = rub(part, pressure, sliding - radius * w, b, free_z)
@@ -123,13 +123,11 @@ def _rubbing(part, kinematics, internal_state):
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     return _rubbing(part, kinematics, internal_state).force
 
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """Implement this function of a law; see `parts.law`."""
     at, b = touch(part, kinematics), weights.rate
     free_w, free_z, guess = free[_STATE.race], free[_STATE.elongation], internal_state[_STATE.race]
     if at.penetration <= 0.0 or at.normal <= 0.0:
@@ -148,14 +146,13 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
     # the race follows a change dT of the friction by dw = b / J R dT / (1 + b / J drag')
     per = b / part.race_inertia
     follows = radius * per / (1.0 + per * _drag(part, w)[1])
-    give = 1.0 / max(1e-3, 1.0 + pressure * rubs.by_sliding * radius * follows)
-    p, q = contact_tangent(at, rubs, give, weights)
+    friction_share = 1.0 / max(1e-3, 1.0 + pressure * rubs.by_sliding * radius * follows)
+    p, q = contact_tangent(at, rubs, friction_share, weights)
     return -complex(pressure, rubs.coefficient * pressure) * normal * at.direction, p, q
 
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     friction = _rubbing(part, kinematics, internal_state).friction
     drag = _drag(part, internal_state[_STATE.race])[0]
     out[_STATE.race] = (_radius(part) * friction - drag) / part.race_inertia
@@ -164,7 +161,6 @@ def _rates(part, tables, kinematics, internal_state, out):
 
 @jit
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law (see `parts.law`): contact, race."""
     elastic = compression(part, displacement) + stretched(part, internal_state[_STATE.elongation])
     return elastic, 0.5 * part.race_inertia * internal_state[_STATE.race] * internal_state[
         _STATE.race
@@ -173,7 +169,6 @@ def _energy(part, tables, displacement, internal_state):
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law (see `parts.law`): contact damping, friction, drag."""
     contact = _rubbing(part, kinematics, internal_state)
     w, z = internal_state[_STATE.race], internal_state[_STATE.elongation]
     spring = part.k_t * z * stretching(part, contact.friction, z)
@@ -185,7 +180,6 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    """Implement this function of a law; see `parts.law`."""
     contact = _rubbing(part, kinematics, internal_state)
     observe_contact(kinematics.displacement, contact, out)
     out[_OUT.race] = internal_state[_STATE.race]
@@ -214,7 +208,7 @@ TOUCHDOWN_BEARING = Law(
 
 @dataclass(frozen=True, kw_only=True)
 class TouchdownBearing(TouchdownQuantities, ClearanceContact):
-    """A touchdown (auxiliary, backup) bearing; its race stands still at the start."""
+    """A touchdown (auxiliary, backup) bearing; its race is at rest at the start."""
 
     KIND: ClassVar[str] = "touchdown_bearing"
     TEXT: ClassVar[str] = "a journal in the clearance of a race that is turned by friction"

@@ -23,5 +23,5 @@ class Unbalance(of.Part):
     phase: float = quantity("rad", "angle of the unbalance", ANY, 0.0, is_tunable=True)
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
-        """One unbalance."""
-        yield of.Unbalance(self.node, 1.0, 0.0, self.amount, self.phase)
+        """Yield one unbalance."""
+        yield of.UnbalanceElement(self.node, 1.0, 0.0, self.amount, self.phase)

@@ -1,13 +1,13 @@
-"""Continuation of a curve of solutions R(x, lambda) = 0 by its arclength (Keller 1977).
+"""Pseudo-arclength continuation of a curve of solutions R(x, lambda) = 0 (Keller 1977).
 
-The length of a step is measured in (x, (lambda - lambda_0) / scale). The predictor goes along the
-tangent, bent as the curve was in the last step, or along the tangent beyond where it jumps (a
-corner of a force law); Newton's method corrects at right angles to it.
+Step lengths are measured in (x, (lambda - lambda_0) / scale). The predictor goes along the tangent,
+bent as the curve was in the last step, or along the tangent on the other side of a corner, where
+the force law makes it jump; Newton's method corrects at right angles to it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple, Protocol
@@ -17,117 +17,124 @@ import numpy as np
 from ..quantities import QuantityError
 
 TOLERANCE = 1e-9  # of Newton's last correction, where equations are as exact as that
-_SLOW = 0.3  # of the last correction: beyond, a correction is damped
-_ITERATIONS, _AIM = 12, 4
-_LEAST_SHARE, _ROUNDING = 1e-3, 1e-9  # of a damped correction; residuals that are rounding
-_LEAST_AHEAD = 0.05  # of a damped correction after a predictor, which a shorter step spares
-_SMALL, _MARGIN = 1e-4, 10.0  # a correction after which the next is foretold, with a margin
+_SLOW_CONVERGENCE = 0.3  # of the last correction: beyond, a correction is damped
+_ITERATIONS, _DESIRED_ITERATIONS = 12, 4
+_LEAST_DAMPING = 1e-3  # factor of a correction
+_ROUNDING_RESIDUAL = 1e-9  # a smaller residual is rounding
+_LEAST_DAMPING_AHEAD = 0.05  # of a damped correction after a predictor, which a shorter step spares
+_SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is predicted, with a margin
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
-_TURN = 0.9  # least cosine of two tangents one after another
+_LEAST_COSINE = 0.9  # least cosine of two tangents one after another
 _GROW, _SHRINK = 1.5, 0.5
-_FARTHEST = 2.0  # of a step: how far the next point of a curve may be
+_LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
 
 
 class Equations(Protocol):
-    """What is solved at a value of lambda; tolerance: of the last correction, in the units of x;
-    damped_beyond: corrections of what size are damped if they do not shrink."""
+    """Equations to be solved at a value of lambda; tolerance: of Newton's last correction, in the
+    units of x; damped_beyond: size of the corrections beyond which they are damped if they do not
+    shrink."""
 
     tolerance: float
     damped_beyond: float
 
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
-        """What the equations lack."""
+        """Return the residual of the equations."""
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
-        """Residual and its derivative by x."""
+        """Return the residual and the Jacobian."""
 
 
-class Continued(Equations, Protocol):
-    """What is continued in lambda."""
+class ContinuationEquations(Equations, Protocol):
+    """Equations whose solutions are continued in lambda."""
 
-    def evaluate(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Residual, its derivative by x, and by lambda over its scale."""
+    def linearized_with_parameter(
+        self, x: np.ndarray, value: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the residual, the Jacobian, and the derivative with respect to lambda over its
+        scale."""
 
 
 @dataclass(frozen=True)
-class Steps:
-    """Lengths of steps: first, least and most; how many points at most."""
+class ContinuationSteps:
+    """Step lengths of a continuation (initial, shortest, longest) and the largest number of
+    points."""
 
-    first: float = 0.02
-    least: float = 1e-6
-    most: float = 0.05
-    points: int = 2000
+    initial: float = 0.02
+    shortest: float = 1e-6
+    longest: float = 0.05
+    max_points: int = 2000
 
 
-class Point(NamedTuple):
-    """A point of a curve: unknowns, lambda, the unit tangent by x and by lambda over its scale,
-    Newton's corrections on the way to it, and by how much the tangent turned per length on that
-    way, shape (n + 1,), or (0,) where it is not known."""
+class CurvePoint(NamedTuple):
+    """A point of a curve: unknowns, lambda, the components of the unit tangent in x and in lambda
+    over its scale, Newton's corrections on the way to the point, and the change of the tangent per
+    length on that way, shape (n + 1,), or (0,) where it is not known."""
 
     x: np.ndarray
     value: float
     tangent: np.ndarray
-    by_value: float
+    tangent_value: float
     corrections: tuple[float, ...] = ()
-    bend: np.ndarray = np.zeros(0)
+    curvature: np.ndarray = np.zeros(0)
 
     @property
     def direction(self) -> np.ndarray:
-        """The tangent by the unknowns and by lambda over its scale."""
-        return np.append(self.tangent, self.by_value)
+        """The unit tangent, its component in lambda over its scale last."""
+        return np.append(self.tangent, self.tangent_value)
 
 
-class Lost(RuntimeError):
-    """A corrector that does not converge; `corrections` says how it went."""
+class NotConverged(RuntimeError):
+    """Newton's method did not converge; corrections: the sizes of its corrections."""
 
-    def __init__(self, corrections: list[float]) -> None:
+    def __init__(self, corrections: Sequence[float] = ()) -> None:
         self.corrections = corrections
         super().__init__("Newton's method does not converge")
 
 
 def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
-    """The unknowns at a fixed lambda, by Newton's method, damped; raises `Lost`."""
+    """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`."""
     x, corrections = x.copy(), []
     for _ in range(iterations):
         residual, jacobian = equations.linearized(x, value)
-        step = -_solved(jacobian, residual)
+        step = -_solve_linear(jacobian, residual)
         size = float(np.linalg.norm(step))
         if not np.isfinite(size):
             break
         limit = 0.5 * (1.0 + float(np.linalg.norm(x)))
         most = min(1.0, limit / size) if size > 0 else 1.0
-        relax = _relaxed(equations, residual, x, value, step, 0.0, most)
-        corrections.append(relax * size)
-        x += relax * step
+        damping = _damping_factor(equations, residual, x, value, step, 0.0, most)
+        corrections.append(damping * size)
+        x += damping * step
         if size <= equations.tolerance * (1.0 + np.linalg.norm(x)):
             return x
-    raise Lost(corrections)
+    raise NotConverged(corrections)
 
 
-def _relaxed(
+def _damping_factor(
     equations: Equations,
     residual: np.ndarray,
     x: np.ndarray,
     value: float,
     step: np.ndarray,
-    of_value: float,
-    relax: float,
-    least: float = _LEAST_SHARE,
+    value_step: float,
+    damping: float,
+    smallest: float = _LEAST_DAMPING,
 ) -> float:
-    """Share of a correction of x and of lambda after which the residual is smaller (Armijo), or the
-    least tried."""
+    """Return the factor for a correction of x and lambda with which the residual decreases
+    (Armijo's rule), or the smallest one tried."""
     size = float(np.linalg.norm(residual))
-    while relax > least:
-        ahead = equations.residual(x + relax * step, value + relax * of_value)
+    while damping > smallest:
+        ahead = equations.residual(x + damping * step, value + damping * value_step)
         left = float(np.linalg.norm(ahead))
-        if left <= (1.0 - 0.1 * relax) * size or size < _ROUNDING:
+        if left <= (1.0 - 0.1 * damping) * size or size < _ROUNDING_RESIDUAL:
             break
-        relax *= 0.5
-    return relax
+        damping *= 0.5
+    return damping
 
 
-def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The least solution, where a matrix is singular to rounding."""
+def _solve_linear(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the solution of a linear system, the least-squares one if the matrix is singular to
+    rounding."""
     try:
         result = np.linalg.solve(matrix, right)
         if np.isfinite(result).all() and np.abs(result).max(initial=0.0) < 1e12:
@@ -137,10 +144,10 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
 
 
-def _next(corrections: list[float]) -> float:
-    """How large the next correction would be, if the last ones converge quadratically, with a
-    margin; the last one itself if they do not."""
-    if len(corrections) < 2 or corrections[-1] > _SMALL:
+def _predicted_correction(corrections: list[float]) -> float:
+    """Return the predicted size of the next correction, with a margin, if the last ones converge
+    quadratically, otherwise the size of the last one."""
+    if len(corrections) < 2 or corrections[-1] > _SMALL_CORRECTION:
         return corrections[-1]
     last = corrections[-3:]
     rate = max(after / (before * before) for before, after in pairwise(last) if before > 0)
@@ -148,83 +155,90 @@ def _next(corrections: list[float]) -> float:
     return min(last[-1], _MARGIN * rate * last[-1] ** 2) if is_shrinking else last[-1]
 
 
-def begin(equations: Continued, x: np.ndarray, value: float, direction: float) -> Point:
-    """The point at unknowns that solve the equations, its tangent towards larger (1) or smaller
-    (-1) lambda."""
-    _, jacobian, by = equations.evaluate(x, value)
-    tangent = np.append(-_solved(jacobian, by), 1.0)
+def with_tangent(
+    equations: ContinuationEquations, x: np.ndarray, value: float, direction: float
+) -> CurvePoint:
+    """Return the point at unknowns that solve the equations, its tangent towards larger (direction
+    1) or smaller (-1) lambda."""
+    _, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
+    tangent = np.append(-_solve_linear(jacobian, by_parameter), 1.0)
     tangent *= direction / np.linalg.norm(tangent)
-    return Point(x, value, tangent[:-1], float(tangent[-1]))
+    return CurvePoint(x, value, tangent[:-1], float(tangent[-1]))
 
 
 def correct(
-    equations: Continued,
+    equations: ContinuationEquations,
     x: np.ndarray,
     value: float,
     plane: np.ndarray,
     scale: float,
     before: np.ndarray,
     iterations: int = _ITERATIONS,
-) -> Point:
-    """Newton's method at right angles to `plane`; the tangent is that which goes on from `before`.
-    Raises `Lost`, also where it leads to a value that no machine can have."""
+) -> CurvePoint:
+    """Return the point that Newton's method finds at right angles to `plane`; its tangent continues
+    in the direction of `before`. Raises `NotConverged`, also where the iteration leads to a value
+    that no machine can have."""
     try:
-        return _corrected(equations, x, value, plane, scale, before, iterations)
+        return _newton_in_plane(equations, x, value, plane, scale, before, iterations)
     except QuantityError as error:
-        raise Lost([]) from error
+        raise NotConverged() from error
 
 
-def _corrected(
-    equations: Continued,
+def _newton_in_plane(
+    equations: ContinuationEquations,
     x: np.ndarray,
     value: float,
     plane: np.ndarray,
     scale: float,
     before: np.ndarray,
     iterations: int,
-) -> Point:
-    """Newton's method at right angles to a plane."""
+) -> CurvePoint:
+    """Return the point that Newton's method finds at right angles to a plane."""
     x, corrections = x.copy(), []
     n = len(x)
     bordered = np.zeros((n + 1, n + 1))
     right = np.zeros((n + 1, 2))
     limit = _LARGEST_CHANGE * (1.0 + float(np.linalg.norm(x)))
     for _ in range(iterations):
-        residual, jacobian, by = equations.evaluate(x, value)
-        bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by, plane
+        residual, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
+        bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_parameter, plane
         right[:n, 0], right[n, 1] = -residual, 1.0
-        step, tangent = _solved(bordered, right).T
+        step, tangent = _solve_linear(bordered, right).T
         size = float(np.linalg.norm(step))
         corrections.append(size)
         if not size < limit:
             break
-        relax = 1.0
-        if len(corrections) > 1 and size > max(_SLOW * corrections[-2], equations.damped_beyond):
-            relax = _relaxed(
-                equations, residual, x, value, step[:n], scale * step[n], 1.0, _LEAST_AHEAD
+        damping = 1.0
+        if len(corrections) > 1 and size > max(
+            _SLOW_CONVERGENCE * corrections[-2], equations.damped_beyond
+        ):
+            damping = _damping_factor(
+                equations, residual, x, value, step[:n], scale * step[n], 1.0, _LEAST_DAMPING_AHEAD
             )
-            if relax < _LEAST_AHEAD:
+            if damping < _LEAST_DAMPING_AHEAD:
                 break
-        x += relax * step[:n]
-        value += scale * relax * step[n]
+        x += damping * step[:n]
+        value += scale * damping * step[n]
         of_x = 1.0 + float(np.linalg.norm(x))
-        if relax == 1.0 and _next(corrections) <= equations.tolerance * of_x:
+        if damping == 1.0 and _predicted_correction(corrections) <= equations.tolerance * of_x:
             tangent = tangent / np.linalg.norm(tangent)
             if tangent @ before < 0:
                 tangent = -tangent
-            return Point(x, float(value), tangent[:n], float(tangent[n]), tuple(corrections))
-    raise Lost(corrections)
+            return CurvePoint(x, float(value), tangent[:n], float(tangent[n]), tuple(corrections))
+    raise NotConverged(corrections)
 
 
-def onward(equations: Continued, point: Point, length: float, scale: float) -> Point:
-    """The point a step along the tangent away; raises `Lost`."""
-    plane = way = point.direction
-    if len(point.bend):
-        way = plane + 0.5 * length * point.bend
+def step_along(
+    equations: ContinuationEquations, point: CurvePoint, length: float, scale: float
+) -> CurvePoint:
+    """Return the point one step along the tangent away; raises `NotConverged`."""
+    plane = predictor = point.direction
+    if len(point.curvature):
+        predictor = plane + 0.5 * length * point.curvature
     return correct(
         equations,
-        point.x + length * way[:-1],
-        point.value + length * scale * way[-1],
+        point.x + length * predictor[:-1],
+        point.value + length * scale * predictor[-1],
         plane,
         scale,
         plane,
@@ -232,68 +246,78 @@ def onward(equations: Continued, point: Point, length: float, scale: float) -> P
 
 
 def trace(
-    equations: Continued, start: Point, scale: float, low: float, high: float, steps: Steps
-) -> Generator[tuple[Point, float], tuple[Continued, Point] | None, None]:
-    """Points of the curve from `start` on, each with the length of the next step, until lambda
-    leaves [low, high]: the last point is at that end. Raises `Lost` where no step is short enough.
+    equations: ContinuationEquations,
+    start: CurvePoint,
+    scale: float,
+    low: float,
+    high: float,
+    steps: ContinuationSteps,
+) -> Generator[tuple[CurvePoint, float], tuple[ContinuationEquations, CurvePoint] | None, None]:
+    """Yield the points of the curve from `start` on, each with the length of the next step, until
+    lambda leaves [low, high]; the last point lies at that end. Raises `NotConverged` where no step
+    is short enough.
 
-    What is sent in, (equations, point), takes the place of the equations and of the last point:
-    with other harmonics.
+    A pair (equations, point) that is sent in replaces the equations and the last point, so that the
+    number of harmonics can change on the way.
     """
-    point, length = start, steps.first
-    for _ in range(steps.points):
+    point, length = start, steps.initial
+    for _ in range(steps.max_points):
         try:
-            ahead = point.value + length * scale * point.by_value
+            ahead = point.value + length * scale * point.tangent_value
             if not low <= ahead <= high:
                 end = low if ahead < low else high
                 if point.value == end:
                     return
-                share = (end - point.value) / (scale * point.by_value)
-                yield _at_end(equations, point, share, end), length
+                share = (end - point.value) / (scale * point.tangent_value)
+                yield _end_point(equations, point, share, end), length
                 return
-            result = onward(equations, point, length, scale)
-            turned = float(result.tangent @ point.tangent + result.by_value * point.by_value)
+            result = step_along(equations, point, length, scale)
+            cosine = float(
+                result.tangent @ point.tangent + result.tangent_value * point.tangent_value
+            )
             if not low <= result.value <= high:
-                raise Lost(list(result.corrections))
-            moved = np.append(result.x - point.x, (result.value - point.value) / scale)
-            way = float(np.linalg.norm(moved))
-            if way > _FARTHEST * length:  # another branch
-                raise Lost(list(result.corrections))
-            if turned < _TURN and length > 64 * steps.least:
-                raise Lost(list(result.corrections))
-            if turned >= _TURN and way > 0:
-                result = result._replace(bend=(result.direction - point.direction) / way)
-        except Lost as error:
+                raise NotConverged(result.corrections)
+            chord = np.append(result.x - point.x, (result.value - point.value) / scale)
+            distance = float(np.linalg.norm(chord))
+            if distance > _LARGEST_DISTANCE * length:  # another branch
+                raise NotConverged(result.corrections)
+            if cosine < _LEAST_COSINE and length > 64 * steps.shortest:
+                raise NotConverged(result.corrections)
+            if cosine >= _LEAST_COSINE and distance > 0:
+                result = result._replace(curvature=(result.direction - point.direction) / distance)
+        except NotConverged as error:
             length *= _SHRINK
-            if length >= steps.least:
+            if length >= steps.shortest:
                 continue
-            corner = _around_corner(equations, point, steps, scale)
+            corner = _beyond_corner(equations, point, steps, scale)
             if corner is None:
-                raise Lost(error.corrections) from None
-            result, length = corner, 16 * steps.least
+                raise NotConverged(error.corrections) from None
+            result, length = corner, 16 * steps.shortest
         of_x = 1.0 + float(np.linalg.norm(result.x))
-        # one that was foretold counts
+        # a correction that was predicted rather than computed counts as one
         iterations = len(result.corrections) + (result.corrections[-1] > equations.tolerance * of_x)
-        if iterations < _AIM:
+        if iterations < _DESIRED_ITERATIONS:
             length *= _GROW
-        elif iterations > _AIM + 1:
+        elif iterations > _DESIRED_ITERATIONS + 1:
             length *= 0.7
-        length = min(length, steps.most)
+        length = min(length, steps.longest)
         point = result
-        taken = yield point, length
-        if taken is not None:
-            equations, point = taken
+        replacement = yield point, length
+        if replacement is not None:
+            equations, point = replacement
 
 
-def _around_corner(equations: Continued, point: Point, steps: Steps, scale: float) -> Point | None:
-    """A point beyond a corner of the curve, where its tangent jumps: in the tangent's direction a
-    little way on, where the forces are others; None where there is none."""
+def _beyond_corner(
+    equations: ContinuationEquations, point: CurvePoint, steps: ContinuationSteps, scale: float
+) -> CurvePoint | None:
+    """Return a point beyond a corner of the curve, a short way along the tangent that holds on the
+    other side of the corner, or None if there is no such point."""
     plane = point.direction
-    for length in (4 * steps.least, 64 * steps.least, 1e3 * steps.least):
+    for length in (4 * steps.shortest, 64 * steps.shortest, 1e3 * steps.shortest):
         x = point.x + length * point.tangent
-        value = point.value + length * scale * point.by_value
-        _, jacobian, by = equations.evaluate(x, value)
-        beyond = np.append(-_solved(jacobian, by), 1.0)
+        value = point.value + length * scale * point.tangent_value
+        _, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
+        beyond = np.append(-_solve_linear(jacobian, by_parameter), 1.0)
         beyond /= np.linalg.norm(beyond)
         for direction in (beyond, -beyond):
             try:
@@ -305,17 +329,20 @@ def _around_corner(equations: Continued, point: Point, steps: Steps, scale: floa
                     scale,
                     direction,
                 )
-            except Lost:
+            except NotConverged:
                 continue
-            moved = np.append(result.x - point.x, (result.value - point.value) / scale)
-            if moved @ plane > 0.05 * np.linalg.norm(moved) > 0:
+            chord = np.append(result.x - point.x, (result.value - point.value) / scale)
+            if chord @ plane > 0.05 * np.linalg.norm(chord) > 0:
                 return result
     return None
 
 
-def _at_end(equations: Continued, point: Point, length: float, value: float) -> Point:
-    """The point at an end, about so long a step away; raises `Lost`."""
+def _end_point(
+    equations: ContinuationEquations, point: CurvePoint, length: float, value: float
+) -> CurvePoint:
+    """Return the point at an end of the range, about one step length away; raises
+    `NotConverged`."""
     x = solve(equations, point.x + length * point.tangent, value, _ITERATIONS)
     if np.linalg.norm(x - point.x) > 3.0 * length + equations.tolerance:
-        raise Lost([])
+        raise NotConverged()
     return point._replace(x=x, value=value)

@@ -1,9 +1,9 @@
-"""A branch of periodic motions: continued, with as many harmonics as it needs, its stability, and
-the bifurcations on it located.
+"""A branch of periodic motions: continued with as many harmonics as needed, with its stability and
+its bifurcations.
 
-A fold is where the curve turns in the parameter; elsewhere the number of Floquet multipliers beyond
-the unit circle changes: at -1 the period doubles, a pair makes a torus (Neimark and Sacker), at +1
-another branch passes through.
+At a fold the curve turns in the parameter. At other bifurcations Floquet multipliers cross the unit
+circle: at -1 the period doubles, a complex pair begins a torus (Neimark-Sacker), at +1 another
+branch passes through.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from . import arclength
-from .arclength import Lost, Point, Steps
-from .balance import Orbit, Problem, last_share
+from .arclength import ContinuationSteps, CurvePoint, NotConverged
+from .balance import HarmonicBalance, Orbit, last_share
 from .floquet import multipliers
 from .fourier import amplitudes
-from .harmonic_count import Accuracy, refined
-from .method_switch import Motions, fitted, shot
+from .harmonic_count import Accuracy, with_enough_harmonics
+from .method_switch import PeriodicEquations, as_shooting, suitable_equations
 from .shooting import Shooting
 
 BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
@@ -33,20 +33,20 @@ BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
 )
 CLOSED = "the branch is closed"
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
-_VERTICAL = 0.05  # of the curve's direction along the parameter: a fold is near
-_DOUBLE = 1e-2  # how far from 1 two multipliers there are, which rounding parts
-_LOCATED = 40  # evaluations of a test function at most
-_CLOSED = 0.5  # of a step: how near a branch has come to its start
-_PATIENCE = 4  # so many short steps with too few harmonics, and a whirl is not followed further
+_VERTICAL = 0.05  # a smaller component of the tangent along the parameter: a fold is near
+_NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier
+_EVALUATIONS = 40  # evaluations of a test function at most
+_NEAR_START = 0.5  # share of a step: the branch has come back to its start
+_COARSE_STEPS = 4  # short steps with too few harmonics after which a whirl is not followed
 
-Walk = Generator[tuple[Point, float], tuple[Motions, Point] | None, None]
+CurveTrace = Generator[tuple[CurvePoint, float], tuple[PeriodicEquations, CurvePoint] | None, None]
 
 
 class Solution(NamedTuple):
     """A point of a branch: value of the parameter, the orbit, complex amplitudes of all dofs, x and
-    y in turn, shape (H + 1, 2 size) [m, rad], multipliers, the largest first (of an autonomous
-    motion without the one that is 1), whether it is stable, share of the highest harmonics,
-    Newton's corrections."""
+    y in turn, shape (H + 1, 2 size) [m, rad], Floquet multipliers, the largest first (for a
+    self-excited motion without the trivial one), whether the motion is stable, relative amplitude
+    of the highest harmonics, Newton's corrections."""
 
     value: float
     orbit: Orbit
@@ -58,9 +58,9 @@ class Solution(NamedTuple):
 
 
 class Bifurcation(NamedTuple):
-    """Where a branch changes: its kind, the value of the parameter, the orbit there, the multiplier
-    that crosses the unit circle (nan at grazing, where it jumps, and where none were computed), and
-    behind which point of the branch."""
+    """A bifurcation: its kind, value of the parameter, orbit, multiplier that crosses the unit
+    circle (nan at grazing, where it jumps, and where multipliers are not computed), and the index
+    of the branch point before it."""
 
     kind: str
     value: float
@@ -69,42 +69,45 @@ class Bifurcation(NamedTuple):
     behind: int
 
     def is_pair_of(self, other: Bifurcation) -> bool:
-        """Whether both are of one pair of multipliers."""
+        """Return whether both belong to one complex pair of multipliers."""
         apart = abs(abs(self.multiplier.imag) - abs(other.multiplier.imag))
         return self.kind == other.kind == TORUS and apart < 1e-3
 
 
 @dataclass
 class Branch:
-    """Points in their order along the curve, bifurcations, and why it ends where it does."""
+    """The points in their order along the curve, the bifurcations, and why the branch ends at
+    either side."""
 
     points: list[Solution] = field(default_factory=list)
     bifurcations: list[Bifurcation] = field(default_factory=list)
     ends: tuple[str, str] = ("", "")
 
 
-def solution(problem: Motions, point: Point, accuracy: Accuracy) -> Solution:
-    """What a point of the curve is as a motion."""
+def solution(problem: PeriodicEquations, point: CurvePoint, accuracy: Accuracy) -> Solution:
+    """Return the motion at a point of the curve."""
     orbit = problem.split(point.x, point.value)
     result = np.zeros(0, complex)
     if accuracy.has_stability:
-        result = crossing(problem, point, orbit)
+        result = stability_multipliers(problem, point, orbit)
     stable = bool(len(result) == 0 or np.abs(result[0]) <= 1.0 + _UNIT)
     share, none = last_share(orbit.b), np.zeros((0, 0))
     made = Solution(point.value, orbit, none, result, stable, share, point.corrections)
     return with_motion(problem, made)
 
 
-def with_motion(problem: Motions, result: Solution) -> Solution:
-    """A solution with the amplitudes of all dofs, which follow from its orbit."""
+def with_motion(problem: PeriodicEquations, result: Solution) -> Solution:
+    """Return the solution with the amplitudes of all dofs, which follow from its orbit."""
     orbit = result.orbit
-    parts = problem.harmonics(result.value, orbit.omega)
+    parts = problem.dynamic_stiffness(result.value, orbit.omega)
     machine = problem.machine_at(result.value)
     return result._replace(motion=machine.expanded(parts, amplitudes(orbit.b)))
 
 
-def crossing(problem: Motions, point: Point, orbit: Orbit) -> np.ndarray:
-    """The multipliers by which stability is judged."""
+def stability_multipliers(
+    problem: PeriodicEquations, point: CurvePoint, orbit: Orbit
+) -> np.ndarray:
+    """Return the multipliers that decide on stability, the largest first."""
     if isinstance(problem, Shooting):
         return problem.multipliers(point.x, point.value)
     values = multipliers(problem.machine_at(point.value), orbit).values
@@ -114,134 +117,149 @@ def crossing(problem: Motions, point: Point, orbit: Orbit) -> np.ndarray:
 
 
 def _is_one(multiplier: complex) -> bool:
-    """Whether a multiplier is 1, as far as two of them there can be told."""
-    return abs(multiplier - 1.0) < _DOUBLE
+    """Return whether a multiplier is 1 within the precision of a double multiplier."""
+    return abs(multiplier - 1.0) < _NEAR_ONE
 
 
-class Place(NamedTuple):
-    """Where on a branch a tracer is, with all that it takes to go on from there: the value about
-    which the equations are scaled, harmonics, 0 of a motion in time, which is gone on with from
-    the last place that has some, the point, the length of the next step, and how many
-    steps in a row were short for want of harmonics."""
+class TracerState(NamedTuple):
+    """What a tracer needs to resume from a point of a branch: the reference value of the equations,
+    the number of harmonics (0 while shooting: it resumes from the last point with harmonics), the
+    point, the length of the next step, and the number of successive steps that were short for want
+    of harmonics."""
 
-    at: float
+    reference: float
     H: int
-    point: Point
+    point: CurvePoint
     length: float
-    short: int = 0
+    coarse_steps: int = 0
 
 
-class Passed(NamedTuple):
-    """A point of a branch, the bifurcations before it, and the tracer's place."""
+class TracedPoint(NamedTuple):
+    """A point of a branch, the bifurcations before it, and the tracer's state."""
 
     solution: Solution
     bifurcations: list[Bifurcation]
-    place: Place
+    state: TracerState
 
 
 class Tracer:
-    """Follows a branch one way from a point, its tangent ahead."""
+    """Follows a branch in one direction from a point."""
 
     def __init__(
         self,
-        problem: Motions,
+        problem: PeriodicEquations,
         low: float,
         high: float,
         *,
-        steps: Steps,
+        steps: ContinuationSteps,
         accuracy: Accuracy,
     ) -> None:
         self.problem, self.low, self.high = problem, low, high
-        self.series = problem.series if isinstance(problem, Shooting) else problem
+        self.balance = problem.balance if isinstance(problem, Shooting) else problem
         self.steps, self.accuracy = steps, accuracy
         self.end = ""
 
-    def follow(self, point: Point) -> Iterator[Passed]:
-        """Points and the bifurcations before each, from the start on; ends with `Lost` where it
-        does not converge."""
+    def follow(self, point: CurvePoint) -> Iterator[TracedPoint]:
+        """Yield the points, each with the bifurcations before it, from the start on; raises
+        `NotConverged` where the branch is lost."""
         problem = self.problem
         problem.fix_phase(point.x)
-        if isinstance(problem, Problem):
+        if isinstance(problem, HarmonicBalance):
             is_end = point.value in (self.low, self.high)
-            problem, point = refined(problem, point, self.accuracy, is_end)
+            problem, point = with_enough_harmonics(problem, point, self.accuracy, is_end)
         last = solution(problem, point, self.accuracy)
-        H = problem.H if isinstance(problem, Problem) else 0
-        place = Place(problem.at, H, point, self.steps.first)
-        yield Passed(last, [], place)
-        yield from self.go_on(place, place, last)
+        H = problem.H if isinstance(problem, HarmonicBalance) else 0
+        state = TracerState(problem.reference, H, point, self.steps.initial)
+        yield TracedPoint(last, [], state)
+        yield from self.resume(state, state, last)
 
-    def go_on(self, start: Place, place: Place, last: Solution) -> Iterator[Passed]:
-        """Further points from a place, at which the motion is `last`; start: the first place of the
-        branch, by which it is seen that it is closed."""
-        accuracy, point = self.accuracy, place.point
-        problem: Motions = self.series.like(place.H, at=place.at) if place.H else self.problem
+    def resume(
+        self, start: TracerState, state: TracerState, last: Solution
+    ) -> Iterator[TracedPoint]:
+        """Yield further points from a state of the tracer, at which the motion is `last`; start:
+        the first state of the branch, with which a closed branch is recognized."""
+        accuracy, point = self.accuracy, state.point
+        problem: PeriodicEquations = (
+            self.balance.modified(state.H, reference=state.reference) if state.H else self.problem
+        )
         problem.fix_phase(point.x)
-        walk = self._walk(problem, point, place.length)
-        step, short = None, place.short
+        trace = self._trace(problem, point, state.length)
+        step, coarse_steps = None, state.coarse_steps
         while True:
             try:
-                if short > (_PATIENCE if problem.is_autonomous else 0):
-                    raise Lost([])
-                step = next(walk) if step is None else walk.send((problem, point))
+                if coarse_steps > (_COARSE_STEPS if problem.is_autonomous else 0):
+                    raise NotConverged()
+                step = next(trace) if step is None else trace.send((problem, point))
             except StopIteration:
                 break
-            except Lost:
-                problem, point = shot(problem, point, last.orbit)
-                walk, step, short = self._walk(problem, point, self.steps.first), None, 0
+            except NotConverged:
+                problem, point = as_shooting(problem, point, last.orbit)
+                trace, step, coarse_steps = self._trace(problem, point, self.steps.initial), None, 0
                 continue
             before, (result, length) = point, step
             now = solution(problem, result, accuracy)
-            passed = self._between(problem, before, result, last, now)
+            bifurcations = self._bifurcations_between(problem, before, result, last, now)
             is_end = result.value in (self.low, self.high)
-            here, point, is_coarse = fitted(problem, result, now.orbit, accuracy, is_end)
+            here, point, is_coarse = suitable_equations(
+                problem, result, now.orbit, accuracy, is_end
+            )
             here.fix_phase(point.x)
             if here is not problem:
                 problem, now = here, solution(here, point, accuracy)
-            short = short + 1 if is_coarse and length < self.steps.first else 0
-            H = problem.H if isinstance(problem, Problem) else 0
-            yield Passed(now, passed, Place(problem.at, H, point, length, short))
+            coarse_steps = coarse_steps + 1 if is_coarse and length < self.steps.initial else 0
+            H = problem.H if isinstance(problem, HarmonicBalance) else 0
+            yield TracedPoint(
+                now, bifurcations, TracerState(problem.reference, H, point, length, coarse_steps)
+            )
             if self._is_closed(problem, start.point, before, point):
                 self.end = CLOSED
                 return
             last = now
         self.end = self._why_ended(point)
 
-    def _walk(self, problem: Motions, point: Point, length: float) -> Walk:
-        steps = replace(self.steps, first=length)
+    def _trace(self, problem: PeriodicEquations, point: CurvePoint, length: float) -> CurveTrace:
+        steps = replace(self.steps, initial=length)
         scale = problem.parameter.scale
         return arclength.trace(problem, point, scale, self.low, self.high, steps)
 
-    def _why_ended(self, point: Point) -> str:
+    def _why_ended(self, point: CurvePoint) -> str:
         inside = self.low < point.value < self.high
-        return f"{self.steps.points} points" if inside else "end of the range"
+        return f"{self.steps.max_points} points" if inside else "end of the range"
 
-    def _is_closed(self, problem: Motions, start: Point, before: Point, point: Point) -> bool:
+    def _is_closed(
+        self, problem: PeriodicEquations, start: CurvePoint, before: CurvePoint, point: CurvePoint
+    ) -> bool:
         if len(start.x) != len(point.x) or len(before.x) != len(point.x):
             return False
         scale = problem.parameter.scale
         step = math.hypot(
             float(np.linalg.norm(point.x - before.x)), (point.value - before.value) / scale
         )
-        way = math.hypot(
+        distance = math.hypot(
             float(np.linalg.norm(point.x - start.x)), (point.value - start.value) / scale
         )
-        same = float(start.tangent @ point.tangent + start.by_value * point.by_value)
-        return 0 < way < _CLOSED * step and same > 0.9 and before.x is not start.x
+        same = float(start.tangent @ point.tangent + start.tangent_value * point.tangent_value)
+        return 0 < distance < _NEAR_START * step and same > 0.9 and before.x is not start.x
 
-    def _between(
-        self, problem: Motions, before: Point, after: Point, last: Solution, now: Solution
+    def _bifurcations_between(
+        self,
+        problem: PeriodicEquations,
+        before: CurvePoint,
+        after: CurvePoint,
+        last: Solution,
+        now: Solution,
     ) -> list[Bifurcation]:
-        """What is passed between two points."""
+        """Return the bifurcations between two points."""
         result = []
-        turns = before.by_value * after.by_value < 0
+        turns = before.tangent_value * after.tangent_value < 0
         if turns:
-            located = self._fold(problem, before, after)
+            located = self._locate_fold(problem, before, after)
             result.append(located)
         if not self.accuracy.has_stability:
             return result
         few, many = sorted(int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now))
         for k in range(few + 1, many + 1):
-            crossed, is_smooth = self._crossing(problem, before, after, k)
+            crossed, is_smooth = self._locate_crossing(problem, before, after, k)
             # where the curve turns in a corner multipliers jump
             is_at_one = crossed and (
                 crossed.kind == BRANCHING or (problem.is_autonomous and _is_one(crossed.multiplier))
@@ -252,18 +270,27 @@ class Tracer:
                 result.append(crossed)
         return result
 
-    def _at(self, problem: Motions, before: Point, length: float) -> Point:
-        return arclength.onward(problem, before, length, problem.parameter.scale)
+    def _point_at(
+        self, problem: PeriodicEquations, before: CurvePoint, length: float
+    ) -> CurvePoint:
+        return arclength.step_along(problem, before, length, problem.parameter.scale)
 
-    def _length(self, problem: Motions, before: Point, after: Point) -> float:
+    def _distance(self, problem: PeriodicEquations, before: CurvePoint, after: CurvePoint) -> float:
         scale = problem.parameter.scale
-        way = after.x - before.x, (after.value - before.value) / scale
-        return float(before.tangent @ way[0] + before.by_value * way[1])
+        distance = after.x - before.x, (after.value - before.value) / scale
+        return float(before.tangent @ distance[0] + before.tangent_value * distance[1])
 
-    def _fold(self, problem: Motions, before: Point, after: Point) -> Bifurcation:
-        """The turn, where the tangent has no part along the parameter."""
-        point, is_smooth = self._root(
-            problem, before, after, lambda p: p.by_value, before.by_value, after.by_value
+    def _locate_fold(
+        self, problem: PeriodicEquations, before: CurvePoint, after: CurvePoint
+    ) -> Bifurcation:
+        """Return the fold, where the tangent has no component along the parameter."""
+        point, is_smooth = self._locate_root(
+            problem,
+            before,
+            after,
+            lambda p: p.tangent_value,
+            before.tangent_value,
+            after.tangent_value,
         )
         kind = FOLD if is_smooth else GRAZING
         multiplier = complex(math.nan)
@@ -272,54 +299,54 @@ class Tracer:
             multiplier = complex(values[np.argmin(np.abs(values - 1.0))])
         return Bifurcation(kind, point.value, problem.split(point.x, point.value), multiplier, -1)
 
-    def _multipliers(self, problem: Motions, point: Point) -> np.ndarray:
-        return crossing(problem, point, problem.split(point.x, point.value))
+    def _multipliers(self, problem: PeriodicEquations, point: CurvePoint) -> np.ndarray:
+        return stability_multipliers(problem, point, problem.split(point.x, point.value))
 
-    def _crossing(
-        self, problem: Motions, before: Point, after: Point, k: int
+    def _locate_crossing(
+        self, problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, k: int
     ) -> tuple[Bifurcation | None, bool]:
-        """Where the k-th largest multiplier crosses the unit circle, and whether it does so
+        """Return where the k-th largest multiplier crosses the unit circle, and whether it crosses
         smoothly."""
 
-        def size(point: Point) -> float:
+        def size(point: CurvePoint) -> float:
             value = self._multipliers(problem, point)[k - 1]
             return math.log(max(abs(value), 1e-300)) - math.log1p(_UNIT)
 
         first, second = size(before), size(after)
         if first * second >= 0:
             return None, True
-        point, is_smooth = self._root(problem, before, after, size, first, second)
+        point, is_smooth = self._locate_root(problem, before, after, size, first, second)
         value = complex(self._multipliers(problem, point)[k - 1])
         real = abs(value.imag) < 1e-6 * abs(value)
         kind = TORUS if not real else DOUBLING if value.real < 0 else BRANCHING
-        steepest = max(abs(before.by_value), abs(after.by_value))
-        if kind == BRANCHING and abs(point.by_value) < _VERTICAL * steepest:
+        steepest = max(abs(before.tangent_value), abs(after.tangent_value))
+        if kind == BRANCHING and abs(point.tangent_value) < _VERTICAL * steepest:
             return None, True  # a fold, in this step or beside it
         orbit = problem.split(point.x, point.value)
         return Bifurcation(kind, point.value, orbit, value, -1), is_smooth
 
-    def _root(
+    def _locate_root(
         self,
-        problem: Motions,
-        before: Point,
-        after: Point,
-        test: Callable[[Point], float],
+        problem: PeriodicEquations,
+        before: CurvePoint,
+        after: CurvePoint,
+        test: Callable[[CurvePoint], float],
         at_before: float,
         at_after: float,
-    ) -> tuple[Point, bool]:
-        """The point where a test function is 0, by the Illinois rule, and whether it is smooth
-        there."""
-        low, high = 0.0, self._length(problem, before, after)
+    ) -> tuple[CurvePoint, bool]:
+        """Return the root of a test function, by the Illinois method, and whether the function is
+        smooth there."""
+        low, high = 0.0, self._distance(problem, before, after)
         f_low, f_high = at_before, at_after
         whole = max(abs(f_low), abs(f_high))
         point, value, width = after, f_high, high
-        for _ in range(_LOCATED):
+        for _ in range(_EVALUATIONS):
             s = (low * f_high - high * f_low) / (f_high - f_low)
             if not low < s < high:
                 s = 0.5 * (low + high)
             try:
-                point = self._at(problem, before, s)
-            except Lost:
+                point = self._point_at(problem, before, s)
+            except NotConverged:
                 break
             value = test(point)
             if abs(value) < 1e-9 * whole or high - low < 1e-9 * width:

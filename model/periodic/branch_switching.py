@@ -1,8 +1,8 @@
-"""Branches that begin at bifurcations of others: at period doublings and branch points.
+"""Branch switching: the branches that begin at period doublings and branch points.
 
-There the Jacobian has a null vector v. The motion a little along it, x_0 + eps v, is corrected at
-right angles to v, and to the branch that is left: of a doubled period v holds but what alternates
-from turn to turn, and the arms along v and -v are one motion, a period apart.
+There the Jacobian has a null vector v. The perturbed motion x_0 + eps v is corrected at right
+angles to v and to the branch that is left. For a period doubling v contains only the harmonics that
+change sign from one period to the next; v and -v lead to the same motion, one period apart.
 """
 
 from __future__ import annotations
@@ -13,58 +13,61 @@ import numpy as np
 
 from ..message_templates import Message
 from . import arclength
-from .arclength import Lost, Point
-from .balance import Orbit, Problem
+from .arclength import CurvePoint, NotConverged
+from .balance import HarmonicBalance, Orbit
 from .branch import BRANCHING, DOUBLING, Bifurcation, Branch
-from .checkpoint import Start, Started
-from .continuation import Search, follow, is_known, start_along
+from .checkpoint import BranchStart, StartEvent
+from .continuation import BranchSearch, follow, is_known, start_along
 from .fourier import repeated
-from .method_switch import Motions
+from .method_switch import PeriodicEquations
 from .problem import Task
 from .shooting import Shooting
 
-_AWAY = (0.05, 0.02, 0.1, 0.2, 0.005)  # in lengths of the interfaces: how far the first motion is
+# Distances of the first motion from the bifurcation, in lengths of the interfaces.
+_PERTURBATIONS = (0.05, 0.02, 0.1, 0.2, 0.005)
 _MOST_BRANCHES = 24
 
 
-def follow_switched(search: Search) -> None:
-    """Follow the branches from all bifurcations, from those on the new ones too."""
+def follow_switched(search: BranchSearch) -> None:
+    """Follow the branches from all bifurcations, also from those on the new branches."""
     branches = search.result.branches
     if search.result.task.is_whirl:
-        said = "branches that begin at bifurcations of a whirl by itself are not followed"
-        search.result.notes.append(Message(said, "few-branches"))
+        text = "branches that begin at bifurcations of a whirl by itself are not followed"
+        search.result.notes.append(Message(text, "few-branches"))
         return
     for branch in branches:  # which grows
         for bifurcation in branch.bifurcations:
             if bifurcation.kind not in (DOUBLING, BRANCHING):
                 continue
             if len(branches) >= _MOST_BRANCHES:
-                said = f"there are more than {_MOST_BRANCHES} branches: not all were followed"
-                search.result.notes.append(Message(said, "few-branches"))
+                text = f"there are more than {_MOST_BRANCHES} branches: not all were followed"
+                search.result.notes.append(Message(text, "few-branches"))
                 return
             _follow_from(search, branch, bifurcation)
 
 
-def _follow_from(search: Search, branch: Branch, bifurcation: Bifurcation) -> None:
-    """Follow what begins at a bifurcation of a branch."""
-    new = _new(search, branch, bifurcation)
+def _follow_from(search: BranchSearch, branch: Branch, bifurcation: Bifurcation) -> None:
+    """Follow the branches that begin at a bifurcation."""
+    new = _starts(search, branch, bifurcation)
     while True:
-        started = search.journal.recall(Started)
+        started = search.log.replay(StartEvent)
         if started is None:
-            started = search.journal.add(Started(next(new, None), []))
+            started = search.log.add(StartEvent(next(new, None), []))
         if started.start is None:
             return
         follow(search, started.start)
 
 
-def _new(search: Search, branch: Branch, bifurcation: Bifurcation) -> Iterator[Start]:
-    """Starts of branches at a bifurcation that no branch has come through yet."""
+def _starts(
+    search: BranchSearch, branch: Branch, bifurcation: Bifurcation
+) -> Iterator[BranchStart]:
+    """Yield the starts of branches at a bifurcation that lie on no known branch."""
     task, orbit, value = search.result.task, bifurcation.orbit, bifurcation.value
     is_doubling = bifurcation.kind == DOUBLING
     if is_doubling:
-        both = repeated(orbit.b, 2), repeated(orbit.own, 2)
+        both = repeated(orbit.b, 2), repeated(orbit.states, 2)
         orbit = Orbit(*both, 0.5 * orbit.omega, 2 * orbit.turns, orbit.speed, orbit.parameter)
-    problem = _equations(search, orbit, value)
+    problem = _equations_of(search, orbit, value)
     x = problem.join(orbit)
     across = np.append(_null_vector(problem, x, value, is_doubling), 0.0)
     if not is_doubling:
@@ -77,46 +80,49 @@ def _new(search: Search, branch: Branch, bifurcation: Bifurcation) -> Iterator[S
         across -= (across @ along) * along
         across /= np.linalg.norm(across)
     for sign in (1.0,) if is_doubling else (1.0, -1.0):
-        point = _beside(task, problem, x, value, sign * across)
+        point = _perturbed(task, problem, x, value, sign * across)
         if point is None:
             continue
         if not is_known(search.result.branches, problem.split(point.x, point.value), point.value):
-            way = np.append(point.tangent, point.by_value)
-            yield start_along(problem, point.x, point.value, [way])
+            direction = np.append(point.tangent, point.tangent_value)
+            yield start_along(problem, point.x, point.value, [direction])
 
 
-def _equations(search: Search, orbit: Orbit, value: float) -> Motions:
-    """Those by which an orbit was found, with its period."""
+def _equations_of(search: BranchSearch, orbit: Orbit, value: float) -> PeriodicEquations:
+    """Return the equations (balance or shooting) with which an orbit was found, with its period."""
     task = search.result.task
     H = orbit.H
-    if is_shot := task.is_shot(orbit):
+    if needs_shooting := task.needs_shooting(orbit):
         H = task.accuracy.most * orbit.turns // task.turns
-    series = task.problem(search.machines, value, H, turns=orbit.turns)
-    return Shooting(series, orbit) if is_shot else series
+    balance = task.problem(search.machines, value, H, turns=orbit.turns)
+    return Shooting(balance, orbit) if needs_shooting else balance
 
 
-def _beside(
-    task: Task, problem: Motions, x: np.ndarray, value: float, across: np.ndarray
-) -> Point | None:
-    """A motion a little away, within the range, its tangent further away."""
+def _perturbed(
+    task: Task, problem: PeriodicEquations, x: np.ndarray, value: float, across: np.ndarray
+) -> CurvePoint | None:
+    """Return a motion of the new branch near the bifurcation and within the range, its tangent
+    leading away, or None."""
     scale = problem.parameter.scale
-    for away in _AWAY:
-        far = value + away * scale * across[-1]
+    for size in _PERTURBATIONS:
+        far = value + size * scale * across[-1]
         try:
-            point = arclength.correct(problem, x + away * across[:-1], far, across, scale, across)
-        except Lost:
+            point = arclength.correct(problem, x + size * across[:-1], far, across, scale, across)
+        except NotConverged:
             continue
         if task.low <= point.value <= task.high:
             return point
     return None
 
 
-def _null_vector(problem: Motions, x: np.ndarray, value: float, alternates: bool) -> np.ndarray:
-    """The unit vector that the Jacobian takes to 0; alternates: of odd harmonics alone, as by
-    itself it is of a state at the begin of a doubled period."""
+def _null_vector(
+    problem: PeriodicEquations, x: np.ndarray, value: float, alternates: bool
+) -> np.ndarray:
+    """Return the unit null vector of the Jacobian; alternates: of odd harmonics alone, which the
+    state at the beginning of a doubled period fulfils by itself."""
     _, jacobian = problem.linearized(x, value)
     which = np.ones(len(x), bool)
-    if alternates and isinstance(problem, Problem):
+    if alternates and isinstance(problem, HarmonicBalance):
         k = (np.arange(2 * problem.H + 1) + 1) // 2
         which = np.concatenate([np.repeat(k % 2 == 1, n) for n in (problem.b, problem.s)])
     _, _, right = np.linalg.svd(jacobian[np.ix_(which, which)])

@@ -1,7 +1,8 @@
-"""What a response has come to, event by event, so that a call that was stopped can be gone on with.
+"""Checkpoint of a response computation: its events in order, from which an interrupted call is
+resumed.
 
-A response asks its journal for the next event before it computes one; what an earlier call wrote
-is taken over as it is.
+A response asks the log for the next event before it computes one; the events of an earlier call are
+taken over unchanged.
 """
 
 from __future__ import annotations
@@ -14,63 +15,62 @@ import numpy as np
 
 from ..message_templates import Message
 from .balance import Orbit
-from .branch import Passed
+from .branch import TracedPoint
 
 
-class Start(NamedTuple):
-    """A motion from which a branch is followed: harmonics, or 0 and the orbit of one that is
-    followed by shooting, the value about which the equations are
-    scaled, turns in a period, scale of an unknown frequency [rad/s], length of displacements [m],
-    the unknowns, the value of the parameter; the ways to go, each a tangent by the unknowns and by
-    the parameter over its scale."""
+class BranchStart(NamedTuple):
+    """The start of a branch: number of harmonics (0 for shooting, which also needs the orbit),
+    reference value and scales of the equations (frequency [rad/s] if unknown, displacements [m]),
+    revolutions in a period, the unknowns, the value of the parameter, and the tangents to follow,
+    each with its component in the parameter over its scale last."""
 
     H: int
-    at: float
+    reference: float
     turns: int
-    omega: float
-    length: float
+    omega_scale: float
+    length_scale: float
     x: np.ndarray
     value: float
-    ways: list[np.ndarray]
+    directions: list[np.ndarray]
     orbit: Orbit | None = None
 
 
-class Started(NamedTuple):
-    """What was found where a branch was looked for: its start, or None, and what is said of it."""
+class StartEvent(NamedTuple):
+    """The result of a search for a branch: its start, or None, and notes for the user."""
 
-    start: Start | None
+    start: BranchStart | None
     notes: list[Message]
 
 
-class Ended(NamedTuple):
+class EndEvent(NamedTuple):
     """Why a branch ends."""
 
     why: str
 
 
-Event = Started | Passed | Ended
-_E = TypeVar("_E", Started, Passed, Ended)
+Event = StartEvent | TracedPoint | EndEvent
+_E = TypeVar("_E", StartEvent, TracedPoint, EndEvent)
 
 
-class Journal:
-    """Events of an earlier call, which are taken over, then new ones, which go to `write`."""
+class EventLog:
+    """Events of an earlier call, which are replayed, then new ones, which are passed to `write`."""
 
     def __init__(
         self, events: Iterable[Event] = (), write: Callable[[Event], object] = lambda _: None
     ) -> None:
         self._events, self._write = deque(events), write
 
-    def recall(self, kind: type[_E]) -> _E | None:
-        """The next event of an earlier call, if there is one of this kind."""
-        if self.holds(kind):
+    def replay(self, kind: type[_E]) -> _E | None:
+        """Return the next event of an earlier call if it is of this kind, otherwise None."""
+        if self.next_is(kind):
             return cast(_E, self._events.popleft())
         return None
 
-    def holds(self, kind: type[_E]) -> bool:
-        """Whether the next event of an earlier call is of this kind."""
+    def next_is(self, kind: type[_E]) -> bool:
+        """Return whether the next event of an earlier call is of this kind."""
         return bool(self._events) and isinstance(self._events[0], kind)
 
     def add(self, event: _E) -> _E:
-        """Write a new event; returns it."""
+        """Write and return a new event."""
         self._write(event)
         return event

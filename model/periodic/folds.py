@@ -16,15 +16,15 @@ from typing import NamedTuple
 import numpy as np
 
 from . import arclength
-from .arclength import Lost, Steps
-from .balance import Orbit, Problem
+from .arclength import ContinuationSteps, NotConverged
+from .balance import HarmonicBalance, Orbit
 
 _STEP = 1e-5
 
 
 class FoldCurve(NamedTuple):
-    """Where folds lie: values of the second parameter and of the first, each of shape (n,), and why
-    the curve ends at either side."""
+    """Folds over a second parameter: values of the second and of the first parameter, shape (n,)
+    each, and why the curve ends at either side."""
 
     second: np.ndarray
     first: np.ndarray
@@ -32,17 +32,17 @@ class FoldCurve(NamedTuple):
 
 
 class _Folds:
-    """R = 0, g = 0 in X = (x, lambda over its scale), over the second parameter."""
+    """R = 0 and g = 0 in X = (x, lambda over its scale), over the second parameter."""
 
     tolerance, damped_beyond = arclength.TOLERANCE, 0.0
 
-    def __init__(self, problem_at: Callable[[float], Problem], scale: float) -> None:
-        self._at, self._scale = problem_at, scale
+    def __init__(self, problem_at: Callable[[float], HarmonicBalance], scale: float) -> None:
+        self._balance_at, self._scale = problem_at, scale
         self._b = self._c = np.zeros(0)
 
     def border(self, X: np.ndarray, second: float) -> None:
         """Take b and c from the singular vectors at a fold."""
-        problem = self._at(second)
+        problem = self._balance_at(second)
         _, J = problem.linearized(X[:-1], X[-1] * problem.parameter.scale)
         left, _, right = np.linalg.svd(J)
         self._b, self._c = left[:, -1], right[-1]
@@ -56,16 +56,16 @@ class _Folds:
         return v[:n], w[:n], float(v[n])
 
     def residual(self, X: np.ndarray, second: float) -> np.ndarray:
-        """R and g."""
-        problem = self._at(second)
+        """Return the residual R and the fold condition g."""
+        problem = self._balance_at(second)
         R, J = problem.linearized(X[:-1], X[-1] * problem.parameter.scale)
         return np.append(R, self._vectors(J)[2])
 
     def linearized(self, X: np.ndarray, second: float) -> tuple[np.ndarray, np.ndarray]:
-        """R and g, and their derivative by X."""
-        problem = self._at(second)
+        """Return R and g, and their derivative with respect to X."""
+        problem = self._balance_at(second)
         x, value, scale = X[:-1], X[-1] * problem.parameter.scale, problem.parameter.scale
-        R, J, by = problem.evaluate(x, value)
+        R, J, by = problem.linearized_with_parameter(x, value)
         v, w, g = self._vectors(J)
         n = len(x)
         out = np.empty((n + 1, n + 1))
@@ -79,25 +79,30 @@ class _Folds:
         out[n, n] = -(w @ over @ v) / (2 * _STEP)
         return np.append(R, g), out
 
-    def evaluate(self, X: np.ndarray, second: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """And by the second parameter over its scale."""
-        lack, J = self.linearized(X, second)
+    def linearized_with_parameter(
+        self, X: np.ndarray, second: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return residual, Jacobian, and the derivative with respect to the second parameter over
+        its scale."""
+        residual, J = self.linearized(X, second)
         h = _STEP * self._scale
         by = (self.residual(X, second + h) - self.residual(X, second - h)) / (2 * _STEP)
-        return lack, J, by
+        return residual, J, by
 
 
 def fold_curve(
-    problem_at: Callable[[float], Problem],
+    problem_at: Callable[[float], HarmonicBalance],
     fold: Orbit,
     start: float,
     low: float,
     high: float,
-    steps: Steps,
+    steps: ContinuationSteps,
 ) -> FoldCurve:
-    """The curve of folds through one at `start` of the second parameter, over [low, high].
+    """Return the curve of folds over [low, high] of the second parameter, through the fold at
+    `start`.
 
-    problem_at: the equations at a value of it. Raises `Lost` where the first is none.
+    problem_at: the equations at a value of the second parameter. Raises `NotConverged` if the first
+    fold does not solve the equations.
     """
     scale = high - low
     equations = _Folds(problem_at, scale)
@@ -107,13 +112,13 @@ def fold_curve(
     X = arclength.solve(equations, X, start)
     sides, ends = [], []
     for direction in (-1.0, 1.0):
-        point = arclength.begin(equations, X, start, direction)
+        point = arclength.with_tangent(equations, X, start, direction)
         result, end = [], "end of the range"
         try:
             for near, _ in arclength.trace(equations, point, scale, low, high, steps):
                 result.append((near.value, near.x[-1] * problem.parameter.scale))
                 equations.border(near.x, near.value)
-        except Lost:
+        except NotConverged:
             end = "lost: Newton's method does not converge with the shortest step"
         sides.append(result)
         ends.append(end)

@@ -1,13 +1,13 @@
-"""Corners of the forces along an orbit, and what they add to sums of samples.
+"""Corners of the forces along an orbit, and the corrections that they need in the Fourier sums.
 
-A contact's force has a corner where it begins, and where its damping is in full; its tangents jump
-there. With g sampled evenly, h apart, and its jumps [g], [g'] at t_c, theta h after a sample, Euler
-and Maclaurin's formula is
+A contact force has a corner where the contact begins, and where its damping acts in full; its
+tangents jump there. With g sampled at intervals h, and its jumps [g], [g'] at t_c, theta h after a
+sample, the Euler-Maclaurin formula is
 
     integral of g e = sum of g e h - h B1 [g e] + h^2/2 B2 [(g e)'] - h^3/6 B3 [(g e)'']
 
-with Bernoulli's polynomials of theta, and e = exp(-i k t): so exact that sixteen samples a harmonic
-do, and smooth where a corner passes a sample.
+with the Bernoulli polynomials of theta, and e = exp(-i k t). Sixteen samples a harmonic are then
+accurate enough, and the sum is smooth where a corner passes a sample.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from .fourier import basis, sampled
-from .laws import Along, Forces, LawsAlong
+from .laws import Forces, ForcesAndTangents, LawsAlongMotion
 
-_F = TypeVar("_F", Forces, Along)
+_F = TypeVar("_F", Forces, ForcesAndTangents)
 
 _SIDE = np.array([1.0, 2.0, 3.0])  # behind a corner, where limits are taken from by a parabola
 _SIDES = np.append(-_SIDE[::-1], _SIDE)  # on both sides
@@ -31,8 +31,8 @@ _NEWTON, _EXACT = 6, 2  # iterations on the interpolated gap; on the gap itself
 
 
 class Crossings(NamedTuple):
-    """Where a gap passes a level: between which samples, which share of the way, and whose gap, of
-    shape (n,) each."""
+    """Crossings of a gap through a level: the sample before, the fraction of the interval, and the
+    interface, shape (n,) each."""
 
     cell: np.ndarray
     share: np.ndarray
@@ -40,10 +40,11 @@ class Crossings(NamedTuple):
 
 
 def crossings(
-    laws: LawsAlong, gap: np.ndarray, gap_at: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    laws: LawsAlongMotion, gap: np.ndarray, gap_at: Callable[[np.ndarray, np.ndarray], np.ndarray]
 ) -> Crossings:
-    """Where the gaps of walls pass the levels at which forces have corners, between the samples 1
-    and n + 1 of n + 3 even ones; gap: shape (n + 3, m); gap_at: all gaps at cells and shares."""
+    """Return where the gaps of walls cross the levels at which forces have corners, between the
+    samples 1 and n + 1 of n + 3 evenly spaced ones; gap: shape (n + 3, m); gap_at: all gaps at
+    intervals and fractions of them."""
     owner, level = laws.levels
     g = gap[:, owner] - level
     slope = 0.5 * (g[2:] - g[:-2])
@@ -80,43 +81,45 @@ def crossings(
 
 
 def _cubic(g, slope, cell, which):
-    """What a gap is between two samples, by its values and slopes there, and its derivative."""
+    """Return a function that gives the gap between two samples, and its derivative, by Hermite
+    interpolation."""
     a, b, s, t = g[cell, which], g[cell + 1, which], slope[cell, which], slope[cell + 1, which]
     c, e = 3 * (b - a) - 2 * s - t, 2 * (a - b) + s + t
 
     def at(x):
-        """Return it at shares of the way."""
+        """Return the gap and its derivative at fractions of the interval."""
         return a + x * (s + x * (c + x * e)), s + x * (2 * c + 3 * x * e)
 
     return at
 
 
-class Samples:
+class SampledOrbit:
     """An orbit sampled over its period, and on both sides of each corner.
 
-    d, v, own: displacements and velocities of the interfaces and own states at all of these
-    instants, the n even ones first; series: coefficients of d and of own; omega [rad/s].
+    d, v, states: displacements and velocities of the interfaces and internal states at all
+    instants, the n evenly spaced ones first; omega [rad/s]; rate: coefficients of the derivative of
+    d by the angle.
     """
 
     def __init__(
         self,
-        laws: LawsAlong,
+        laws: LawsAlongMotion,
         d: np.ndarray,
-        own: np.ndarray,
+        states: np.ndarray,
         omega: float,
         n: int,
         rate: np.ndarray,
     ) -> None:
         self.n, self.owner, self._laws = n, np.zeros(0, int), laws
-        self.d, self.v, self.own = sampled(d, n), omega * sampled(rate, n), sampled(own, n)
+        self.d, self.v, self.states = sampled(d, n), omega * sampled(rate, n), sampled(states, n)
         if not len(laws.levels[0]):
             return
         H, h = len(d) // 2, 2 * np.pi / n
-        gap = laws.openings(self.d)
+        gap = laws.gaps(self.d)
 
         def gap_at(cell, share):
             """Return the gaps between samples."""
-            return laws.openings(basis(H, h * (cell + share))[0] @ d)
+            return laws.gaps(basis(H, h * (cell + share))[0] @ d)
 
         cyclic = np.concatenate([gap[-1:], gap, gap[:2]])
         cell, self._share, self.owner = crossings(laws, cyclic, gap_at)
@@ -127,10 +130,10 @@ class Samples:
         value, slope = basis(H, (self._at[:, None] + self._near[:, None] * _SIDES).ravel())
         self.d = np.concatenate([self.d, value @ d])
         self.v = np.concatenate([self.v, omega * (slope @ d)])
-        self.own = np.concatenate([self.own, value @ own])
+        self.states = np.concatenate([self.states, value @ states])
 
     def _apart(self, cell: np.ndarray) -> np.ndarray:
-        """How far the next corner of the same force is, in samples, 1 at most."""
+        """Return the distance to the next corner of the same force, in samples, 1 at most."""
         at = cell + self._share
         apart = np.abs(at[:, None] - at)
         apart = np.minimum(apart, self.n - apart)
@@ -138,7 +141,7 @@ class Samples:
         return np.clip(apart.min(axis=1), _LEAST, 1.0)
 
     def of_own_corners(self, along: _F) -> _F:
-        """Forces and what belongs to them, without what the other interfaces do at the corners of
+        """Return forces and tangents with those of the other interfaces set to 0 at the corners of
         one."""
         if not len(self.owner):
             return along
@@ -151,7 +154,8 @@ class Samples:
         return along
 
     def spectrum(self, values: np.ndarray, H: int) -> np.ndarray:
-        """Complex Fourier coefficients 0 to H of values at all instants, along the first axis."""
+        """Return the complex Fourier coefficients 0 to H of values at all instants, along the first
+        axis."""
         n = self.n
         result = np.fft.rfft(values[:n], axis=0)[: H + 1] / n
         if not len(self.owner):
@@ -164,8 +168,8 @@ class Samples:
         return result
 
     def _weights(self, H: int) -> np.ndarray:
-        """What jumps of values, of slopes and of second derivatives at the corners add to
-        coefficients 0 to H, shape (corners, 3, H + 1)."""
+        """Return the contributions of jumps of values, slopes and second derivatives at the corners
+        to the coefficients 0 to H, shape (corners, 3, H + 1)."""
         x, ik, h = self._share[:, None], 1j * np.arange(H + 1), 2 * np.pi / self.n
         first = -h * (x - 0.5)
         second = h**2 / 2 * (x * x - x + 1 / 6)

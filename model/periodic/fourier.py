@@ -1,4 +1,5 @@
-"""Real Fourier series by their coefficients [mean, cos 1, sin 1, cos 2, ...], harmonics first."""
+"""Real Fourier series, represented by their coefficients [mean, cos 1, sin 1, cos 2, ...] along the
+first axis."""
 
 from __future__ import annotations
 
@@ -7,8 +8,8 @@ from numpy.lib.stride_tricks import as_strided
 
 
 def basis(H: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The functions of a series of H harmonics at angles [rad], and their derivatives by the angle,
-    each of shape (n, 2 H + 1)."""
+    """Return the H harmonics of a series at angles [rad], and their derivatives by the angle, shape
+    (n, 2 H + 1) each."""
     k = np.arange(1, H + 1)
     c, s = np.cos(np.outer(angles, k)), np.sin(np.outer(angles, k))
     value, slope = np.zeros((2, len(angles), 2 * H + 1))
@@ -19,14 +20,15 @@ def basis(H: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def projection(value: np.ndarray) -> np.ndarray:
-    """From samples evenly over a turn to coefficients, shape (2 H + 1, n)."""
+    """Return the matrix from evenly spaced samples over a turn to coefficients, shape (2 H + 1,
+    n)."""
     weights = np.full(value.shape[1], 2.0 / len(value))
     weights[0] = 1.0 / len(value)
     return weights[:, None] * value.T
 
 
 def sampled(series: np.ndarray, n: int) -> np.ndarray:
-    """Series at n angles evenly over a turn, along the first axis; n > 2 H."""
+    """Return the values of a series at n evenly spaced angles, along the first axis; n > 2 H."""
     spectrum = np.zeros((n // 2 + 1, *series.shape[1:]), complex)
     spectrum[: len(series) // 2 + 1] = amplitudes(series) * (0.5 * n)
     spectrum[0] *= 2.0
@@ -34,14 +36,15 @@ def sampled(series: np.ndarray, n: int) -> np.ndarray:
 
 
 def series_of(spectrum: np.ndarray) -> np.ndarray:
-    """Coefficients of complex Fourier coefficients 0 to H, along the first axis."""
+    """Return the real coefficients of complex Fourier coefficients 0 to H, along the first axis."""
     amplitude = 2.0 * spectrum
     amplitude[0] *= 0.5
     return coefficients(amplitude)
 
 
 def amplitudes(coefficients: np.ndarray) -> np.ndarray:
-    """Complex amplitudes of harmonics 0 to H, x = Re(sum x_k exp(i k t)), along the first axis."""
+    """Return the complex amplitudes of harmonics 0 to H, x = Re(sum x_k exp(i k t)), along the
+    first axis."""
     out = np.zeros((len(coefficients) // 2 + 1, *coefficients.shape[1:]), complex)
     out[0] = coefficients[0]
     out[1:] = coefficients[1::2] - 1j * coefficients[2::2]
@@ -49,7 +52,7 @@ def amplitudes(coefficients: np.ndarray) -> np.ndarray:
 
 
 def coefficients(amplitude: np.ndarray) -> np.ndarray:
-    """The other way round."""
+    """Return the real coefficients of complex amplitudes (inverse of `amplitudes`)."""
     out = np.zeros((2 * len(amplitude) - 1, *amplitude.shape[1:]))
     out[0] = amplitude[0].real
     out[1::2], out[2::2] = amplitude[1:].real, -amplitude[1:].imag
@@ -71,9 +74,9 @@ def add_real(matrix: np.ndarray, S: np.ndarray) -> None:
 
 
 def products(of_value: np.ndarray, of_rate: np.ndarray) -> np.ndarray:
-    """What T x + V x' makes of the coefficients of a series x, cut off at H harmonics; of_value,
-    of_rate: complex Fourier coefficients 0 to 2 H of the matrices T and V, x' by the angle, shape
-    (2 H + 1, p, q); shape (2 H + 1, p, 2 H + 1, q)."""
+    """Return the matrix that takes the coefficients of a series x to those of T x + V x', truncated
+    at H harmonics, shape (2 H + 1, p, 2 H + 1, q); of_value, of_rate: complex Fourier coefficients
+    0 to 2 H of the matrices T and V, shape (2 H + 1, p, q); x' is the derivative by the angle."""
     H, (p, q) = len(of_value) // 2, of_value.shape[1:]
     out = np.empty((2 * H + 1, p, 2 * H + 1, q))
     k = np.arange(H + 1)[:, None]
@@ -92,8 +95,8 @@ def products(of_value: np.ndarray, of_rate: np.ndarray) -> np.ndarray:
 
 
 def _by_differences(spectrum: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients j - k and j + k of a real function's, for j and k from 0 to H, shape (H + 1, p,
-    H + 1, q) each, without a copy."""
+    """Return the coefficients j - k and j + k of a real function, for j and k from 0 to H, shape (H
+    + 1, p, H + 1, q) each, as views."""
     H = len(spectrum) // 2
     whole = np.concatenate([spectrum[:0:-1].conj(), spectrum])[2 * H - H :]
     first, p, q = whole.strides
@@ -103,7 +106,7 @@ def _by_differences(spectrum: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def derivative(series: np.ndarray) -> np.ndarray:
-    """Coefficients of the derivative by the angle, along the first axis."""
+    """Return the coefficients of the derivative by the angle, along the first axis."""
     out = np.zeros_like(series)
     k = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
     out[1::2], out[2::2] = k * series[2::2], -k * series[1::2]
@@ -111,7 +114,8 @@ def derivative(series: np.ndarray) -> np.ndarray:
 
 
 def repeated(series: np.ndarray, count: int) -> np.ndarray:
-    """Coefficients of the same motion over so many periods as one, along the first axis."""
+    """Return the coefficients of the same motion with `count` of its periods as one, along the
+    first axis."""
     if count == 1:
         return series
     out = np.zeros((count * (len(series) - 1) + 1, *series.shape[1:]))
@@ -121,13 +125,15 @@ def repeated(series: np.ndarray, count: int) -> np.ndarray:
 
 
 def shifted(series: np.ndarray, angle: float) -> np.ndarray:
-    """Coefficients of the motion by an angle [rad] later, along the first axis."""
+    """Return the coefficients of the motion that is ahead by an angle [rad], along the first
+    axis."""
     k = np.arange(len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
     return coefficients(amplitudes(series) * np.exp(1j * k * angle))
 
 
 def resized(series: np.ndarray, H: int) -> np.ndarray:
-    """Coefficients with as many harmonics as wanted, along the first axis."""
+    """Return the coefficients of a series truncated or extended to H harmonics, along the first
+    axis."""
     out = np.zeros((2 * H + 1, *series.shape[1:]))
     n = min(len(out), len(series))
     out[:n] = series[:n]

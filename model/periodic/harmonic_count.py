@@ -1,5 +1,5 @@
-"""How many harmonics a motion has: more where the highest are not small, fewer where they are far
-below what is asked for."""
+"""The number of harmonics of a motion: increased while the highest are not small, reduced where
+they are far below the accuracy."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import arclength
-from .arclength import Lost, Point
-from .balance import Problem
+from .arclength import CurvePoint, NotConverged
+from .balance import HarmonicBalance
 
-_MANY, _FEW = 1.4, 1.1  # times the harmonics, at once; where these are too many
+_LARGE_FACTOR, _SMALL_FACTOR = 1.4, 1.1  # times the harmonics, at once; where these are too many
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """How many harmonics: `least` to `most`, so that the highest are below `share` of the motion;
-    whether multipliers are computed."""
+    """Number of harmonics, `least` to `most`, such that the highest are below `share` of the
+    motion; has_stability: whether multipliers are computed."""
 
     share: float = 1e-5
     least: int = 3
@@ -26,59 +26,72 @@ class Accuracy:
     has_stability: bool = True
 
 
-def refined(
-    problem: Problem, point: Point, accuracy: Accuracy, is_held: bool = False
-) -> tuple[Problem, Point]:
-    """With as many harmonics as the point needs, along the curve, or, if it is held, at the same
-    value; raises `Lost`."""
+def with_enough_harmonics(
+    problem: HarmonicBalance, point: CurvePoint, accuracy: Accuracy, keeps_value: bool = False
+) -> tuple[HarmonicBalance, CurvePoint]:
+    """Return equations and point with as many harmonics as the accuracy demands; keeps_value: solve
+    at the same value of the parameter instead of at right angles to the curve. Raises
+    `NotConverged`."""
     while problem.last_share(point.x) > accuracy.share and accuracy.most > problem.H:
         try:
-            problem, point = _with(problem, point, _MANY, accuracy, is_held)
-        except Lost:
-            problem, point = _with(problem, point, _FEW, accuracy, is_held)
+            problem, point = _with_more(problem, point, _LARGE_FACTOR, accuracy, keeps_value)
+        except NotConverged:
+            problem, point = _with_more(problem, point, _SMALL_FACTOR, accuracy, keeps_value)
     return problem, point
 
 
-def _with(
-    problem: Problem, point: Point, more: float, accuracy: Accuracy, is_held: bool
-) -> tuple[Problem, Point]:
-    """With so many times the harmonics; raises `Lost`."""
-    H = min(accuracy.most, math.ceil(more * problem.H) + problem.turns)
-    other = problem.like(H, at=point.value)
-    before = _moved(problem, point.direction, other)
+def _with_more(
+    problem: HarmonicBalance,
+    point: CurvePoint,
+    factor: float,
+    accuracy: Accuracy,
+    keeps_value: bool,
+) -> tuple[HarmonicBalance, CurvePoint]:
+    """Return equations and point with `factor` times the harmonics; raises `NotConverged`."""
+    H = min(accuracy.most, math.ceil(factor * problem.H) + problem.turns)
+    other = problem.modified(H, reference=point.value)
+    before = _converted_direction(problem, point.direction, other)
     before /= np.linalg.norm(before)
-    plane = np.append(np.zeros(len(before) - 1), 1.0) if is_held else before
+    plane = np.append(np.zeros(len(before) - 1), 1.0) if keeps_value else before
     result = arclength.correct(
-        other, problem.moved(point.x, other), point.value, plane, other.parameter.scale, before
+        other, problem.converted(point.x, other), point.value, plane, other.parameter.scale, before
     )
-    bend = _moved(problem, point.bend, other)
-    return other, result._replace(corrections=point.corrections, bend=bend)
+    curvature = _converted_direction(problem, point.curvature, other)
+    return other, result._replace(corrections=point.corrections, curvature=curvature)
 
 
-def _moved(problem: Problem, way: np.ndarray, other: Problem) -> np.ndarray:
-    """A direction of a curve, or nothing, by other harmonics."""
-    return np.append(problem.moved(way[:-1], other), way[-1]) if len(way) else way
+def _converted_direction(
+    problem: HarmonicBalance, direction: np.ndarray, other: HarmonicBalance
+) -> np.ndarray:
+    """Return a direction of the curve, which may be empty, with another number of harmonics."""
+    return (
+        np.append(problem.converted(direction[:-1], other), direction[-1])
+        if len(direction)
+        else direction
+    )
 
 
-def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:
-    """With fewer harmonics where the highest are far below what is asked for."""
+def with_fewer_harmonics(
+    problem: HarmonicBalance, point: CurvePoint, accuracy: Accuracy
+) -> tuple[HarmonicBalance, CurvePoint]:
+    """Return equations and point without the harmonics that are far below the accuracy."""
     H = max(accuracy.least * problem.turns, math.ceil(0.6 * problem.H))
     if H < problem.H and problem.last_share(point.x) < 1e-3 * accuracy.share:
-        other = problem.like(H, at=point.value)
-        if other.last_share(problem.moved(point.x, other)) < 0.1 * accuracy.share:
-            before = _moved(problem, point.direction, other)
+        other = problem.modified(H, reference=point.value)
+        if other.last_share(problem.converted(point.x, other)) < 0.1 * accuracy.share:
+            before = _converted_direction(problem, point.direction, other)
             before /= np.linalg.norm(before)
             try:
                 result = arclength.correct(
                     other,
-                    problem.moved(point.x, other),
+                    problem.converted(point.x, other),
                     point.value,
                     before,
                     other.parameter.scale,
                     before,
                 )
-            except Lost:
+            except NotConverged:
                 return problem, point
-            bend = _moved(problem, point.bend, other)
-            return other, result._replace(corrections=point.corrections, bend=bend)
+            curvature = _converted_direction(problem, point.curvature, other)
+            return other, result._replace(corrections=point.corrections, curvature=curvature)
     return problem, point

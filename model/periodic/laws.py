@@ -1,6 +1,6 @@
-"""The force laws along an orbit: forces, tangents, rates and openings at its samples.
+"""The force laws along an orbit: forces, tangents, rates and gaps at its samples.
 
-The one place from where this package calls the laws; the tangents are the kernels' own.
+This is the only place from which the package calls the laws; the tangents are those of the kernels.
 """
 
 from __future__ import annotations
@@ -14,58 +14,59 @@ from .. import backend
 from ..parts import LAWS
 from ..parts.law_probe import BY_D, BY_V
 from ..parts.linear_bearing import LINEAR_BEARING
-from ..step.laws_along_motion import Samples, block_of, call_laws, fill, find_openings
+from ..step.laws_along_motion import Samples, block_of, call_laws, fill, find_gaps
 from ..structure.structure import Structure, sizes_of_laws, starts_of
 from . import entry_points
 
-_KEPT = 4  # blocks, one for each number of samples that is asked for
+_BLOCKS = 4  # blocks, one for each number of samples that is asked for
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
 
 
 def is_linear(structure: Structure) -> np.ndarray:
-    """Of each interface, whether its law is linear in displacement and velocity."""
+    """Return for each interface whether its law is linear in displacement and velocity."""
     linear = LAWS.index(LINEAR_BEARING)
     return np.asarray(structure.interfaces.law == linear)
 
 
 class Forces(NamedTuple):
-    """What m interfaces with s own states do at n samples: forces of x and y, shape (n, 2 m) [N],
-    and rates of the states, shape (n, s)."""
+    """Forces of m interfaces with s internal states at n samples, x and y in turn, shape (n, 2 m)
+    [N], and rates of the states, shape (n, s)."""
 
     force: np.ndarray
     rates: np.ndarray
 
 
-class Along(NamedTuple):
-    """What m interfaces with s own states do at n samples: forces F of x and y, shape (n, 2 m) [N];
-    their derivatives by displacements, by velocities, shape (n, m, 2, 2) each, and by own states,
-    shape (n, 2 m, s); rates of the states, shape (n, s), with their derivatives by displacements
-    and velocities, shape (n, s, 2 m) each, and by states, shape (n, s, s)."""
+class ForcesAndTangents(NamedTuple):
+    """Forces of m interfaces with s internal states at n samples, x and y in turn, shape (n, 2 m)
+    [N]; their derivatives with respect to displacements and velocities, shape (n, m, 2, 2) each,
+    and to the states, shape (n, 2 m, s); rates of the states, shape (n, s), with their derivatives
+    with respect to displacements and velocities, shape (n, s, 2 m) each, and to the states, shape
+    (n, s, s)."""
 
     force: np.ndarray
     by_d: np.ndarray
     by_v: np.ndarray
-    by_rate: np.ndarray
+    by_states: np.ndarray
     rates: np.ndarray
     rates_by_d: np.ndarray
     rates_by_v: np.ndarray
-    rates_by_own: np.ndarray
+    rates_by_states: np.ndarray
 
 
 def waits_for_compiler() -> bool:
-    """Return whether the first laws that are called in this process are compiled first."""
+    """Return whether the laws must be compiled before their first call in this process."""
     return backend.waits_for_compiler(call_laws)
 
 
-class _Sampled(NamedTuple):
-    """A block for so many samples: what is in it, and the functions that fill it in."""
+class _SampleBlock(NamedTuple):
+    """A block for a number of samples: its arrays, and the functions that fill them."""
 
     samples: Samples
     call_laws: Callable[..., object]
-    find_openings: Callable[[], object]
+    find_gaps: Callable[[], object]
 
 
-class LawsAlong:
+class LawsAlongMotion:
     """The laws of some interfaces of a structure, called at many samples at once."""
 
     def __init__(self, structure: Structure, which: np.ndarray) -> None:
@@ -81,14 +82,15 @@ class LawsAlong:
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)
         self.levels = self._corner_levels()
-        self._sampled: dict[int, _Sampled] = {}
+        self._sampled: dict[int, _SampleBlock] = {}
 
-    def radius(self, j: int) -> float:
-        """Of the journal at a wall [m]."""
+    def journal_radius(self, j: int) -> float:
+        """Return the radius of the journal in wall j [m]."""
         return float(self._part(j).journal_radius)
 
-    def normal(self, j: int, r: float) -> float:
-        """Force of a wall on a journal on a circle of this radius about its middle [N], inward."""
+    def wall_force(self, j: int, r: float) -> float:
+        """Return the inward force of wall j on a journal on a circle of radius r about its centre
+        [N]."""
         d = np.zeros((1, 2 * self.count))
         d[0, 2 * j] = r
         force, _ = self.forces(d, 0 * d, np.tile(self.starts, (1, 1)), 0.0)
@@ -99,8 +101,8 @@ class LawsAlong:
         return self._laws[interface.law][interface.row]
 
     def _corner_levels(self) -> tuple[np.ndarray, np.ndarray]:
-        """Interfaces, and gaps of theirs at which a wall's force has a corner [m], shape (n,) each:
-        where it begins, and where its damping is in full."""
+        """Return interfaces, and their gaps at which the wall force has a corner [m], shape (n,)
+        each: where it begins, and where its damping acts in full."""
         corners: list[tuple[int, float]] = []
         for j in np.flatnonzero(self.has_wall).tolist():
             part = self._part(j)
@@ -109,77 +111,78 @@ class LawsAlong:
         return np.array(owners, int), np.array(levels, float)
 
     def block_of_steps(self, **sizes: int) -> tuple[np.ndarray, entry_points.OrbitData]:
-        """Return a block for steps of three points, and what is in it."""
+        """Return a block for steps of three points, and its arrays."""
         sizes |= {"interfaces": self.count, "samples": 3, "states": self.states}
         block = entry_points.LAYOUT.new(sizes | sizes_of_laws(self._laws))
         run: entry_points.OrbitData = entry_points.LAYOUT.view_in_python(block)
         fill(run.machine, self._laws, self._interfaces)
         return block, run
 
-    def _at(self, n: int) -> _Sampled:
+    def _at(self, n: int) -> _SampleBlock:
         if n not in self._sampled:
             block, run = block_of(self._laws, self._interfaces, n)
-            calls = (backend.bound(function, block) for function in (call_laws, find_openings))
-            while len(self._sampled) >= _KEPT:
+            calls = (backend.bound(function, block) for function in (call_laws, find_gaps))
+            while len(self._sampled) >= _BLOCKS:
                 self._sampled.pop(next(iter(self._sampled)))
-            self._sampled[n] = _Sampled(run.samples, *calls)
+            self._sampled[n] = _SampleBlock(run.samples, *calls)
         return self._sampled[n]
 
-    def openings(self, d: np.ndarray) -> np.ndarray:
-        """Distances from where the forces begin [m], shape (n, m); d: x, y in turn, (n, 2 m)."""
+    def gaps(self, d: np.ndarray) -> np.ndarray:
+        """Return the distances from the onset of the forces [m], shape (n, m); d: x and y in turn,
+        shape (n, 2 m)."""
         at = self._at(len(d))
         at.samples.d[...] = _complex(d)
-        at.find_openings()
-        return at.samples.opening.T.copy()
+        at.find_gaps()
+        return at.samples.gap.T.copy()
 
-    def forces(self, d: np.ndarray, v: np.ndarray, own: np.ndarray, speed: float) -> Forces:
-        """Forces and rates; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s)."""
-        force, _, rates = self._call(d, v, own, speed)
+    def forces(self, d: np.ndarray, v: np.ndarray, states: np.ndarray, speed: float) -> Forces:
+        """Return forces and rates; d, v: shape (n, 2 m) [m], [m/s]; states: shape (n, s)."""
+        force, _, rates = self._call(d, v, states, speed)
         return Forces(force, rates)
 
     def tangents(
-        self, d: np.ndarray, v: np.ndarray, own: np.ndarray, scale: np.ndarray, speed: float
-    ) -> Along:
-        """All of `Along`; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s), with sizes
-        `scale`."""
-        force, by_v, rates = self._call(d, v, own, speed, BY_V)
-        force, by_d, _ = self._call(d, v, own, speed)
+        self, d: np.ndarray, v: np.ndarray, states: np.ndarray, scale: np.ndarray, speed: float
+    ) -> ForcesAndTangents:
+        """Return forces, rates and all their tangents; d, v: shape (n, 2 m) [m], [m/s]; states:
+        shape (n, s), of sizes `scale`."""
+        force, by_v, rates = self._call(d, v, states, speed, BY_V)
+        force, by_d, _ = self._call(d, v, states, speed)
         m, s, n = self.count, self.states, len(d)
-        by_rate = np.zeros((n, 2 * m, s))
+        by_states = np.zeros((n, 2 * m, s))
         rates_by = [np.zeros((n, s, 2 * m)), np.zeros((n, s, 2 * m)), np.zeros((n, s, s))]
         for place in range(int(self.place.max(initial=-1)) + 1):
             columns = np.flatnonzero(self.place == place)
             step = np.zeros(s)
             step[columns] = _STEP * scale[columns]
-            of_force, of_rates = self._difference(d, v, own, speed, own_step=step)
+            of_force, of_rates = self._difference(d, v, states, speed, state_step=step)
             for c in columns:
                 j = int(2 * self.owner[c])
-                by_rate[:, j : j + 2, c] = of_force[:, j : j + 2] / (2 * step[c])
+                by_states[:, j : j + 2, c] = of_force[:, j : j + 2] / (2 * step[c])
                 rows = np.flatnonzero(self.owner == self.owner[c])
                 rates_by[2][:, rows, c] = of_rates[:, rows] / (2 * step[c])
         for axis in range(2 if s else 0):
             # displacements on the scale of the interface, velocities on that of its motion
-            pace = max(float(np.abs(v).max()) / max(float(np.abs(d).max()), 1e-300), 1.0)
-            for i, size in enumerate((self.length, self.length * pace)):
+            frequency = max(float(np.abs(v).max()) / max(float(np.abs(d).max()), 1e-300), 1.0)
+            for i, size in enumerate((self.length, self.length * frequency)):
                 step = np.zeros(2 * m)
                 step[axis::2] = _STEP * size
                 pair = (step, 0 * step) if i == 0 else (0 * step, step)
-                _, of_rates = self._difference(d, v, own, speed, *pair)
+                _, of_rates = self._difference(d, v, states, speed, *pair)
                 for row in range(s):
                     j = int(2 * self.owner[row] + axis)
                     rates_by[i][:, row, j] = of_rates[:, row] / (2 * step[j])
-        return Along(force, by_d, by_v, by_rate, rates, *rates_by)
+        return ForcesAndTangents(force, by_d, by_v, by_states, rates, *rates_by)
 
-    def _difference(self, d, v, own, speed, d_step=0.0, v_step=0.0, own_step=0.0):
-        above = self.forces(d + d_step, v + v_step, own + own_step, speed)
-        below = self.forces(d - d_step, v - v_step, own - own_step, speed)
+    def _difference(self, d, v, states, speed, d_step=0.0, v_step=0.0, state_step=0.0):
+        above = self.forces(d + d_step, v + v_step, states + state_step, speed)
+        below = self.forces(d - d_step, v - v_step, states - state_step, speed)
         return above[0] - below[0], above[1] - below[1]
 
-    def _call(self, d, v, own, speed, weights=BY_D):
+    def _call(self, d, v, states, speed, weights=BY_D):
         at = self._at(len(d))
         samples = at.samples
         samples.d[...], samples.v[...] = _complex(d), _complex(v)
-        samples.own[...] = samples.solved[...] = own
+        samples.states[...] = samples.solved[...] = states
         at.call_laws(*weights, float(speed))
         p, q = samples.p[0], samples.q[0]
         tangent = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])

@@ -1,11 +1,11 @@
-"""The linear structure as its nonlinear interfaces see it, exact at each harmonic.
+"""The linear structure, condensed exactly to its nonlinear interfaces at each harmonic.
 
 With the relative displacements b of the interfaces among the coordinates, and all others r,
 
     D(i w) = K - w^2 M + i w D,    S = D_bb - D_br D_rr^-1 D_rb,    S b = f_b - D_br D_rr^-1 f_r + F
 
-Displacements are x, y in turn. A free shaft has no flexibility at rest, but always such a
-stiffness: with its interfaces held it is held.
+Displacements are x, y in turn. A free shaft has no static flexibility, but S always exists, because
+the shaft is supported while its interfaces are fixed.
 """
 
 from __future__ import annotations
@@ -22,32 +22,32 @@ from ..linear.real_matrices import TURN, in_plane
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
 from ..structure.structure import Structure
-from .laws import LawsAlong, is_linear
+from .laws import LawsAlongMotion, is_linear
 
 
-class Matrices(NamedTuple):
-    """M, D, K of the coordinates (b, r) at a speed, without the nonlinear interfaces."""
+class ReducedMatrices(NamedTuple):
+    """M, D, K in the coordinates (b, r) at a speed, without the nonlinear interfaces."""
 
     M: np.ndarray
     D: np.ndarray
     K: np.ndarray
 
 
-class Harmonics(NamedTuple):
-    """Of harmonics 0 to H: S, shape (H + 1, b, b), the forces as b sees them, shape (H + 1, b), and
-    what makes r of b: r = own - by_b b."""
+class DynamicStiffness(NamedTuple):
+    """The condensed equations at harmonics 0 to H: dynamic stiffness S, shape (H + 1, b, b), forces
+    on b, shape (H + 1, b), and the other coordinates r = r_of_loads - r_by_b b."""
 
     S: np.ndarray
     force: np.ndarray
-    own: np.ndarray
-    by_b: np.ndarray
+    r_of_loads: np.ndarray
+    r_by_b: np.ndarray
 
 
-class Condensed:
-    """A machine, its linear part condensed to its nonlinear interfaces.
+class CondensedMachine:
+    """A machine whose linear part is condensed to its nonlinear interfaces.
 
-    loads: constant forces on the machine's ports, complex, in the order of `Structure.load_dof`
-    [N]. Raises `LinearError` where nothing but rounding holds what the interfaces leave.
+    loads: constant complex forces on the machine's ports, in the order of `Structure.load_dof` [N].
+    Raises `LinearError` if the machine has rigid-body motions that the interfaces do not restrain.
     """
 
     def __init__(self, rotor: Rotor, loads: np.ndarray | None = None) -> None:
@@ -55,8 +55,8 @@ class Condensed:
         self.rotor, self.machine, s = rotor, machine, machine.structure
         self.structure = s
         linear = is_linear(s)
-        self.is_in, self._loads = ~linear, loads
-        self.laws = LawsAlong(s, ~linear)
+        self.is_nonlinear, self._loads = ~linear, loads
+        self.laws = LawsAlongMotion(s, ~linear)
         rows = np.repeat(~linear, 2)
         across = (machine.across @ machine.expand).toarray()
         pivots, independent = _independent(across[rows][::2, ::2])
@@ -71,45 +71,49 @@ class Condensed:
         self.B = (across[rows] @ self._T)[:, : self.b]
         self._linear_rows = (across[~rows] @ self._T).reshape(-1, 2, N)
         self._linear = linear
-        self._take_matrices(machine, across)
-        self._take_forces(loads)
+        self._set_matrices(machine, across)
+        self._set_forces(loads)
 
-    def with_rotor(self, rotor: Rotor) -> Condensed:
-        """The same machine with other quantities: where these are of its nonlinear laws, the linear
-        part is taken over."""
+    def with_rotor(self, rotor: Rotor) -> CondensedMachine:
+        """Return the machine with other quantities; the linear part is taken over if only nonlinear
+        laws change."""
         s = assemble(rotor)
         if not _is_same_but_laws(self.structure, s, self._linear):
-            return Condensed(rotor, self._loads)
-        made = copy(self)
-        made.rotor, made.structure, made.laws = rotor, s, LawsAlong(s, self.is_in)
-        return made
+            return CondensedMachine(rotor, self._loads)
+        result = copy(self)
+        result.rotor, result.structure, result.laws = (
+            rotor,
+            s,
+            LawsAlongMotion(s, self.is_nonlinear),
+        )
+        return result
 
-    def _take_matrices(self, machine: LinearMachine, across: np.ndarray) -> None:
+    def _set_matrices(self, machine: LinearMachine, across: np.ndarray) -> None:
         T, s = self._T, self.structure
-        still, turning = (machine.at_zero_load(speed) for speed in (0.0, 1.0))
+        at_rest, at_one = (machine.at_zero_load(speed) for speed in (0.0, 1.0))
 
         def without_laws(matrix, by):
             """Return a matrix without the tangents `by` of the laws, which are in it."""
             each = across.reshape(-1, 2, across.shape[1])
             return matrix.toarray() + np.einsum("jaN,jab,jbM->NM", each, by, each)
 
-        def turned(matrix):
+        def reduced(matrix):
             """Return a matrix in the reduced coordinates."""
             return T.T @ matrix @ T
 
-        still_D = without_laws(still.D, still.laws.by_v)
-        self._M = turned(still.M.toarray())
-        self._K = turned(without_laws(still.K, still.laws.by_d))
-        self._D = turned(still_D)
-        self._gyroscopic = turned(without_laws(turning.D, turning.laws.by_v) - still_D)
-        self._circulatory = turned(still.strain.matrix(TURN).toarray())
+        D_at_rest = without_laws(at_rest.D, at_rest.laws.by_v)
+        self._M = reduced(at_rest.M.toarray())
+        self._K = reduced(without_laws(at_rest.K, at_rest.laws.by_d))
+        self._D = reduced(D_at_rest)
+        self._gyroscopic = reduced(without_laws(at_one.D, at_one.laws.by_v) - D_at_rest)
+        self._circulatory = reduced(at_rest.strain.matrix(TURN).toarray())
         self._kappa = s.numbers[0].kappa_v, s.numbers[0].kappa_h
         linear = s.interfaces[self._linear]
         tables = [s.laws[i.law][i.row] for i in linear]
         self._follows_speed = any(record.rows > 0 for record in tables)
         self._of_laws: dict[float, tuple[np.ndarray, np.ndarray]] = {}
 
-    def _take_forces(self, loads: np.ndarray | None) -> None:
+    def _set_forces(self, loads: np.ndarray | None) -> None:
         s, T = self.structure, self._T
         size = len(s.weight) + len(s.housings) + 1
         pull, constant = np.zeros(size, complex), np.zeros(size, complex)
@@ -125,19 +129,19 @@ class Condensed:
         self.unbalance = T.T @ (expand.T @ both)
         self.constant = T.T @ (expand.T @ (self.machine.weight + in_plane(constant)))
 
-    def matrices(self, speed: float) -> Matrices:
-        """At a speed [rad/s]."""
+    def matrices(self, speed: float) -> ReducedMatrices:
+        """Return M, D, K in the reduced coordinates at a speed [rad/s]."""
         kappa_v, kappa_h = self._kappa
         kappa = kappa_v * speed + math.copysign(kappa_h * (speed != 0), speed)
         by_d, by_v = self._linear_laws(speed)
-        return Matrices(
+        return ReducedMatrices(
             self._M,
             self._D + speed * self._gyroscopic - by_v,
             self._K - kappa * self._circulatory - by_d,
         )
 
     def _linear_laws(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
-        """What the linear laws add, by displacements and velocities."""
+        """Return the tangents of the linear laws with respect to displacements and velocities."""
         key = speed if self._follows_speed else 0.0
         if key not in self._of_laws:
             middle = np.zeros(len(self.structure.interfaces), complex)
@@ -150,42 +154,43 @@ class Condensed:
             )
         return self._of_laws[key]
 
-    def harmonics(self, omega: float, speed: float, H: int, order: int) -> Harmonics:
-        """Condensed at harmonics 0 to H of omega [rad/s]; the unbalance acts at `order`, 0: it does
-        not."""
+    def dynamic_stiffness(self, omega: float, speed: float, H: int, order: int) -> DynamicStiffness:
+        """Return the condensed equations at harmonics 0 to H of omega [rad/s]; order: harmonic at
+        which the unbalance acts, 0: no unbalance."""
         M, D, K = self.matrices(speed)
         w = omega * np.arange(H + 1)[:, None, None]
-        whole = K - w**2 * M + 1j * w * D
+        dynamic = K - w**2 * M + 1j * w * D
         force = np.zeros((H + 1, self.size), complex)
         force[0] = self.constant
         if order:
             force[order] += speed**2 * self.unbalance
         b = self.b
-        right = np.concatenate([whole[:, b:, :b], force[:, b:, None]], axis=2)
-        solved = np.linalg.solve(whole[:, b:, b:], right)
-        by_b, own = solved[:, :, :b], solved[:, :, b]
-        S = whole[:, :b, :b] - whole[:, :b, b:] @ by_b
-        of_force = force[:, :b] - np.einsum("kbr,kr->kb", whole[:, :b, b:], own)
-        return Harmonics(S, of_force, own, by_b)
+        right = np.concatenate([dynamic[:, b:, :b], force[:, b:, None]], axis=2)
+        solved = np.linalg.solve(dynamic[:, b:, b:], right)
+        r_by_b, r_of_loads = solved[:, :, :b], solved[:, :, b]
+        S = dynamic[:, :b, :b] - dynamic[:, :b, b:] @ r_by_b
+        of_force = force[:, :b] - np.einsum("kbr,kr->kb", dynamic[:, :b, b:], r_of_loads)
+        return DynamicStiffness(S, of_force, r_of_loads, r_by_b)
 
     @property
     def state_places(self) -> np.ndarray:
-        """Where the own states of the nonlinear interfaces lie among a run's internal states."""
+        """The indices of the nonlinear interfaces' states among a run's internal states."""
         places = [
             np.arange(i.internal_state, i.internal_state + i.states)
-            for i, is_in in zip(self.structure.interfaces, self.is_in, strict=True)
-            if is_in
+            for i, is_nonlinear in zip(self.structure.interfaces, self.is_nonlinear, strict=True)
+            if is_nonlinear
         ]
         return np.concatenate(places).astype(int) if places else np.zeros(0, int)
 
-    def expanded(self, parts: Harmonics, b: np.ndarray) -> np.ndarray:
-        """All displacements of complex amplitudes b, shape (H + 1, b): x, y of every dof and
-        housing in turn, complex, shape (H + 1, 2 size)."""
-        r = parts.own - np.einsum("krb,kb->kr", parts.by_b, b)
+    def expanded(self, parts: DynamicStiffness, b: np.ndarray) -> np.ndarray:
+        """Return all displacements from complex amplitudes b, shape (H + 1, b): x and y of every
+        dof and housing in turn, complex, shape (H + 1, 2 size)."""
+        r = parts.r_of_loads - np.einsum("krb,kb->kr", parts.r_by_b, b)
         return np.concatenate([b, r], axis=1) @ (self.machine.expand @ self._T).T
 
-    def of_b(self, by: np.ndarray) -> np.ndarray:
-        """Tangents of the interfaces, shape (n, m, 2, 2), as b sees them, shape (n, b, b)."""
+    def tangents_in_b(self, by: np.ndarray) -> np.ndarray:
+        """Return the tangents of the interfaces, shape (n, m, 2, 2), in the coordinates b, shape
+        (n, b, b)."""
         out = np.zeros((len(by), self.b, self.b))
         for j, rows in enumerate(self.B.reshape(-1, 2, self.b)):
             at = np.flatnonzero(rows.any(axis=0))
@@ -194,12 +199,12 @@ class Condensed:
             out[:, at[:, None], at] += by[:, j] if is_direct else near.T @ by[:, j] @ near
         return out
 
-    def b_of(self, d: np.ndarray) -> np.ndarray:
-        """b of relative displacements of all nonlinear interfaces, shape (n, 2 m)."""
+    def b_of_displacements(self, d: np.ndarray) -> np.ndarray:
+        """Return b for relative displacements of all nonlinear interfaces, shape (n, 2 m)."""
         return d @ np.linalg.pinv(self.B).T
 
-    def check_held(self) -> None:
-        """Raise `LinearError` unless with the interfaces held everything is held."""
+    def check_supported(self) -> None:
+        """Raise `LinearError` unless the machine is supported while its interfaces are fixed."""
         K = self.matrices(0.0).K[self.b :, self.b :]
         M = self._M[self.b :, self.b :]
         lowest = np.linalg.eigvals(np.linalg.solve(M, K)).real.min() if len(K) else 1.0
@@ -212,7 +217,7 @@ _SPEED_DEPENDENT = ("kappa_v", "kappa_h", "eta_v", "eta_h")
 
 
 def _is_same_but_laws(a: Structure, b: Structure, linear: np.ndarray) -> bool:
-    """Whether two structures differ in their nonlinear laws alone."""
+    """Return whether two structures differ only in their nonlinear laws."""
     if not all(np.array_equal(getattr(a, name), getattr(b, name)) for name in _LINEAR):
         return False
     if any(a.numbers[0][name] != b.numbers[0][name] for name in _SPEED_DEPENDENT):
@@ -221,7 +226,8 @@ def _is_same_but_laws(a: Structure, b: Structure, linear: np.ndarray) -> bool:
 
 
 def _independent(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of rows of an incidence matrix: pivots of those that are independent, and which those are."""
+    """Return the pivots of linearly independent rows of an incidence matrix, and the indices of
+    these rows."""
     left = rows.astype(float).copy()
     pivots: list[int] = []
     retained: list[int] = []

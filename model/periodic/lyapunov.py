@@ -1,12 +1,13 @@
-"""The largest Lyapunov exponent of a motion in time: how fast neighbouring motions part.
+"""The largest Lyapunov exponent of a motion in time: the mean rate at which neighbouring motions
+diverge.
 
-The machine linearized along the motion, by the laws' tangents, takes a difference from turn to turn
-as it does along an orbit (`floquet`). The exponent is the mean of the growth a turn, weighted by
+The machine linearized along the motion, by the laws' tangents, propagates a difference from turn to
+turn, as along an orbit (`floquet`). The exponent is the mean of the growth per turn, weighted by
 
     w(s) = exp(-1 / (s (1 - s))),    0 < s < 1
 
-which leaves out how the difference turns into the fastest direction at the start, and converges
-faster than a plain mean where the motion is regular (Das, Saiki, Sander, Yorke 2017).
+which suppresses the transient at the start and converges faster than a plain mean where the motion
+is regular (Das, Saiki, Sander, Yorke 2017).
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from ..simulation import Simulation
 from ..step.laws import relative
-from .floquet import Paces, Path, modes_along, passed, tangents_along
-from .linear_structure import Condensed
+from .floquet import Frequencies, MotionPath, modes_along, tangents_along, transition_matrix
+from .linear_structure import CondensedMachine
 from .problem import check_parts
 
 LEAST_TURNS = 4
@@ -28,17 +29,18 @@ _RESOLVED = 8.0  # samples a period of the fastest motion that is looked at
 
 
 class InterfaceSamples(NamedTuple):
-    """What all m interfaces with s own states do at n instants: t [s], shape (n,); complex relative
-    displacements d [m] and velocities v [m/s], shape (n, m); own states, shape (n, s)."""
+    """Motion of all m interfaces with s internal states at n instants: t [s], shape (n,); complex
+    relative displacements d [m] and velocities v [m/s], shape (n, m); internal states, shape (n,
+    s)."""
 
     t: np.ndarray
     d: np.ndarray
     v: np.ndarray
-    own: np.ndarray
+    states: np.ndarray
 
 
 def sample(run: Simulation) -> tuple[float, list[complex], list[complex], np.ndarray]:
-    """The interfaces of a run at the time reached: a row of `InterfaceSamples`."""
+    """Return the motion of a run's interfaces at the present time: a row of `InterfaceSamples`."""
     motion, interfaces = run.motion, run.structure.interfaces
     d = [relative(i, motion.q) for i in interfaces]
     v = [relative(i, motion.v) for i in interfaces]
@@ -47,17 +49,17 @@ def sample(run: Simulation) -> tuple[float, list[complex], list[complex], np.nda
 
 @on_one_thread
 def largest_exponent(rotor: Rotor, samples: InterfaceSamples, speed: float, per_turn: int) -> float:
-    """The largest Lyapunov exponent [1/s] of a motion at a constant speed [rad/s] that was sampled
-    evenly, `per_turn` times a turn, over whole turns.
+    """Return the largest Lyapunov exponent [1/s] of a motion at a constant speed [rad/s], sampled
+    at equal intervals, `per_turn` times a turn, over whole turns.
 
-    Raises `ValueError` for fewer than `LEAST_TURNS` turns, and `PeriodicError` for a machine whose
-    parts have no tangents.
+    Raises `ValueError` for fewer than `LEAST_TURNS` turns, and `PeriodicError` for a machine with
+    parts that have no tangents.
     """
     turns = (len(samples.t) - 1) // per_turn
     if turns < LEAST_TURNS:
         raise ValueError(f"turns = {turns}: must be >= {LEAST_TURNS}")
     check_parts(rotor)
-    machine = Condensed(rotor)
+    machine = CondensedMachine(rotor)
     path = _path(machine, samples, speed, per_turn)
     cuts = [samples.t[k * per_turn : (k + 1) * per_turn + 1] for k in range(turns)]
     parts = [tangents_along(machine, path, times) for times in cuts]
@@ -66,7 +68,7 @@ def largest_exponent(rotor: Rotor, samples: InterfaceSamples, speed: float, per_
     state /= np.linalg.norm(state)
     growth = np.empty(turns)
     for k, part in enumerate(parts):
-        state = passed(modes, mean, part) @ state
+        state = transition_matrix(modes, mean, part) @ state
         size = float(np.linalg.norm(state))
         growth[k] = np.log(size) / part.h.sum()
         state /= size
@@ -74,13 +76,15 @@ def largest_exponent(rotor: Rotor, samples: InterfaceSamples, speed: float, per_
     return float(np.average(growth, weights=np.exp(-1.0 / (s * (1.0 - s)))))
 
 
-def _path(machine: Condensed, samples: InterfaceSamples, speed: float, per_turn: int) -> Path:
-    """The path between the samples: of displacements by cubic polynomials that have the velocities
-    at both ends, of own states by lines."""
+def _path(
+    machine: CondensedMachine, samples: InterfaceSamples, speed: float, per_turn: int
+) -> MotionPath:
+    """Return the path through the samples: displacements by cubic Hermite interpolation, internal
+    states by linear interpolation."""
     t, step = samples.t, samples.t[1] - samples.t[0]
     places = machine.state_places
-    d, v = (_plane(z[:, machine.is_in]) for z in (samples.d, samples.v))
-    own = samples.own[:, places]
+    d, v = (_plane(z[:, machine.is_nonlinear]) for z in (samples.d, samples.v))
+    states = samples.states[:, places]
 
     def at(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the motion at times."""
@@ -90,11 +94,11 @@ def _path(machine: Condensed, samples: InterfaceSamples, speed: float, per_turn:
         a, b, va, vb = d[i], d[i + 1], h * v[i], h * v[i + 1]
         where = a + x * (va + x * (3 * (b - a) - 2 * va - vb + x * (2 * (a - b) + va + vb)))
         slope = va + x * (2 * (3 * (b - a) - 2 * va - vb) + 3 * x * (2 * (a - b) + va + vb))
-        return where, slope / h, own[i] + x * (own[i + 1] - own[i])
+        return where, slope / h, states[i] + x * (states[i + 1] - states[i])
 
-    own_scale = np.maximum(np.abs(own).max(axis=0, initial=0.0), 1e-9)
-    fastest = 2 * np.pi / (_RESOLVED * step)
-    return Path(at, Paces(speed, abs(speed), max(fastest, abs(speed))), own_scale)
+    state_scale = np.maximum(np.abs(states).max(axis=0, initial=0.0), 1e-9)
+    highest = 2 * np.pi / (_RESOLVED * step)
+    return MotionPath(at, Frequencies(speed, abs(speed), max(highest, abs(speed))), state_scale)
 
 
 def _plane(z: np.ndarray) -> np.ndarray:

@@ -1,8 +1,9 @@
-"""Steps of a period: short where the forces change fast, ending where one has a corner.
+"""Time steps of a period: short where the forces change fast, and ending where a force has a
+corner.
 
-Steps are halves of halves of the period, cut at corners. How short they must be follows from the
-forces on them: a parabola through those at a step's three points, carried back to its begin, misses
-the force there by an impulse that is to be a small share of all.
+The period is bisected repeatedly and cut at corners. The error of a step is estimated from the
+parabola through the forces at its three points: extrapolated to the begin of the step it misses the
+force there by an impulse, which is to be a small share of the period's.
 """
 
 from __future__ import annotations
@@ -12,40 +13,41 @@ import math
 import numpy as np
 
 from .force_corners import crossings
-from .linear_structure import Condensed
+from .linear_structure import CondensedMachine
 
 POINTS = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
 _COARSEST, _FINEST = 6, 13  # halvings of the period
-_IMPULSE = 3e-6  # that a parabola may miss in a step, as a share of the period's
+_MISSED_IMPULSE = 3e-6  # that a parabola may miss in a step, as a share of the period's
 _FINER, _COARSER = 3, 1  # halvings at once
-_SEEN = 2048  # instants at which corners are looked for
+_CORNER_SAMPLES = 2048  # instants at which corners are looked for
 _APART = 1e-6  # of the period: how near the end of another step a corner is none
-# of values at the points, what the parabola through them is at the begin
+# weights of the values at the points in the value of their parabola at the beginning
 _BACK = np.array(
     [np.prod(np.delete(POINTS, i) / (np.delete(POINTS, i) - POINTS[i])) for i in range(3)]
 )
 
 
-def even(halvings: int = 9) -> np.ndarray:
-    """Ends of even steps, as shares of the period."""
+def uniform_mesh(halvings: int = 9) -> np.ndarray:
+    """Return a uniform mesh of the period, as fractions of it."""
     return np.linspace(0.0, 1.0, 2**halvings + 1)
 
 
-def shortened(ends: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """Ends with some of the steps in four, and those after them in two."""
+def refined_mesh(ends: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """Return the mesh with some of the steps divided by four, and those after them by two."""
     h, after = np.diff(ends), which | np.roll(which, 1)
     quarters = [ends[:-1][which] + share * h[which] for share in (0.25, 0.75)]
     return np.unique(np.concatenate([ends, ends[:-1][after] + 0.5 * h[after], *quarters]))
 
 
-def points(ends: np.ndarray) -> np.ndarray:
-    """Three points a step, as shares of the period, shape (steps, 3)."""
+def mesh_points(ends: np.ndarray) -> np.ndarray:
+    """Return the three points of each step, as fractions of the period, shape (steps, 3)."""
     return ends[:-1, None] + np.diff(ends)[:, None] * POINTS
 
 
 def interpolated(values: np.ndarray, ends: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Of a period by its values at the points of steps, shape (steps, 3, m): at shares of it, by
-    the cubic of each step that has the end of the one before, shape (n, m)."""
+    """Return values at fractions of the period, shape (n, m), from those at the points of the
+    steps, shape (steps, 3, m), by the cubic of each step that also meets the end of the step
+    before."""
     step = np.clip(np.searchsorted(ends, at, "left") - 1, 0, len(ends) - 2)
     x = (at - ends[step]) / (ends[step + 1] - ends[step])
     nodes = np.append(0.0, POINTS)
@@ -57,15 +59,17 @@ def interpolated(values: np.ndarray, ends: np.ndarray, at: np.ndarray) -> np.nda
     return np.einsum("ni,nim->nm", share, known)
 
 
-def at_points(values: np.ndarray, ends: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Of a period by its values at the points of steps: at those of other steps."""
-    at = points(others)
+def at_mesh_points(values: np.ndarray, ends: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Return values at the points of another mesh, from those at the points of one."""
+    at = mesh_points(others)
     return interpolated(values, ends, at.ravel()).reshape(*at.shape, -1)
 
 
-def fitted(machine: Condensed, y: np.ndarray, force: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Ends of steps that suit a motion y with its forces, at the points of other steps, shape
-    (steps, 3, m) each."""
+def adapted_mesh(
+    machine: CondensedMachine, y: np.ndarray, force: np.ndarray, ends: np.ndarray
+) -> np.ndarray:
+    """Return the mesh adapted to a motion y and its forces, both at the points of the present mesh,
+    shape (steps, 3, m) each."""
     cells = _cells(force, ends)
     corners = _corners(machine, y, ends)
     near = np.clip(np.searchsorted(cells, corners), 1, len(cells) - 1)
@@ -74,13 +78,13 @@ def fitted(machine: Condensed, y: np.ndarray, force: np.ndarray, ends: np.ndarra
 
 
 def _cells(force: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Halves of halves, as short as the forces ask for."""
+    """Return the mesh by bisection that the forces demand, without corners."""
     h, n = np.diff(ends), 2**_FINEST
     missed = np.abs(np.einsum("i,tim->tm", _BACK, force) - np.roll(force[:, 2], 1, axis=0))
     missed = h * np.linalg.norm(missed, axis=1)
     whole = max(float(h @ np.linalg.norm(force, axis=2).mean(axis=1)), 1e-300)
     now = -np.log2(h)
-    wanted = now + np.log2(np.maximum(missed / (_IMPULSE * whole), 1e-12)) / 4
+    wanted = now + np.log2(np.maximum(missed / (_MISSED_IMPULSE * whole), 1e-12)) / 4
     wanted = np.clip(np.ceil(wanted), np.floor(now + 1e-9) - _COARSER, now + _FINER)
     halvings = np.clip(wanted, _COARSEST, _FINEST).astype(int)
     of_least = halvings[np.searchsorted(ends, (np.arange(n) + 0.5) / n) - 1]
@@ -95,18 +99,16 @@ def _cells(force: np.ndarray, ends: np.ndarray) -> np.ndarray:
     return np.flatnonzero(is_end) / n
 
 
-def _corners(machine: Condensed, y: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Where forces have corners, as shares of the period."""
+def _corners(machine: CondensedMachine, y: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Return where forces have corners, as fractions of the period."""
     if not len(machine.laws.levels[0]):
         return np.zeros(0)
 
     def gap(at: np.ndarray) -> np.ndarray:
-        """Return the gaps at shares of the period."""
-        return machine.laws.openings(
-            interpolated(y[..., : machine.b], ends, at % 1.0) @ machine.B.T
-        )
+        """Return the gaps at fractions of the period."""
+        return machine.laws.gaps(interpolated(y[..., : machine.b], ends, at % 1.0) @ machine.B.T)
 
-    n = _SEEN
+    n = _CORNER_SAMPLES
     found = crossings(
         machine.laws, gap(np.arange(-1, n + 2) / n), lambda cell, share: gap((cell + share) / n)
     )

@@ -1,62 +1,68 @@
-"""From harmonic balance to shooting, and back: which equations suit a point of a curve."""
+"""The choice between harmonic balance and shooting at a point of a curve."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from . import arclength
-from .arclength import Lost, Point
-from .balance import Orbit, Problem, last_share
+from .arclength import CurvePoint, NotConverged
+from .balance import HarmonicBalance, Orbit, last_share
 from .fourier import resized
-from .harmonic_count import Accuracy, refined, thinned
+from .harmonic_count import Accuracy, with_enough_harmonics, with_fewer_harmonics
 from .shooting import Shooting
 
-_FEW = 0.3  # of the share of the highest harmonics with which a motion is balanced again
+_BACK_BELOW = 0.3  # of the share of the highest harmonics with which a motion is balanced again
 _AHEAD = 1e-4  # of the length of a curve: a difference by which its tangent is taken over
 
-Motions = Problem | Shooting
+PeriodicEquations = HarmonicBalance | Shooting
 
 
-def fitted(
-    problem: Motions, point: Point, orbit: Orbit, accuracy: Accuracy, is_end: bool
-) -> tuple[Motions, Point, bool]:
-    """The equations that suit a point with this orbit, the point by them, and whether it lacks
-    harmonics."""
+def suitable_equations(
+    problem: PeriodicEquations, point: CurvePoint, orbit: Orbit, accuracy: Accuracy, is_end: bool
+) -> tuple[PeriodicEquations, CurvePoint, bool]:
+    """Return the equations that suit a point with this orbit, the point in their unknowns, and
+    whether it has too few harmonics."""
     if isinstance(problem, Shooting):
-        few = last_share(resized(orbit.b, accuracy.most)) < _FEW * accuracy.share
+        few = last_share(resized(orbit.b, accuracy.most)) < _BACK_BELOW * accuracy.share
         if few and not is_end:
-            series = problem.series.like(accuracy.most)
+            balance = problem.balance.modified(accuracy.most)
             try:
-                return series, _taken_over(problem, point, series, orbit), False
-            except Lost:
+                return balance, _transferred(problem, point, balance, orbit), False
+            except NotConverged:
                 pass
         return problem, point, False
-    series = problem
+    balance = problem
     try:
-        series, point = refined(series, point, accuracy, is_end)
-        is_coarse = series.last_share(point.x) > accuracy.share
-    except Lost:  # with more harmonics: it is followed with those that it has
+        balance, point = with_enough_harmonics(balance, point, accuracy, is_end)
+        is_coarse = balance.last_share(point.x) > accuracy.share
+    except NotConverged:  # with more harmonics: it is followed with those that it has
         is_coarse = True
     if not is_end:
-        series, point = thinned(series, point, accuracy)
-    return series, point, is_coarse
+        balance, point = with_fewer_harmonics(balance, point, accuracy)
+    return balance, point, is_coarse
 
 
-def shot(problem: Motions, point: Point, orbit: Orbit) -> tuple[Shooting, Point]:
-    """Shooting's equations of a motion from which those of its harmonics lead no further, and its
-    point by them; raises `Lost` where these are them, and for whirl by itself."""
+def as_shooting(
+    problem: PeriodicEquations, point: CurvePoint, orbit: Orbit
+) -> tuple[Shooting, CurvePoint]:
+    """Return shooting equations for a motion at which harmonic balance fails, and the point in
+    their unknowns; raises `NotConverged` if the equations are shooting already, and for
+    self-excited whirl."""
     if isinstance(problem, Shooting) or problem.is_autonomous:
-        raise Lost([])
+        raise NotConverged()
     other = Shooting(problem, orbit)
-    return other, _taken_over(problem, point, other, orbit)
+    return other, _transferred(problem, point, other, orbit)
 
 
-def _taken_over(problem: Motions, point: Point, other: Motions, orbit: Orbit) -> Point:
-    """A point of the curve, whose orbit this is, by other equations; raises `Lost`."""
+def _transferred(
+    problem: PeriodicEquations, point: CurvePoint, other: PeriodicEquations, orbit: Orbit
+) -> CurvePoint:
+    """Return a point of the curve, with its orbit, in the unknowns of other equations; raises
+    `NotConverged`."""
     scale = problem.parameter.scale
-    far = point.value + _AHEAD * scale * point.by_value
+    far = point.value + _AHEAD * scale * point.tangent_value
     ahead = problem.split(point.x + _AHEAD * point.tangent, far)
     x = other.join(orbit)
-    plane = np.append((other.join(ahead) - x) / _AHEAD, point.by_value)
+    plane = np.append((other.join(ahead) - x) / _AHEAD, point.tangent_value)
     plane /= np.linalg.norm(plane)
     return arclength.correct(other, x, point.value, plane, scale, plane)

@@ -1,4 +1,4 @@
-"""What is asked of a machine's periodic motions, and the branches that answer it."""
+"""The task of a response computation, and its result."""
 
 from __future__ import annotations
 
@@ -13,30 +13,29 @@ from ..machine.rotor import Rotor
 from ..machine.speed_tables import tables_of
 from ..message_templates import Message
 from ..quantities import QuantityError
-from .arclength import Steps
-from .balance import Orbit, Parameter, Problem, cached
+from .arclength import ContinuationSteps
+from .balance import HarmonicBalance, Orbit, Parameter, cached
 from .branch import Branch
 from .harmonic_count import Accuracy
-from .linear_structure import Condensed
+from .linear_structure import CondensedMachine
 
 SPEED = "speed"
 
-Machines = Callable[[float], Condensed]  # of a value of the parameter
+Machines = Callable[[float], CondensedMachine]  # of a value of the parameter
 
 
 class PeriodicError(QuantityError):
-    """A periodic answer that cannot be had; says why."""
+    """A response that cannot be computed; says why."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is asked for: the parameter over [low, high], `speed` [rad/s] where it is another one,
-    constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are,
-    values at which runs in time seed further branches; is_whirl: of the machine
-    without unbalance, that which whirls by itself; begin: an orbit
-    from which alone branches are followed, at the machine's own value of the parameter;
-    has_branches: whether those are followed too that begin at period doublings and branch
-    points."""
+    """A response to be computed: the parameter over [low, high]; `speed` [rad/s] if it is not the
+    parameter; constant `loads` on the ports [N]; `turns` in a period; accuracy and step lengths;
+    `seeds`: values of the parameter at which time integration looks for further branches; is_whirl:
+    self-excited whirl of the machine without unbalance; start_orbit: the only orbit from which
+    branches are followed, at the machine's own value of the parameter; follows_bifurcations:
+    whether branches from period doublings and branch points are followed too."""
 
     low: float
     high: float
@@ -45,36 +44,37 @@ class Task:
     turns: int = 1
     loads: np.ndarray | None = None
     accuracy: Accuracy = field(default_factory=Accuracy)
-    steps: Steps = field(default_factory=lambda: Steps(most=0.1))
+    steps: ContinuationSteps = field(default_factory=lambda: ContinuationSteps(longest=0.1))
     seeds: tuple[float, ...] = ()
     is_whirl: bool = False
-    begin: Orbit | None = None
-    has_branches: bool = False
+    start_orbit: Orbit | None = None
+    follows_bifurcations: bool = False
 
     @property
     def parameter(self) -> Parameter:
-        """What is varied, with the length of its range."""
+        """The continuation parameter with the length of its range."""
         return Parameter(self.name, self.high - self.low)
 
     def speed_at(self, value: float) -> float:
-        """The speed at a value of the parameter [rad/s]."""
+        """Return the speed at a value of the parameter [rad/s]."""
         return value if self.name == SPEED else self.speed
 
     def rotor_at(self, rotor: Rotor, value: float) -> Rotor:
-        """The machine with a value of the parameter."""
+        """Return the machine with a value of the parameter."""
         return rotor if self.name == SPEED else rotor.with_value(self.name, value)
 
-    def is_shot(self, orbit: Orbit) -> bool:
-        """Whether an orbit has more harmonics than may be balanced, and so is one of `shooting`."""
+    def needs_shooting(self, orbit: Orbit) -> bool:
+        """Return whether an orbit has more harmonics than harmonic balance may use."""
         return orbit.H * self.turns > self.accuracy.most * orbit.turns
 
-    def problem(self, machines: Machines, at: float, H: int, **options: Any) -> Problem:
-        """The equations about a value of the parameter, with H harmonics."""
-        return Problem(machines, self.parameter, at, H, speed=self.speed, **options)
+    def problem(self, machines: Machines, at: float, H: int, **options: Any) -> HarmonicBalance:
+        """Return the harmonic balance equations about a value of the parameter, with H
+        harmonics."""
+        return HarmonicBalance(machines, self.parameter, at, H, speed=self.speed, **options)
 
 
 class Note(Message):
-    """A message about values of what is varied; as text it has them in SI units."""
+    """A message with values of the parameter; as text it gives them in SI units."""
 
     __slots__ = ("parts", "unit")
     parts: tuple[str | float, ...]
@@ -91,7 +91,7 @@ class Note(Message):
         return self.code, self.unit, *self.parts
 
     def shown(self, factor: float, unit: str) -> Message:
-        """Return it with its values in another unit; factor: to that."""
+        """Return the message with its values in another unit; factor: to that unit."""
         return Message(_joined(self.parts, factor, unit), self.code)
 
 
@@ -102,8 +102,8 @@ def _joined(parts: tuple[str | float, ...], factor: float, unit: str) -> str:
 
 @dataclass
 class Response:
-    """Branches of a task, and what is to be said of them, a line each; is_stopped: whether
-    it was interrupted."""
+    """The branches of a task and the notes on them, a line each; is_stopped: whether the
+    computation was interrupted."""
 
     rotor: Rotor
     task: Task
@@ -113,18 +113,18 @@ class Response:
 
     @property
     def unit(self) -> str:
-        """The SI unit of what is varied."""
+        """The SI unit of the parameter."""
         if self.task.name == SPEED:
             return "rad/s"
         return {str(n): of.unit for n, of, _ in self.rotor.parameters()}[self.task.name]
 
     def machines(self) -> Machines:
-        """The machine over the parameter."""
+        """Return the machine as a function of the parameter."""
         return machines_of(self.rotor, self.task)
 
 
 def check(rotor: Rotor, task: Task) -> None:
-    """Raise `PeriodicError` or `QuantityError` for what cannot be asked of a machine."""
+    """Raise `PeriodicError` or `QuantityError` for a task that a machine does not allow."""
     if not task.low < task.high:
         raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
     check_parts(rotor)
@@ -141,19 +141,19 @@ def check(rotor: Rotor, task: Task) -> None:
 
 
 def check_parts(rotor: Rotor) -> None:
-    """Raise `PeriodicError` for a part whose tangents do not hold over a turn."""
+    """Raise `PeriodicError` for a part whose tangents are not constant over many turns."""
     for where, part in rotor.named_parts():
         if any(law.bow is not None for law in part.LAWS):
             raise PeriodicError(
-                f"{where}: its heat bows the shaft more slowly than a motion repeats; a contact in "
-                "its place rubs without heat"
+                f"{where}: its thermal bow is slower than one period; use a [[contact]] without "
+                "heating"
             )
 
 
 def machines_of(rotor: Rotor, task: Task) -> Machines:
-    """The machine over the parameter."""
+    """Return the machine as a function of the parameter."""
     if task.name == SPEED:
-        machine = Condensed(rotor, task.loads)
+        machine = CondensedMachine(rotor, task.loads)
         return lambda _: machine
-    first = Condensed(rotor.with_value(task.name, task.low), task.loads)
+    first = CondensedMachine(rotor.with_value(task.name, task.low), task.loads)
     return cached(lambda value: first.with_rotor(rotor.with_value(task.name, value)))

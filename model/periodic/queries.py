@@ -1,34 +1,34 @@
-"""A response evaluated: its motions at a value, whether they stay in time, and its folds over a
-second parameter."""
+"""Evaluations of a response: its motions at a value, whether they persist in time, and its folds
+over a second parameter."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from . import arclength
-from .arclength import Lost, Point
-from .balance import Problem, cached
+from .arclength import CurvePoint, NotConverged
+from .balance import HarmonicBalance, cached
 from .branch import FOLD, Bifurcation, Solution, solution
 from .folds import FoldCurve, fold_curve
-from .method_switch import Motions
+from .method_switch import PeriodicEquations
 from .problem import SPEED, Machines, PeriodicError, Response, machines_of
 from .shooting import Shooting
-from .starting_points import Stay, stay
+from .starting_points import Persistence, integrate_from_orbit
 
 _ROUNDING = 1e-9  # of the range
 _STEPS = 1, 4, 16  # from a point to a value beside it, until Newton's method converges
 
 
-def at(result: Response, value: float) -> list[Solution]:
-    """All motions of the branches at a value of the parameter, by Newton's method from their
-    neighbours."""
+def motions_at(result: Response, value: float) -> list[Solution]:
+    """Return all motions of the branches at a value of the parameter, by Newton's method from the
+    neighbouring points."""
     outcome = []
     near = _ROUNDING * (result.task.high - result.task.low)
     for branch in result.branches:
         ends = branch.points[:1] + branch.points[-1:]
         for a, b in zip(branch.points, branch.points[1:], strict=False):
             if a.value == value and a is not branch.points[0]:
-                continue  # the stretch before ends there
+                continue  # the previous segment ends there
             low, high = sorted((a.value, b.value))
             is_at_end = any(
                 p is end for p in (a, b) for end in ends if abs(end.value - value) <= near
@@ -43,7 +43,7 @@ def at(result: Response, value: float) -> list[Solution]:
 
 def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:
     task = result.task
-    series = task.problem(
+    balance = task.problem(
         result.machines(),
         value,
         max(a.orbit.H, b.orbit.H),
@@ -52,33 +52,33 @@ def _between(result: Response, a: Solution, b: Solution, value: float) -> Soluti
         omega=a.orbit.omega,
     )
     share = (value - a.value) / (b.value - a.value)
-    problem: Motions = series
+    problem: PeriodicEquations = balance
     try:
-        if task.is_shot(a.orbit) or task.is_shot(b.orbit):
+        if task.needs_shooting(a.orbit) or task.needs_shooting(b.orbit):
             near = a.orbit if abs(share) < 0.5 else b.orbit
-            problem = Shooting(series.like(task.accuracy.most), near)
+            problem = Shooting(balance.modified(task.accuracy.most), near)
         first, second = problem.join(a.orbit), problem.join(b.orbit)
         problem.fix_phase(first)
-    except Lost:
+    except NotConverged:
         return None
     for steps in _STEPS:
         try:
             x = _in_steps(problem, (first, a.value), (second, b.value), value, steps)
-        except Lost:
+        except NotConverged:
             continue
-        return solution(problem, Point(x, value, x, 1.0), task.accuracy)
+        return solution(problem, CurvePoint(x, value, x, 1.0), task.accuracy)
     return None
 
 
 def _in_steps(
-    problem: Motions,
+    problem: PeriodicEquations,
     first: tuple[np.ndarray, float],
     second: tuple[np.ndarray, float],
     value: float,
     steps: int,
 ) -> np.ndarray:
-    """The unknowns at a value, from the nearer of two points on, each with its value, in so many
-    steps along what lies between them; raises `Lost`."""
+    """Return the unknowns at a value of the parameter, in a number of steps from the nearer of two
+    points, each with its value, along the line between them; raises `NotConverged`."""
     if abs(value - first[1]) > abs(value - second[1]):
         first, second = second, first
     (x, start), (end, last) = first, second
@@ -88,22 +88,24 @@ def _in_steps(
     return x
 
 
-def stays(result: Response, point: Solution, turns: int) -> Stay:
-    """Whether the integrator, started on a motion, is still there after some turns."""
+def persists_in_time(result: Response, point: Solution, turns: int) -> Persistence:
+    """Return whether the integrator, started on a motion, is still there after some turns."""
     task = result.task
     if task.is_whirl:
-        raise PeriodicError("a whirl by itself is of the machine without its unbalance: no check")
+        raise PeriodicError(
+            "check: not available for self-excited whirl, which is computed without unbalance"
+        )
     rotor, machine = task.rotor_at(result.rotor, point.value), result.machines()(point.value)
-    return stay(rotor, machine, point.orbit, point.motion, task.loads, turns)
+    return integrate_from_orbit(rotor, machine, point.orbit, point.motion, task.loads, turns)
 
 
 def folds_over(
     result: Response, fold: Bifurcation, name: str, low: float, high: float
 ) -> FoldCurve:
-    """The curve of folds through one of a response, over a second parameter.
+    """Return the curve of folds through one of a response, over a second parameter.
 
-    Raises `PeriodicError` where the machine's own value of it lies outside, or what is given is no
-    fold of a smooth branch.
+    Raises `PeriodicError` if the machine's own value of it lies outside the range, or the
+    bifurcation is no smooth fold.
     """
     task, rotor = result.task, result.rotor
     start = {str(n): value for n, _, value in rotor.parameters()}[name]
@@ -111,7 +113,7 @@ def folds_over(
         raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
     if fold.kind != FOLD:
         raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")
-    if task.is_shot(fold.orbit):
+    if task.needs_shooting(fold.orbit):
         raise PeriodicError(
             f"fold at {fold.value:g}: its motion has more than {task.accuracy.most} harmonics, of "
             f"which no curve of folds is made; a study of responses over {name} finds each"
@@ -122,7 +124,7 @@ def folds_over(
     base = task.problem(first, fold.value, fold.orbit.H, turns=fold.orbit.turns)
 
     @cached
-    def problem_at(value: float) -> Problem:
+    def problem_at(value: float) -> HarmonicBalance:
         """Return the equations about the fold, at a value of the second parameter."""
         changed = rotor.with_value(name, value)
         if task.name == SPEED:
@@ -137,7 +139,7 @@ def folds_over(
             turns=fold.orbit.turns,
             is_autonomous=task.is_whirl,
             omega=fold.orbit.omega,
-            length=base.lengths,
+            length_scale=base.length_scale,
         )
         problem.row_scale = base.row_scale
         if task.is_whirl:

@@ -1,5 +1,5 @@
-"""Steps of Radau IIA through a period: the machine's modes, with the forces of its interfaces at
-the three points of each step solved for by Newton's method."""
+"""Radau IIA steps through a period in the machine's modes; Newton's method solves for the interface
+forces at the three points of each step."""
 
 from __future__ import annotations
 
@@ -7,28 +7,35 @@ import numpy as np
 
 from .. import backend
 from . import entry_points
-from .linear_structure import Condensed
+from .linear_structure import CondensedMachine
 
 
-def run(
-    machine: Condensed,
+def integrate_period(
+    machine: CondensedMachine,
     speed: float,
-    mean: np.ndarray,
-    steps: entry_points.Lengths,
-    by_loads: np.ndarray,
-    begin: np.ndarray,
-    near: np.ndarray,
+    mean_tangent: np.ndarray,
+    steps: entry_points.Propagators,
+    load_response: np.ndarray,
+    initial: np.ndarray,
+    nearby: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What is seen at the points of all steps, shape (steps, 3, 2 b), from real amplitudes at the
-    begin on, those at the end, and which steps were not solved, shape (steps,); near: what is seen
-    of a motion nearby."""
-    sizes = {"steps": len(near), "lengths": len(steps.along), "modes": len(begin), "b": machine.b}
+    """Return displacements and velocities of the interfaces at the points of all steps, shape
+    (steps, 3, 2 b), the real amplitudes at the end from those at the begin, and which steps were
+    not solved, shape (steps,); nearby: the interfaces' motion close to the one sought."""
+    sizes = {
+        "steps": len(nearby),
+        "lengths": len(steps.diagonal),
+        "modes": len(initial),
+        "b": machine.b,
+    }
     block, data = machine.laws.block_of_steps(**sizes)
-    given = entry_points.Period(machine.B, mean, by_loads, near, np.zeros(len(near), bool), begin)
-    for group, values in ((data.lengths, steps), (data.period, given)):
+    period_data = entry_points.Period(
+        machine.B, mean_tangent, load_response, nearby, np.zeros(len(nearby), bool), initial
+    )
+    for group, values in ((data.propagators, steps), (data.period, period_data)):
         for target, source in zip(group, values, strict=True):
             target[...] = source
-    data.work.places[...] = np.arange(3 * machine.b)
+    data.work.columns[...] = np.arange(3 * machine.b)
     backend.bound(entry_points.step_through, block)(float(speed))
     period = data.period
     return period.y.copy(), period.state.copy(), period.unsolved.copy()

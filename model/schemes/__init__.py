@@ -1,1 +1,1 @@
-"""The family of generalized-alpha schemes, its spectral radius, and classical schemes beside it."""
+"""The integration schemes of the solver: the generalized-alpha family, and Radau IIA."""

@@ -1,9 +1,9 @@
 """Radau IIA with three stages, of order five, L-stable (Ehle 1969; Hairer and Wanner, Solving
 Ordinary Differential Equations II, sec. IV.5 and IV.8).
 
-Stages at C h with the weights A; the last stage is the end of the step. With
-A = T diag(LAMBDA) T^-1 the linear part of a step falls apart into three systems, each of the size
-of one stage.
+The stages lie at C h and have the weights A; the last stage is the end of the step. With A = T
+diag(LAMBDA) T^-1 the linear part of a step decouples into three systems, each of the size of one
+stage.
 """
 
 from __future__ import annotations
@@ -78,8 +78,8 @@ A_INVERSE = np.array(
 
 
 def _parts(first: complex, second: complex) -> list[float]:
-    """Return the weights of the three `parts` of the systems' values, of which the first and the
-    second have these weights, and the third has the second's conjugate."""
+    """Return the real weights of the three parts of the systems' values, from the weights of the
+    first and the second system; the third has the conjugate of the second."""
     return [first.real, second.real, second.imag]
 
 
@@ -100,7 +100,8 @@ SHARES = np.array(
 
 
 def _lagrange(nodes: list[float], x: float) -> list[float]:
-    """Return the weights by which values at the nodes make the value at x of their polynomial."""
+    """Return the weights of values at the nodes in the value of their interpolating polynomial at
+    x."""
     return [
         math.prod((x - other) / (node - other) for other in nodes if other != node)
         for node in nodes
@@ -108,8 +109,8 @@ def _lagrange(nodes: list[float], x: float) -> list[float]:
 
 
 def _derivative_at_end() -> list[float]:
-    """Return the weights by which values at the stages make the derivative of their polynomial at
-    the end of the step, times its length."""
+    """Return the weights of the stages' values in the derivative of their interpolating polynomial
+    at the end of the step, times its length."""
     nodes = C.tolist()
     by_last = sum(1.0 / (1.0 - other) for other in nodes[:2])
     others = [
@@ -124,8 +125,8 @@ END_SLOPE = np.array(_derivative_at_end())
 
 
 def _integrals() -> np.ndarray:
-    """Return the polynomials whose values at x are the integrals from 0 to x of the stages' own:
-    rows of the factors of x, x^2, x^3."""
+    """Return the polynomials of the integrals from 0 to x of the stages' Lagrange polynomials: rows
+    of the coefficients of x, x^2, x^3."""
     rows = []
     for i in range(3):
         a, b = (float(C[j]) for j in range(3) if j != i)
@@ -141,32 +142,35 @@ ERROR_CONSTANT = 0.01
 
 @jit
 def of_parts(weights, p, s, t):
-    """Return the sum of parts with these weights."""
+    """Return the sum of the parts with these weights."""
     return scaled(weights[0], p) + scaled(weights[1], s) + scaled(weights[2], t)
 
 
 @jit
 def parts_times(factor, s, t):
-    """Return the parts b + c, i (b - c) where b is multiplied by a factor, c by its conjugate."""
+    """Return the parts b + c and i (b - c) after b is multiplied by a factor and c by its
+    conjugate."""
     real, imaginary = factor.real, factor.imag
     return scaled(real, s) + scaled(imaginary, t), scaled(real, t) - scaled(imaginary, s)
 
 
 @jit
 def weight_until(i, x):
-    """Return the weight of stage i [1] in an integral over the first x of a step, 0 < x <= 1."""
+    """Return the weight of stage i [1] in the integral over the first share x of a step, 0 < x <=
+    1."""
     return ((INTEGRALS[i, 2] * x + INTEGRALS[i, 1]) * x + INTEGRALS[i, 0]) * x
 
 
 @jit
 def weight_at(i, x):
-    """Return the weight of stage i [1] in a value at x, a share of the step."""
+    """Return the weight of stage i [1] in the value at the share x of a step."""
     return (3.0 * INTEGRALS[i, 2] * x + 2.0 * INTEGRALS[i, 1]) * x + INTEGRALS[i, 0]
 
 
 @jit
 def amplification(z):
-    """Return by what a step multiplies an oscillation of root lambda, z = lambda h."""
+    """Return the amplification of an oscillation in a step [1]; z = lambda h, its root times the
+    step length."""
     above = 1.0 + z * (0.4 + z * 0.05)
     below = 1.0 - z * (0.6 - z * (0.15 - z * (1.0 / 60.0)))
     return modulus(above * inverse(below))

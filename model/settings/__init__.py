@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import UserInputError
-from ..kernels.jit import interpreted
-from ..message_templates import MOST_ARGUMENTS, Message, spell
+from ..kernels.kernel import interpreted
+from ..message_templates import MOST_ARGUMENTS, Message, fill_template
 from ..schemes.family import Scheme
 from ..time_loop.block import METHOD
 from ..time_loop.control import Control
@@ -103,7 +103,7 @@ class Settings:
 
     @property
     def warnings(self) -> list[Message]:
-        """Return the warnings that hold for every run with them, such as an unstable method."""
+        """The warnings that hold for every run with these settings, such as an unstable method."""
         return _warnings(self._given, self._given, self.numbers, [COUNT])
 
     def scheme(self) -> Scheme:
@@ -118,7 +118,7 @@ class Settings:
 
 
 def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
-    """Return the settings as the resolver takes them."""
+    """Return the settings in the form that the resolver takes."""
     given = np.full(1 + COUNT, np.nan)
     given[0] = preset
     for name, value in changes.items():
@@ -130,11 +130,12 @@ def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
 
 
 def _resolved(given: np.ndarray) -> np.void:
-    """Return the record that settings give, `given` filled in; raises `SettingsError`."""
+    """Return the record that the settings resolve to, and fill in `given`; raises
+    `SettingsError`."""
     numbers, arguments = np.zeros(1, METHOD).view(np.recarray), np.zeros(MOST_ARGUMENTS)
     code = interpreted(resolve)(given, numbers[0], arguments)
     if code != settings_messages.GOOD:
-        raise SettingsError(spell(settings_messages.SENTENCES[code], arguments))
+        raise SettingsError(fill_template(settings_messages.SENTENCES[code], arguments))
     return numbers[0]
 
 
@@ -174,9 +175,9 @@ def choose(preset: str = DEFAULT_PRESET, **changes: Any) -> Settings:
 def settings_of_given(
     given: np.ndarray, reduction: int, tolerance: float | None = None
 ) -> tuple[Settings, list[Message]]:
-    """Return the settings that an FMU's parameters stand for, as `resolver.resolve` takes them, and
-    a sentence for each that changes nothing; tolerance: the experiment's [1], which a value among
-    them overrides. Raises `SettingsError`."""
+    """Return the settings that an FMU's parameters stand for, in the form that `resolver.resolve`
+    takes, and a message for each parameter without effect; tolerance: that of the experiment [1],
+    which a value among the parameters overrides. Raises `SettingsError`."""
     own = given.copy()
     at = 1 + NAMES.index("tolerance")
     if tolerance is not None and np.isnan(given[at]):
@@ -188,11 +189,11 @@ def settings_of_given(
 def _warnings(
     given: np.ndarray, own: np.ndarray, numbers: np.void, slots: Iterable[int]
 ) -> list[Message]:
-    """Return the warnings of `resolver.warning` about some settings."""
-    arguments, said = np.zeros(MOST_ARGUMENTS), []
+    """Return the warnings of `resolver.warning` about some of the settings."""
+    arguments, result = np.zeros(MOST_ARGUMENTS), []
     for slot in slots:
         code = interpreted(warning)(given, own, numbers, arguments, slot)
         if code:
-            text = spell(settings_messages.SENTENCES[code], arguments)
-            said.append(Message(text, settings_messages.CODES[code]))
-    return said
+            text = fill_template(settings_messages.SENTENCES[code], arguments)
+            result.append(Message(text, settings_messages.CODES[code]))
+    return result

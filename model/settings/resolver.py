@@ -1,6 +1,7 @@
-"""Resolve settings: preset and changes -> integrator and step control, or the code of a message.
+"""Resolve settings: from a preset and changes to integrator and step control, or to the code of a
+message.
 
-A setting is a number, or of a choice its place among the names; NaN leaves it to the preset.
+A setting is a number, or for a choice the index among its names; NaN leaves it to the preset.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ _NEWMARK, _HHT, _WBZ, _CHUNG_HULBERT = (
     list(METHODS).index(name) for name in ("newmark", "hht", "wbz", "chung-hulbert")
 )
 _RADAU = list(METHODS).index(IN_STAGES)
-_STABLE = 1e-12  # what is rounding in a condition of stability
+_STABLE = 1e-12  # rounding in a stability condition
 
 
 def encoded(name: str, value: object) -> float:
@@ -66,12 +67,12 @@ _INDICATORS = np.array([code for code, _ in INDICATORS.values()])
 _CORRECTED = np.array([is_corrected for _, is_corrected in INDICATORS.values()])
 _NORMS = np.array(list(NORMS.values()))
 _IS_NUMBER = np.array([not isinstance(setting, Choice) for setting in SETTINGS])
-# low, whether above it alone, high, whether below it alone
+# lower limit, whether it is excluded, upper limit, whether it is excluded
 _RANGES = np.array(
     [
         (0.0, 0.0, 0.0, 0.0)
         if isinstance(of, Choice)
-        else (of.range.low, of.range.is_above, of.range.high, of.range.is_below)
+        else (of.rule.least, of.rule.is_strict, of.rule.most, of.rule.is_below)
         for of in SETTINGS
     ]
 )
@@ -136,7 +137,7 @@ def _is_in_range(value, slot):
 
 @jit
 def _alphas(given, method):
-    """Return alpha_f and alpha_m of the member of the family."""
+    """Return alpha_f and alpha_m of a method of the generalized-alpha family."""
     if method == _CHUNG_HULBERT:
         return alphas(given[3 + _SHAPE])
     alpha_f = 0.0 if method in (_WBZ, _NEWMARK, _RADAU) else given[1 + _SHAPE]
@@ -167,14 +168,14 @@ def _fill(numbers, given, mode, scheme):
 
 @jit
 def begin(given, r):
-    """Write what a run begins with into its record, from the settings chosen."""
+    """Write the initial step length and the limit of iterations into the record of a run."""
     r.h = given[1 + _H]
     r.max_iterations = given[1 + _MAX_ITERATIONS]
 
 
 @jit
 def radius_at_infinity(numbers):
-    """Return `Scheme.rho_infinity` of a method's record [1]."""
+    """Return the spectral radius at infinity of a method [1]."""
     beta, gamma, af = numbers.beta, numbers.gamma, numbers.alpha_f
     discriminant = (0.5 + gamma) ** 2 - 4 * beta
     if abs(discriminant) < _STABLE:
@@ -190,8 +191,11 @@ def radius_at_infinity(numbers):
 
 @jit
 def warning(given, own, numbers, arguments, slot):
-    """Return the code of a warning about one of the `own` settings among `given`, as they were
-    before `resolve`, or `GOOD`; behind the last of them about the method."""
+    """Return the code of a warning about a setting given by the user, or `GOOD`; slot: its index,
+    or `COUNT` for the warning about the method.
+
+    own: the settings as given, before `resolve` filled in the others.
+    """
     method = int(given[1 + _METHOD])
     if slot == COUNT:
         if is_stable(numbers):

@@ -1,7 +1,6 @@
-"""The messages about settings: a code is the place of a sentence in `SENTENCES` (see
-`message_templates`).
+"""The messages about settings: a code is an index into `SENTENCES` (see `message_templates`).
 
-All but `UNSTABLE` begin with the name of a setting, before which an FMU puts a prefix.
+All but `UNSTABLE` begin with the name of a setting, to which an FMU adds a prefix.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ _METHOD, _SHAPE = choice(METHODS), choice(SHAPES)
 
 
 def _parameter_name(name: str) -> str:
-    """Return a setting with its value."""
+    """Return a setting with its value, as a template."""
     setting = BY_NAME[name]
     if isinstance(setting, Choice):
         return f"{name} = {choice(setting.values)}"
@@ -37,8 +36,8 @@ def _parameter_name(name: str) -> str:
 def _out_of_range(name: str) -> str:
     setting = BY_NAME[name]
     if isinstance(setting, Choice):
-        return ""  # a choice has no other values than its own
-    return f"{_parameter_name(name)}: {setting.rule}"
+        return ""  # an unknown name of a choice is refused before
+    return f"{_parameter_name(name)}: {setting.rule.words}"
 
 
 def _idle(name: str) -> str:
@@ -50,7 +49,7 @@ def _idle(name: str) -> str:
 
 SENTENCES = (
     "",
-    f"{_SHAPE} = {{g}}: {_METHOD} does not take it; set the method too",
+    f"{_SHAPE} = {{g}}: not a parameter of {_METHOD}; set solver.method too",
     f"method = {_METHOD}: needs {_SHAPE} too",
     "h = {g} s: must lie between h_min = {g} s and h_max = {g} s",
     "eps_min = {g}: must be below eps_max = {g}",
@@ -64,7 +63,7 @@ SENTENCES = (
     *(_idle(setting.name) for setting in SETTINGS),
 )
 _CODES = {UNSTABLE: "unstable-scheme", FITTED_IN_STAGES: "idle-setting"}
-# Of each the code that a machine reads, empty of what no run says that goes on.
+# The machine-readable code of each; empty for an error, which prevents a run.
 CODES = (
     *(_CODES.get(code, "") for code in range(OUT_OF_RANGE)),
     *("" for _ in SETTINGS),
@@ -74,7 +73,7 @@ assert len(CODES) == len(SENTENCES) == IDLE + len(SETTINGS)
 
 
 def prefixed(prefix: str) -> tuple[str, ...]:
-    """Return the sentences with `prefix` before the settings' names."""
+    """Return the messages with `prefix` before the settings' names."""
     return tuple(
         text if code in (GOOD, UNSTABLE) or not text else f"{prefix}{text}"
         for code, text in enumerate(SENTENCES)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..schemes.family import ALPHA, RHO, Range
+from ..quantities import Rule, between
 from ..time_loop.adaptive_control import INCREMENT_NORM, LI_ZENG_WIBERG, MIXED_NORM, ZIENKIEWICZ_XIE
 from ..time_loop.control import ADAPTIVE, CONTROLLED, FIXED, REALTIME
 
@@ -46,7 +46,7 @@ class Choice:
     variable: str = ""
 
     def encoded(self, value: Any) -> float:
-        """Return the place of a value among the names."""
+        """Return the index of a value among the names."""
         if value not in self.values:
             raise ValueError(f"{self.name} = {value!r}: must be one of {', '.join(self.values)}")
         return float(list(self.values).index(value))
@@ -65,48 +65,45 @@ class Switch(Choice):
 
 @dataclass(frozen=True)
 class Number:
-    """A setting that is a number of a range.
+    """A setting that is a number within a range.
 
-    unset: what stands for "as the preset" in an FMU, where a host may set every start value: a
-    number outside the range; is_whole: whether it is an integer.
+    unset: the number, outside the range, that stands for "as the preset" in an FMU, where a host
+    may set every start value; is_whole: whether it is an integer.
     """
 
     name: str
     unit: str
-    range: Range
+    rule: Rule
     default: float
     unset: float
     text: str
     variable: str = ""
     is_whole: bool = False
 
-    @property
-    def rule(self) -> str:
-        """The allowed values, in words."""
-        return self.range.words("" if self.unit == "1" else f" {self.unit}")
-
     def encoded(self, value: Any) -> float:
         """Return the number itself."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ValueError(f"{self.name} = {value!r}: must be a number")
         if math.isnan(value):
-            raise ValueError(f"{self.name} = nan: {self.rule}")
+            raise ValueError(f"{self.name} = nan: {self.rule.words}")
         if self.is_whole and value != math.inf and value != int(value):
             raise ValueError(f"{self.name} = {value:g}: must be an integer")
         return float(value)
 
 
-def _positive(most: float) -> Range:
-    return Range(0.0, most, is_above=True)
+def _positive(most: float, unit: str = "") -> Rule:
+    return between(0.0, most, unit, is_strict=True)
 
 
 _BIG = 1e9
+_STEP = _positive(1.0, " s")
+_SHARE = between(0.0, 1.0)
+_ALPHA = between(-1.0, 1.0, is_below=True)  # 1 leaves no implicit equation
 SETTINGS: tuple[Choice | Number, ...] = (
     Choice("method", METHODS, "chung-hulbert", "integrator"),
-    # 1 leaves no implicit equation
-    Number("alpha_f", "1", ALPHA, 0.0, 1.0, "alpha_f of hht and generalized-alpha"),
-    Number("alpha_m", "1", ALPHA, 0.0, 1.0, "alpha_m of wbz and generalized-alpha"),
-    Number("rho", "1", RHO, 0.2, -1.0, "spectral radius at infinity of chung-hulbert"),
+    Number("alpha_f", "1", _ALPHA, 0.0, 1.0, "alpha_f of hht and generalized-alpha"),
+    Number("alpha_m", "1", _ALPHA, 0.0, 1.0, "alpha_m of wbz and generalized-alpha"),
+    Number("rho", "1", _SHARE, 0.2, -1.0, "spectral radius at infinity of chung-hulbert"),
     Choice("mode", MODES, "fixed", "step-length control", "adaptive"),
     Switch(
         "fitted",
@@ -117,14 +114,14 @@ SETTINGS: tuple[Choice | Number, ...] = (
     Number(
         "tolerance",
         "1",
-        Range(1e-9, 1.0),  # below it steps are of the size of what rounds
+        between(1e-9, 1.0),  # below it rounding dominates the error of a step
         1e-3,
         0.0,
         "relative tolerance of the controlled mode",
     ),
-    Number("h", "s", _positive(1.0), 5e-4, 0.0, "step length, the first one if it varies"),
-    Number("h_min", "s", _positive(1.0), 0.004, 0.0, "shortest step if the step length varies"),
-    Number("h_max", "s", _positive(1.0), 0.02, 0.0, "longest step if the step length varies"),
+    Number("h", "s", _STEP, 5e-4, 0.0, "step length, the first one if it varies"),
+    Number("h_min", "s", _STEP, 0.004, 0.0, "shortest step if the step length varies"),
+    Number("h_max", "s", _STEP, 0.02, 0.0, "longest step if the step length varies"),
     Number(
         "eps_min", "1", _positive(_BIG), 0.1, 0.0, "adaptive mode: error below which the step grows"
     ),
@@ -138,12 +135,12 @@ SETTINGS: tuple[Choice | Number, ...] = (
     ),
     Choice("indicator", INDICATORS, "zienkiewicz-xie", "error indicator of the adaptive mode"),
     Choice("norm", NORMS, "increment", "norm of the error in the adaptive mode"),
-    Number("atol", "m", _positive(1.0), 1e-6, 0.0, "absolute part of the mixed norm"),
+    Number("atol", "m", _positive(1.0, " m"), 1e-6, 0.0, "absolute part of the mixed norm"),
     Number("rtol", "1", _positive(1.0), 1e-3, 0.0, "relative part of the mixed norm"),
     Number(
         "max_iterations",
         "1",
-        Range(1, 2e9),
+        between(1, 2e9),
         10_000_000,
         0,
         "largest number of iterations of the interface problem in a communication step, which then "
@@ -153,7 +150,7 @@ SETTINGS: tuple[Choice | Number, ...] = (
     Number(
         "newton_limit",
         "1",
-        Range(1, 1000),
+        between(1, 1000),
         4,
         0,
         "realtime mode: largest number of iterations of the interface problem in a step, which "
@@ -179,7 +176,7 @@ _OF_MIXED = ("atol", "rtol")
 
 
 def is_idle(name: str, mode: str, norm: str) -> bool:
-    """Return whether a setting changes nothing in a mode with a norm."""
+    """Return whether a setting has no effect in a mode with a norm."""
     used = _OF_MODE[mode] + (_OF_MIXED if mode == "adaptive" and norm == "mixed" else ())
     return name not in used and any(name in of for of in (*_OF_MODE.values(), _OF_MIXED))
 

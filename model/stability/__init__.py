@@ -1,1 +1,1 @@
-"""Whirls that a machine feeds by itself, and the step lengths at which an integrator sees them."""
+"""Self-excited whirls of a machine, and the step lengths at which an integrator resolves them."""

@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from ..kernels.jit import Kernel, jit, jit_not_inlined
+from ..kernels.jit import jit, jit_not_inlined
+from ..kernels.kernel import Kernel
 
 _MOST_SWEEPS = 60  # for one eigenvalue; two or three are usual
 _UNUSUAL = 10  # after so many in vain the shift is chosen otherwise
@@ -45,7 +46,7 @@ def _balance(a, n):
 
 @jit
 def _reduce(a, n):
-    """To Hessenberg form, by elimination with pivots."""
+    """Reduce a matrix to Hessenberg form, by elimination with pivots."""
     for m in range(1, n - 1):
         pivot = m
         for j in range(m + 1, n):
@@ -71,7 +72,8 @@ def _reduce(a, n):
 
 @jit
 def _first_of_block(a, last, size):
-    """Row from which on the matrix is not split up to row `last`; what splits it becomes 0."""
+    """Return the row from which the matrix is unreduced up to row `last`; set the negligible
+    element above it to 0."""
     for i in range(last, 0, -1):
         near = abs(a[i - 1, i - 1]) + abs(a[i, i])
         if near == 0.0:
@@ -84,7 +86,7 @@ def _first_of_block(a, last, size):
 
 @jit
 def _first_of_sweep(a, first, last, x, y, w):
-    """Row in which a sweep with these shifts can begin, and its first column there."""
+    """Return the row in which a sweep with these shifts can begin, and its first column there."""
     for m in range(last - 2, first - 1, -1):
         z = a[m, m]
         r, s = x - z, y - z
@@ -104,8 +106,8 @@ def _first_of_sweep(a, first, last, x, y, w):
 
 @jit
 def _sweep(a, first, last, corner, before, product):
-    """One double step of QR on rows first .. last, its shifts from the two last diagonal elements
-    and the product beside them."""
+    """Do one double step of QR on rows first .. last, with shifts from the two last diagonal
+    elements and the product beside them."""
     begin, p, q, r = _first_of_sweep(a, first, last, corner, before, product)
     size = 0.0
     for i in range(begin + 2, last + 1):
@@ -155,7 +157,7 @@ def _sweep(a, first, last, corner, before, product):
 @jit_not_inlined
 def eigenvalues(a, re, im):
     """Fill in the real and the imaginary parts, shape (n,), of the eigenvalues of the first n rows
-    and columns of a, which is overwritten; NaN where they are not found."""
+    and columns of a, which is overwritten; NaN if they are not found."""
     n = len(re)
     size = 0.0
     for i in range(n):
@@ -205,14 +207,14 @@ def eigenvalues(a, re, im):
         _sweep(a, first, last, x, y, w)
 
 
-def _by_lapack(a, re, im):
-    """The same interpreted, where the loops would take seconds."""
+def eigenvalues_lapack(a, re, im):
+    """Do the same by LAPACK for interpreted kernels, whose loops would take seconds."""
     n = len(re)
     result = np.linalg.eigvals(a[:n, :n])
     re[:], im[:] = result.real, result.imag
 
 
 if isinstance(eigenvalues, Kernel):
-    eigenvalues.interpreted = _by_lapack
+    eigenvalues.interpreted = eigenvalues_lapack
 else:
-    eigenvalues = _by_lapack
+    eigenvalues = eigenvalues_lapack

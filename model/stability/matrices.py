@@ -20,25 +20,25 @@ _DEPTH, _SLIPPING = 0.1, 1e9
 
 @jit
 def is_wall(interface):
-    """Whether it may be closed and slip: a race that turns is taken along instead of slipping for
-    long."""
+    """Return whether the interface is a wall that may slip; a race that turns is carried along
+    instead."""
     return interface.slips == 1
 
 
 @jit
 def is_closed(interfaces, j, case):
-    """Whether interface j is closed in this case."""
+    """Return whether interface j is closed in this case."""
     return is_wall(interfaces[j]) and case in (ALL, j)
 
 
 @jit_not_inlined
-def take_tangents(structure, survey, motion, trial, omega):
-    """Fill in the laws' tangents at this speed of rotation [rad/s]: at rest, but where there is a
-    wall a little behind it, at the right, its surfaces slipping in the sense of the rotation.
+def fill_tangents(structure, survey, motion, trial, omega):
+    """Fill in the laws' tangents at this speed of rotation [rad/s]: in equilibrium, but for walls
+    at a small penetration at the right, their surfaces slipping in the sense of the rotation.
 
     A journal that whirls along a wall is pushed as at the right all the way round, and does not
-    move against the wall's damping. Pads that tilt follow a vibration of the frequency of rotation.
-    trial: the laws' internal states, overwritten.
+    move against the wall's damping. Pads that tilt follow a vibration with the frequency of
+    rotation. trial: the laws' internal states, overwritten.
     """
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
@@ -64,11 +64,11 @@ def take_tangents(structure, survey, motion, trial, omega):
 
 
 @jit_not_inlined
-def _take_matrix(band, survey, basis, mass, into):
-    """A band matrix in the coarse dofs, times M^-1 from the left."""
+def _fill_matrix(band, survey, basis, mass, out):
+    """Fill out with M^-1 times a band matrix, in the coarse dofs."""
     coarse = len(mass)
     is_whole = basis.shape[1] == 0
-    into[:, :] = 0.0
+    out[:, :] = 0.0
     for k in range(coarse):
         for i in range(len(survey.along)):
             survey.product[i] = 0.0
@@ -79,12 +79,12 @@ def _take_matrix(band, survey, basis, mass, into):
         add_product(band, survey.along, survey.product)
         _to_coarse(survey, basis, mass)
         for i in range(coarse):
-            into[i, k] = survey.column[i]
+            out[i, k] = survey.column[i]
 
 
 @jit
 def _to_coarse(survey, basis, mass):
-    """column = M^-1 basis^T product."""
+    """Set column to M^-1 basis^T product."""
     for i in range(len(mass)):
         if basis.shape[1] == 0:
             survey.column[i] = survey.product[i].real
@@ -96,28 +96,30 @@ def _to_coarse(survey, basis, mass):
 
 
 @jit
-def take_basis(structure, survey, case):
-    """Fill in what does not depend on the speed, in the basis of this case, if that is another one
-    than the last."""
+def fill_basis_matrices(structure, survey, case):
+    """Fill in the matrices that do not depend on the speed, in the basis of this case, unless it is
+    the same as in the last one."""
     place = -1
-    if case != ALL and len(survey.alone) > 0:
+    if case != ALL and len(survey.single_contact_basis) > 0:
         place = survey.first_wall[0] if case == OPEN else case
     if place == survey.in_use[1]:
         return
     survey.in_use[1] = place
     if place == -1:
-        _take_matrices(structure, survey, survey.basis, survey.mass)
+        _fill_matrices(structure, survey, survey.basis, survey.mass)
     else:
-        _take_matrices(structure, survey, survey.alone[place], survey.mass_alone[place])
+        _fill_matrices(
+            structure, survey, survey.single_contact_basis[place], survey.single_contact_mass[place]
+        )
 
 
 @jit_not_inlined
-def _take_matrices(structure, survey, basis, mass):
-    """Fill in what does not depend on the speed."""
-    _take_matrix(structure.K, survey, basis, mass, survey.K)
-    _take_matrix(structure.C, survey, basis, mass, survey.C)
-    _take_matrix(structure.G, survey, basis, mass, survey.G)
-    _take_matrix(structure.K_shaft, survey, basis, mass, survey.K_shaft)
+def _fill_matrices(structure, survey, basis, mass):
+    """Fill in the matrices that do not depend on the speed."""
+    _fill_matrix(structure.K, survey, basis, mass, survey.K)
+    _fill_matrix(structure.C, survey, basis, mass, survey.C)
+    _fill_matrix(structure.G, survey, basis, mass, survey.G)
+    _fill_matrix(structure.K_shaft, survey, basis, mass, survey.K_shaft)
     n, coarse = len(structure.weight), len(mass)
     survey.in_use[0] = coarse
     for j in range(len(structure.interfaces)):
@@ -137,9 +139,9 @@ def _take_matrices(structure, survey, basis, mass):
 
 
 @jit
-def take_machine(structure, survey, speed, case):
-    """A at one speed [rad/s] in one case, of x = (q, v / scale), q the x of all dofs and housings,
-    then their y; scale: the machine's lowest frequency [rad/s]."""
+def fill_system_matrix(structure, survey, speed, case):
+    """Fill in A at one speed [rad/s] in one case, for x = (q, v / scale), q the x of all dofs and
+    housings, then their y; scale: the machine's lowest frequency [rad/s]."""
     numbers = structure.numbers[0]
     scale = numbers.lowest_omega
     sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
@@ -184,7 +186,8 @@ def take_machine(structure, survey, speed, case):
 
 @jit
 def _add_force(survey, half, j, first, p, q):
-    """p z + q conj(z) of interface j as a matrix of (x, y), from column `first` on."""
+    """Add the tangent p z + q conj(z) of interface j as a matrix of (x, y), from column `first`
+    on."""
     size = 2 * half
     xx, xy = (p + q).real, (q - p).imag
     yx, yy = (p + q).imag, (p - q).real
@@ -199,8 +202,8 @@ def _add_force(survey, half, j, first, p, q):
 
 
 @jit
-def take_vector(survey, size, root):
-    """Displacements of the motion that belongs to a root of A, of 2 size states, by inverse
+def fill_eigenvector(survey, size, root):
+    """Fill in the displacements of the eigenvector of A, of 2 size states, for a root, by inverse
     iteration."""
     for i in range(size):
         survey.vector[i] = complex(1.0, 1.0 / (1.0 + i))
@@ -225,7 +228,7 @@ def _square(z):
 @jit
 def _solve_complex(a, x):
     """Overwrite x, shape (m,), by a^-1 x of the first m rows and columns of a, by elimination with
-    pivots, one that vanishes taken as rounding."""
+    pivots; a vanishing pivot is replaced by rounding."""
     m = len(x)
     size = 0.0
     for i in range(m):

@@ -1,8 +1,9 @@
-"""What an integrator makes of a growing oscillation: at which step length it still sees it grow.
+"""The effect of an integrator on a growing oscillation: the step length up to which it resolves the
+growth.
 
 A step of length h multiplies an oscillation of root lambda by an eigenvalue of its amplification
 matrix, at omega h = |lambda| h and a damping ratio xi = -Re lambda / |lambda| < 0. Numerical
-damping, that serves against the false state, hides a growth that is slower than it.
+damping, which prevents the false state, hides a growth that is slower than it.
 """
 
 from __future__ import annotations
@@ -15,12 +16,13 @@ from ..schemes.radau import amplification
 
 COARSEST, _FINE = 10.0, 1e-3  # omega h [rad] between which the step is looked for
 _HALVINGS = 20
-_STABLE = 1e-12  # what is rounding in a condition of stability
+_STABLE = 1e-12  # rounding in a stability condition
 
 
 @jit
 def is_stable(scheme):
-    """`family.is_unconditionally_stable` of anything with a scheme's parameters."""
+    """Return whether a scheme is unconditionally stable; scheme: anything with a scheme's
+    parameters."""
     m, f = 1 - 2 * scheme.alpha_m, 1 - 2 * scheme.alpha_f
     g, b = 2 * scheme.gamma - 1, 4 * scheme.beta - 2 * scheme.gamma
     least = min(m, f * b, b + f * g, f + g, f + g - m, g * (b + f * f + f * g))
@@ -29,7 +31,7 @@ def is_stable(scheme):
 
 @jit
 def _growth_of(x, y):
-    """ln |1 + x + i y|."""
+    """Return ln |1 + x + i y|."""
     d = 2.0 * x + x * x + y * y
     if abs(d) > 0.01:
         return 0.5 * logarithm(1.0 + d)
@@ -40,7 +42,7 @@ def _growth_of(x, y):
 
 @jit
 def _real_root(c0, c1, c2, c3):
-    """A real root of c3 u^3 + c2 u^2 + c1 u + c0: Newton's method, safeguarded."""
+    """Return a real root of c3 u^3 + c2 u^2 + c1 u + c0, by safeguarded Newton iteration."""
     if c3 < 0.0:
         c0, c1, c2, c3 = -c0, -c1, -c2, -c3
     bound = 1.0 + max(abs(c0), abs(c1), abs(c2)) / c3
@@ -64,10 +66,11 @@ def _real_root(c0, c1, c2, c3):
 
 @jit_not_inlined
 def seen_growth(scheme, h, root):
-    """Rate at which the oscillation grows in steps of length h [1/s], negative where it decays.
+    """Return the rate at which the oscillation grows in steps of length h [1/s], negative if it
+    decays.
 
-    scheme: anything with a scheme's parameters. See `Scheme.characteristic`, here in
-    (lambda - 1) / w, whose roots stay apart however small w is.
+    scheme: anything with a scheme's parameters. The characteristic polynomial of the amplification
+    matrix is written in (lambda - 1) / w, whose roots stay apart however small w is.
     """
     size = modulus(root)
     w, rate = size * h, -2.0 * root.real / size  # 2 xi
@@ -76,7 +79,7 @@ def seen_growth(scheme, h, root):
     c2 = 1.0 + w * (rate * (gamma + af) + w * (beta + (0.5 + gamma) * af))
     c3 = w * (1.0 - scheme.alpha_m + w * af * (rate * gamma + w * beta))
     u = _real_root(1.0, c1, c2, c3)
-    # what is left of the cubic: u^2 + b u + c
+    # the quadratic factor that remains of the cubic: u^2 + b u + c
     b = c2 / c3 + u
     c = c1 / c3 + u * b
     half, square = -0.5 * b, 0.25 * b * b - c
@@ -89,7 +92,8 @@ def seen_growth(scheme, h, root):
 
 @jit_not_inlined
 def resolving_step(scheme, root, share):
-    """Longest step [s] in which the oscillation grows by this share of its rate at least [1]."""
+    """Return the longest step [s] in which the oscillation grows at least at this share of its rate
+    [1]."""
     omega = modulus(root)
     short, long = _FINE / omega, COARSEST / omega
     for _ in range(_HALVINGS):
@@ -103,7 +107,7 @@ def resolving_step(scheme, root, share):
 
 @jit_not_inlined
 def resolving_step_in_stages(root, share):
-    """Return what `resolving_step` does [s], of steps of Radau IIA."""
+    """Return the same [s] for steps of Radau IIA."""
     omega = modulus(root)
     short, long = _FINE / omega, COARSEST / omega
     for _ in range(_HALVINGS):

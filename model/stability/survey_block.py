@@ -1,4 +1,5 @@
-"""What the survey of growing whirls needs of a run's block: a long shaft's basis, and scratch."""
+"""The arrays of the survey of growing whirls in a run's block: a long shaft's basis, and work
+arrays."""
 
 from __future__ import annotations
 
@@ -7,29 +8,29 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.band import factorize, product, to_band
-from ..kernels.jit import interpreted
+from ..kernels.kernel import interpreted
 from ..quantities import places
-from ..structure.reduction import component_modes, held_shapes
+from ..structure.reduction import component_modes, dense_fixed_interface_modes
 from ..structure.structure import Structure
 
 MOST_DOFS = 24  # of the shaft; a longer one is reduced first
-MOST_WHIRLS = 64  # that are kept, of those that grow fastest
+MOST_WHIRLS = 64  # number of whirls that are kept, those that grow fastest
 _MODES = 12
-_PAYS = 0.75  # of the dofs for all walls, how many at most for each alone
-# Places in a row of `Survey.whirls`: Re and Im of the root, and what goes with it.
+_PAYS = 0.75  # a basis for one wall is used with at most this share of the dofs of all walls'
+# Columns of `WhirlSurvey.whirls`: real and imaginary part of the root, sense, contact state, speed.
 WHIRL = places(("growth", "omega", "is_backward", "case", "speed"))
 
 
-class Survey(NamedTuple):
-    """basis: of a long shaft's coarse dofs, shape (n, coarse), or of none; mass: factors of their
-    mass matrix. alone, mass_alone: of a shaft in many bearings the same, of fewer dofs, for each
-    interface while it alone of all walls is closed, or of none; first_wall: the interface whose one
-    serves while all are open; in_use: how many coarse dofs there are now, and of which interface
-    the basis is, -1 of all. The rest is scratch, `half` being the coarse dofs and the housings: K,
-    C, G and K_shaft times M^-1 from the left; of each interface what it feels, and M^-1 times what
-    it pushes; the tangents dF = p z + q conj(z) by displacement [N/m] and by velocity [N.s/m]; the
-    machine x' = A x in real coordinates, and where its roots are found; one root's equation and its
-    vector; all roots.
+class WhirlSurvey(NamedTuple):
+    """basis: of a long shaft's coarse dofs, shape (n, coarse), or empty; mass: factors of their
+    mass matrix. single_contact_basis, single_contact_mass: the same with fewer dofs for a shaft in
+    many bearings, for each interface as the only closed wall, or empty; first_wall: the interface
+    whose basis serves while all are open; in_use: the present number of coarse dofs, and the
+    interface of the present basis, -1 for that of all. The rest are work arrays, `half` being the
+    coarse dofs and the housings: M^-1 times K, C, G and K_shaft; of each interface the displacement
+    it sees, and M^-1 times its force; the tangents dF = p z + q conj(z) with respect to
+    displacement [N/m] and velocity [N.s/m]; the machine x' = A x in real coordinates, and a copy
+    that the eigenvalue solver overwrites; one root's equation and its vector; all roots.
 
     whirls: the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward,
     `case` (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN
@@ -38,8 +39,12 @@ class Survey(NamedTuple):
 
     basis: Annotated[np.ndarray, float, "n", "basis"]
     mass: Annotated[np.ndarray, float, "coarse", "coarse_width"]
-    alone: Annotated[np.ndarray, float, "alone", "n", "few"]
-    mass_alone: Annotated[np.ndarray, float, "alone", "few", "few"]
+    single_contact_basis: Annotated[
+        np.ndarray, float, "single_contacts", "n", "single_contact_dofs"
+    ]
+    single_contact_mass: Annotated[
+        np.ndarray, float, "single_contacts", "single_contact_dofs", "single_contact_dofs"
+    ]
     first_wall: Annotated[np.ndarray, np.int64, "1"]
     in_use: Annotated[np.ndarray, np.int64, "2"]
     K: Annotated[np.ndarray, float, "coarse + housings", "coarse + housings"]
@@ -67,25 +72,30 @@ class Survey(NamedTuple):
 
 
 class CoarseShaft(NamedTuple):
-    """`basis`, `mass`, `alone`, `mass_alone` and `first_wall` of a `Survey`."""
+    """`basis`, `mass`, `single_contact_basis`, `single_contact_mass` and `first_wall` of a
+    `WhirlSurvey`."""
 
     basis: np.ndarray
     mass: np.ndarray
-    alone: np.ndarray
-    mass_alone: np.ndarray
+    single_contact_basis: np.ndarray
+    single_contact_mass: np.ndarray
     first_wall: int
 
 
 def coarse_shaft(structure: Structure) -> CoarseShaft:
-    """Return what a survey of this machine works in."""
+    """Return the coarse dofs in which a survey of this machine works."""
     n = len(structure.weight)
     none = np.zeros((0, n, 0)), np.zeros((0, 0, 0)), 0
     if n <= MOST_DOFS:
         return CoarseShaft(np.zeros((n, 0)), structure.M_factors, *none)
     retained, basis = component_modes(structure, _MODES)
     mass = basis.T @ product(structure.M, basis)
-    alone = none if basis.shape[1] <= MOST_DOFS else _alone(structure, retained, basis, mass)
-    return CoarseShaft(basis, _factors(mass), *alone)
+    single_contact_basis = (
+        none
+        if basis.shape[1] <= MOST_DOFS
+        else _single_contact_bases(structure, retained, basis, mass)
+    )
+    return CoarseShaft(basis, _factors(mass), *single_contact_basis)
 
 
 def _factors(mass: np.ndarray) -> np.ndarray:
@@ -95,29 +105,32 @@ def _factors(mass: np.ndarray) -> np.ndarray:
     return band
 
 
-def _alone(
+def _single_contact_bases(
     structure: Structure, retained: np.ndarray, basis: np.ndarray, mass: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return `alone`, `mass_alone` and `first_wall`: each wall retained with the first and the last
-    one and with all that is no wall, and the rest of the basis in as many modes as ever."""
+    """Return `single_contact_basis`, `single_contact_mass` and `first_wall`: each wall is retained
+    with the first and the last one and with all dofs that belong to no wall, and the rest of the
+    basis is reduced to the usual number of modes."""
     interfaces = structure.interfaces
     walls = np.flatnonzero(interfaces.slips == 1)
     soft = np.append(interfaces.dof[interfaces.slips == 0], structure.springs.dof)
     loose = np.isin(retained, np.setdiff1d(np.unique(interfaces.dof[walls])[1:-1], soft))
-    held = np.flatnonzero(~loose)
-    few = len(held) + 1 + _MODES
-    if len(walls) == 0 or few > _PAYS * len(mass):
+    retained_dofs = np.flatnonzero(~loose)
+    count = len(retained_dofs) + 1 + _MODES
+    if len(walls) == 0 or count > _PAYS * len(mass):
         return np.zeros((0, len(basis), 0)), np.zeros((0, 0, 0)), 0
     K = basis.T @ product(structure.K_shaft, basis)
-    alone = np.zeros((len(interfaces), len(basis), few))
-    mass_alone = np.zeros((len(interfaces), few, few))
+    single_contact_basis = np.zeros((len(interfaces), len(basis), count))
+    single_contact_mass = np.zeros((len(interfaces), count, count))
     for j in walls.tolist():
         place = int(np.searchsorted(retained, interfaces.dof[j]))
-        mine = np.union1d(held, [place])
-        rest = np.delete(np.arange(len(mass)), mine)
-        shapes = np.zeros((len(mass), few))
-        shapes[mine, np.arange(len(mine))] = 1.0
-        shapes[rest] = np.hstack(held_shapes(K, mass, rest, mine, few - len(mine)))
-        alone[j] = basis @ shapes
-        mass_alone[j] = _factors(shapes.T @ mass @ shapes)
-    return alone, mass_alone, int(walls[0])
+        own_dofs = np.union1d(retained_dofs, [place])
+        rest = np.delete(np.arange(len(mass)), own_dofs)
+        shapes = np.zeros((len(mass), count))
+        shapes[own_dofs, np.arange(len(own_dofs))] = 1.0
+        shapes[rest] = np.hstack(
+            dense_fixed_interface_modes(K, mass, rest, own_dofs, count - len(own_dofs))
+        )
+        single_contact_basis[j] = basis @ shapes
+        single_contact_mass[j] = _factors(shapes.T @ mass @ shapes)
+    return single_contact_basis, single_contact_mass, int(walls[0])

@@ -1,4 +1,4 @@
-"""What is said of a growing whirl: before a run that would hide it, and after one that it ended."""
+"""Messages about growing whirls: hidden by the integrator, or ended the run."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ AT_REST = (
     "bearings"
 )
 APART = (
-    "the machine whirled itself apart (node {node:d} past {bound:.3g} m or not finite): "
-    f"{WHIRL}, and it was seen to whirl {{seen}} at {{seen_hz:.4g}} Hz; that is the machine's own, "
-    "no step length mends it: less friction or more damping does"
+    "the run diverged by an instability of the machine (node {node:d} past {bound:.3g} m or not "
+    f"finite): {WHIRL}, and it was seen to whirl {{seen}} at {{seen_hz:.4g}} Hz; a shorter step "
+    "does not help: reduce friction or add damping"
 )

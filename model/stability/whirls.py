@@ -1,10 +1,11 @@
-"""Whirls that grow by themselves: roots of the machine with its contacts open, or closed and
+"""Self-excited whirls: unstable roots of the machine with its contacts open, or closed and
 slipping.
 
-Far behind its wall a journal that whirls with its contact closed and slipping meets a force that
-depends on its displacement linearly, F = -k (1 + i mu) d, the limit of a large circle: normal force
-and, across it, friction, which feeds a backward whirl (Black 1968). A root with a positive real
-part there is dry whip. A smaller circle meets a softer wall; how it comes to touch is not asked.
+At a large penetration a journal that whirls with its contact closed and slipping meets a force that
+is linear in its displacement, F = -k (1 + i mu) d, the limit of a large circle: normal force and,
+at right angles to it, friction, which feeds a backward whirl (Black 1968). A root with a positive
+real part there is dry whip. A smaller circle meets a softer wall; how the journal comes into
+contact is not considered.
 """
 
 from __future__ import annotations
@@ -21,37 +22,38 @@ from .eigenvalues import eigenvalues
 from .matrices import (
     ALL,
     OPEN,
+    fill_basis_matrices,
+    fill_eigenvector,
+    fill_system_matrix,
+    fill_tangents,
     is_closed,
     is_wall,
-    take_basis,
-    take_machine,
-    take_tangents,
-    take_vector,
 )
 from .resolution import is_stable, resolving_step, resolving_step_in_stages
-from .survey_block import MOST_WHIRLS, WHIRL, Survey
+from .survey_block import MOST_WHIRLS, WHIRL, WhirlSurvey
 
-# Less than this share of a growth left by the integrator is called hidden; what a step that
-# resolves it must leave, and more of it where a tolerance is small.
+# A growth is called hidden if the integrator leaves less than the first share of it; a step that
+# resolves it leaves at least the second, and more where a tolerance is small.
 HIDDEN, RESOLVED = 0.5, 0.97
-# Speeds at which growing whirls are looked for, in shares of the present one; where it is passed by
-# this factor they are looked for anew. At rest another growth is looked for.
+# Growing whirls are sought at these shares of the present speed, and anew after it has grown by the
+# factor _PASSED. At standstill growth from rest is sought instead.
 _HALF, _PASSED = 0.5, 1.25
-_BISECTIONS = 7  # to where something begins to grow, in a quarter of the speed
+_BISECTIONS = 7  # steps to the speed of the onset of growth, within a quarter of the speed
 _SHARES = (0.0, 1.0, _HALF)
-# Of what a machine with growing whirls dissipates, the share that the integrator may take besides.
+# The energy that the integrator may dissipate, as a share of that of a machine with growing whirls,
+# and of one without.
 _OVERDAMPING, _OVERDAMPING_OF_NONE = 0.05, 1.0
-_GROWING = 1e-5  # least Re lambda / |lambda| of what is called growing: below it is rounding
-_SLOW = 1e-3  # of the machine's lowest frequency: a root below it is a motion as a rigid body
-_ALIKE = 5e-10  # ratios that differ by less differ in rounding
-_DIGITS = 1e5  # of the bound on the step: six, so that rounding does not show
+_GROWING = 1e-5  # least Re lambda / |lambda| that counts as growth: below it is rounding
+_SLOW = 1e-3  # share of the machine's lowest frequency: a lower root is a rigid-body motion
+_ALIKE = 5e-10  # ratios that differ by less differ by rounding only
+_DIGITS = 1e5  # the bound on the step is rounded to six digits, so that it is reproducible
 
 
 @dataclass(frozen=True)
 class Whirl:
-    """A growing whirl: root lambda, imaginary part > 0 [1/s]; is_backward: against the rotation,
-    seen at the closed contacts (or the whole shaft); closed: which interfaces with a wall are
-    closed; speed [rad/s]."""
+    """A growing whirl: root lambda, imaginary part > 0 [1/s]; is_backward: against the rotation, at
+    the closed contacts (or of the whole shaft); closed: which interfaces with a wall are closed;
+    speed [rad/s]."""
 
     root: complex
     is_backward: bool
@@ -60,12 +62,12 @@ class Whirl:
 
     @property
     def hz(self) -> float:
-        """Frequency [Hz]."""
+        """The frequency [Hz]."""
         return self.root.imag / (2 * np.pi)
 
 
-def growing_whirls(structure: Structure, survey: Survey) -> tuple[Whirl, ...]:
-    """What the last `find_growing_whirls` found, the fastest growing first."""
+def growing_whirls(structure: Structure, survey: WhirlSurvey) -> tuple[Whirl, ...]:
+    """Return the whirls that the last `find_growing_whirls` found, the fastest growing first."""
     interfaces = structure.interfaces
     walls = (interfaces.slips == 1).nonzero()[0].tolist()
     cases = {OPEN: (), ALL: tuple(walls)}
@@ -77,8 +79,8 @@ def growing_whirls(structure: Structure, survey: Survey) -> tuple[Whirl, ...]:
 
 @jit
 def rounded_down(x, least):
-    """x > 0, no larger than it was, with so many digits: `least` is the smallest integer that has
-    them, 10 of two."""
+    """Return x > 0 rounded down to a number of digits; `least`: the smallest integer with that
+    many, 10 for two."""
     scale = 1.0
     while x * scale < least:
         scale *= 10.0
@@ -90,13 +92,11 @@ def rounded_down(x, least):
 @jit  # as arguments a whole run is more than a WebAssembly function may have
 def find_growing_whirls(run, speed, is_start):
     """Find the whirls that grow at this speed of rotation [rad/s] and at half of it, with all
-    contacts open, each alone closed, and all; keep the steps that a tolerance chooses short enough
-    to see them, and judge what the integrator takes more strictly. At the start find what grows at
-    rest too.
+    contacts open, each alone closed, and all closed; bound the steps so that a tolerance resolves
+    them, and tighten the limit of numerical damping. At the start find growth at rest too.
 
-    With all contacts open it is the machine itself that is unstable: what grows there within the
-    speeds for which this survey stands bounds the steps from now on, and the survey ends where
-    something begins to grow.
+    With all contacts open the machine itself is unstable: growth at any speed of this survey's
+    range bounds the steps from now on, and the range ends where a growth begins.
     """
     structure, survey, r = run.structure, run.survey, run.memory.record[0]
     r.surveyed_at = speed
@@ -111,18 +111,18 @@ def find_growing_whirls(run, speed, is_start):
     for share in _SHARES:
         if (share == 0.0 and is_start == 0) or (share == _HALF and speed == 0.0):
             continue
-        take_tangents(structure, survey, run.motion, run.problem.internal_state, share * speed)
+        fill_tangents(structure, survey, run.motion, run.problem.internal_state, share * speed)
         for case in range(ALL, len(structure.interfaces)):
             if share == 0.0 and case != OPEN:
                 continue
             is_one = case >= 0 and is_wall(structure.interfaces[case])
             if not (is_one or case == OPEN or (case == ALL and walls > 1)):
                 continue
-            _take_roots(structure, survey, share * speed, case)
+            _fill_roots(structure, survey, share * speed, case)
             if share == 0.0:
-                _take_growth_at_rest(run)
+                _record_growth_at_rest(run)
             else:
-                shortest = _take_whirls(run, share * speed, case)
+                shortest = _record_whirls(run, share * speed, case)
                 if case == OPEN and share == 1.0:
                     r.h_in_the_open = shortest
                 elif case != OPEN:
@@ -140,10 +140,10 @@ def find_growing_whirls(run, speed, is_start):
 
 
 @jit_not_inlined
-def _take_roots(structure, survey, speed, case):
+def _fill_roots(structure, survey, speed, case):
     """Fill in all roots at one speed [rad/s] in one case."""
-    take_basis(structure, survey, case)
-    take_machine(structure, survey, speed, case)
+    fill_basis_matrices(structure, survey, case)
+    fill_system_matrix(structure, survey, speed, case)
     states = states_of(structure, survey)
     for i in range(states):
         for k in range(states):
@@ -153,14 +153,14 @@ def _take_roots(structure, survey, speed, case):
 
 @jit
 def states_of(structure, survey):
-    """How many states the machine has in the basis that is in use."""
+    """Return the number of states of the machine in the present basis."""
     return 4 * (survey.in_use[0] + len(structure.housings))
 
 
 @jit
 def _find_survey_range(run, speed):
-    """Say for which speeds the survey stands, up to where a whirl begins to grow with all contacts
-    open, and bound the steps by what grows there."""
+    """Set the range of speeds for which the survey is valid, up to where a whirl begins to grow
+    with all contacts open, and bound the steps by the growth within it."""
     r = run.memory.record[0]
     sign = -1.0 if speed < 0.0 else 1.0
     size, lowest = abs(speed), run.structure.numbers[0].lowest_omega
@@ -171,29 +171,30 @@ def _find_survey_range(run, speed):
 
 @jit
 def _edge(run, sign, size, far):
-    """From which size of speed on, towards `far` from `size` [rad/s], something grows with all
-    contacts open, or `far`."""
+    """Return the absolute speed between `size` and `far` [rad/s] at which a whirl with open
+    contacts first grows, or `far`."""
     r = run.memory.record[0]
     step = _step_in_the_open(run, sign * far)
     if step == math.inf or r.h_in_the_open < math.inf:
         r.h_in_the_open = min(r.h_in_the_open, step)
         return far
-    calm, growing = size, far
+    stable, growing = size, far
     for _ in range(_BISECTIONS):
-        middle = 0.5 * (calm + growing)
+        middle = 0.5 * (stable + growing)
         if _step_in_the_open(run, sign * middle) < math.inf:
             growing = middle
         else:
-            calm = middle
+            stable = middle
     return growing
 
 
 @jit
 def _step_in_the_open(run, speed):
-    """Longest step that resolves what grows at a speed [rad/s] with all contacts open [s]."""
+    """Return the longest step that resolves all growth at a speed [rad/s] with all contacts open
+    [s]."""
     structure, survey = run.structure, run.survey
-    take_tangents(structure, survey, run.motion, run.problem.internal_state, speed)
-    _take_roots(structure, survey, speed, OPEN)
+    fill_tangents(structure, survey, run.motion, run.problem.internal_state, speed)
+    _fill_roots(structure, survey, speed, OPEN)
     longest = math.inf
     for i in range(states_of(structure, survey)):
         root = complex(survey.re[i], survey.im[i])
@@ -204,13 +205,14 @@ def _step_in_the_open(run, speed):
 
 @jit
 def is_growing(root):
-    """Whether a root, over the machine's lowest frequency, is a whirl that grows, not rounding."""
+    """Return whether a root, over the machine's lowest frequency, is a growing whirl and not
+    rounding."""
     return root.imag > _SLOW and root.real > _GROWING * modulus(root)
 
 
 @jit
 def _longest_step(run, root):
-    """Longest step that leaves a growth its share [s]; root: over the lowest frequency."""
+    """Return the longest step that resolves a growth [s]; root: over the lowest frequency."""
     method = run.method.numbers[0]
     share = max(RESOLVED, 1.0 - math.sqrt(method.tolerance))
     root = root * run.structure.numbers[0].lowest_omega
@@ -220,8 +222,9 @@ def _longest_step(run, root):
 
 
 @jit
-def _take_whirls(run, speed, case):
-    """Take up what grows at one speed in one case; the longest step that resolves it [s]."""
+def _record_whirls(run, speed, case):
+    """Record the growing whirls at one speed in one case; return the longest step that resolves
+    them [s]."""
     structure, survey = run.structure, run.survey
     shortest = math.inf
     states = states_of(structure, survey)
@@ -229,17 +232,17 @@ def _take_whirls(run, speed, case):
         root = complex(survey.re[i], survey.im[i])
         if not is_growing(root):
             continue
-        take_vector(survey, states // 2, root)
-        is_backward = _turns_back(structure, survey, states // 4, case) == (speed >= 0.0)
+        fill_eigenvector(survey, states // 2, root)
+        is_backward = _is_reversed(structure, survey, states // 4, case) == (speed >= 0.0)
         shortest = min(shortest, _longest_step(run, root))
-        _keep(survey, root * structure.numbers[0].lowest_omega, is_backward, case, speed)
+        _insert_whirl(survey, root * structure.numbers[0].lowest_omega, is_backward, case, speed)
     return shortest
 
 
 @jit
-def _turns_back(structure, survey, half, case):
-    """Whether the motion of `vector`, of x and y of `half` dofs and housings, turns from y to x: at
-    the closed contacts, or as a whole."""
+def _is_reversed(structure, survey, half, case):
+    """Return whether the motion of `vector`, of x and y of `half` dofs and housings, whirls from y
+    to x: at the closed contacts, or as a whole."""
     forward = backward = 0.0
     rows = half if case == OPEN else len(structure.interfaces)
     for row in range(rows):
@@ -259,8 +262,8 @@ def _turns_back(structure, survey, half, case):
 
 
 @jit
-def _keep(survey, root, is_backward, case, speed):
-    """Put a whirl among those found, the fastest first."""
+def _insert_whirl(survey, root, is_backward, case, speed):
+    """Insert a whirl among those found, the fastest first."""
     result = survey.whirls
     at = survey.counted[0]
     while at > 0 and result[at - 1, WHIRL.growth] < root.real:
@@ -277,8 +280,8 @@ def _keep(survey, root, is_backward, case, speed):
 
 
 @jit
-def _take_growth_at_rest(run):
-    """Take up the root of the growth with the least damping ratio, its imaginary part >= 0."""
+def _record_growth_at_rest(run):
+    """Record the root of the growth with the least damping ratio, its imaginary part >= 0."""
     survey = run.survey
     best, most = complex(math.nan, math.nan), 0.0
     for i in range(states_of(run.structure, survey)):
@@ -287,7 +290,7 @@ def _take_growth_at_rest(run):
         if not (root.imag >= 0.0 and size > _SLOW and root.real > _GROWING * size):
             continue
         ratio = root.real / size
-        # of those that do not oscillate, which differ in rounding alone, the fastest
+        # of roots that do not oscillate, which differ by rounding only, the fastest
         is_faster = abs(ratio - most) <= _ALIKE and root.real > best.real
         if ratio > most + _ALIKE or is_faster:
             best, most = root, ratio

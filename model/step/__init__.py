@@ -1,1 +1,1 @@
-"""One implicit step: linear part, interface problem, fitting, excitation."""
+"""One implicit step of a machine: linear part, interface problem, fitting, excitation."""

@@ -1,15 +1,15 @@
-"""Bows of the shaft by heat, which turn with the rotor (`structure.bow`).
+"""Thermal bows of the shaft, which turn with the rotor (`structure.bow`).
 
-A bow b [m], in the frame of the rotor, makes b e^(i theta) s, with a shape s, of the straight line
-in which the shaft is at ease. It then pulls with K_s s b e^(i theta) towards it, and with
+A bow b [m], in the frame of the rotor, makes b e^(i theta) s, with a shape s, the stress-free line
+of the shaft. The shaft is then pulled towards it with K_s s b e^(i theta), and with
 
     m = s^T K_s q,    V = |b|^2 s^T K_s s / 2 - Re(conj(m) b e^(i theta))
 
-its elastic energy is V more than that of a straight one. What V gains with theta is a torque on the
-drive, what it gains with b the work of the heat.
+its elastic energy is larger by V than that of a straight shaft. The derivative of V with respect to
+theta is a torque on the drive, that with respect to b the work of the heat.
 
-A bow changes slowly against a revolution, so that a step takes it where its rate at the beginning
-leads; the step's own end corrects it.
+A bow changes slowly compared with a revolution, so that a step extrapolates it with its rate at the
+beginning; the end of the step corrects it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def _rate(structure, k, motion):
 
 @jit
 def _add_pull(structure, k, bow, f):
-    """f += what the shaft pulls with towards a bow [m], in the frame that does not turn."""
+    """Add to f the force of the shaft towards a bow [m], in the frame that does not turn."""
     pull = elastic_share(structure.numbers[0].eta_h) * bow
     for i in range(len(f)):
         f[i] += structure.bow_forces[k, i] * pull
@@ -44,8 +44,8 @@ def _add_pull(structure, k, bow, f):
 
 @jit
 def add_bows(structure, spin, ahead, motion, f):
-    """f += what the shaft pulls with towards its bows, of the motion or `ahead` [s] of it, shape
-    (n,) [N, N.m]; spin: that then."""
+    """Add to f, shape (n,) [N, N.m], the forces of the shaft towards its bows, `ahead` [s] of the
+    motion; spin: at that time."""
     for k in range(len(structure.bows)):
         bow = _bow(structure, k, motion, ahead)
         if bow != 0.0:
@@ -54,8 +54,8 @@ def add_bows(structure, spin, ahead, motion, f):
 
 @jit
 def add_bows_along(structure, spin, d_theta, share, ahead, row, motion, f):
-    """f += share times the derivative of what `add_bows` adds, along a row of a tangent and along
-    the angle."""
+    """Add to f `share` times the derivative of the forces of `add_bows` along a row of a tangent
+    and along the angle."""
     for k in range(len(structure.bows)):
         change = _bow(structure, k, row, ahead) + 1j * d_theta * _bow(structure, k, motion, 0.0)
         _add_pull(structure, k, share * change * spin.direction, f)
@@ -72,7 +72,7 @@ def _moment(structure, k, q):
 
 @jit
 def _own_moment(structure, k, motion):
-    """Return m of a bow where the shaft lies in all its bows, in the rotor's frame [N]."""
+    """Return m of a bow for a shaft displaced by all its bows, in the rotor's frame [N]."""
     moment = 0.0j
     for other in range(len(structure.bows)):
         moment += structure.bow_stiffness[k, other] * _bow(structure, other, motion, 0.0)
@@ -81,7 +81,7 @@ def _own_moment(structure, k, motion):
 
 @jit
 def bow_torque(structure, spin, motion):
-    """Return the torque that the bows ask of the drive [N.m]."""
+    """Return the torque that the bows demand of the drive [N.m]."""
     torque = 0.0
     for k in range(len(structure.bows)):
         bow = _bow(structure, k, motion, 0.0) * spin.direction
@@ -91,7 +91,7 @@ def bow_torque(structure, spin, motion):
 
 @jit
 def bow_energy(structure, spin, motion):
-    """Return what the bows add to the elastic energy of the shaft [J]."""
+    """Return the contribution of the bows to the elastic energy of the shaft [J]."""
     energy = 0.0
     for k in range(len(structure.bows)):
         bow = _bow(structure, k, motion, 0.0)

@@ -29,8 +29,7 @@ def spin_of(omega, alpha, theta):
 
 @jit
 def static_spin(omega):
-    """Return the `Spin` for the equilibrium at a speed [rad/s]: without unbalance, and without
-    friction."""
+    """Return the `Spin` for the equilibrium at a speed [rad/s]: no unbalance, no friction."""
     return Spin(omega, 0.0, 0.0, 0.0j, 0.0)
 
 
@@ -48,8 +47,8 @@ def circulation(structure, omega):
 
 @jit
 def free_fall_acceleration(structure, loads):
-    """Return the acceleration of what is free, seen from the base [m/s2]: gravity less the base's
-    own, which is among the loads."""
+    """Return the acceleration of a free body relative to the base [m/s2]: gravity less the base's
+    acceleration, which is among the loads."""
     numbers = structure.numbers[0]
     g = numbers.gravity * complex(numbers.down_x, numbers.down_y)
     return g - loads[numbers.base_load] if numbers.base_load >= 0 else g
@@ -57,7 +56,7 @@ def free_fall_acceleration(structure, loads):
 
 @jit
 def at_place(place, z):
-    """Return z at an unbalance or a probe on the shaft, z of shape (n,) or longer."""
+    """Return the value of z, shape (n,) or longer, at an unbalance or a probe on the shaft."""
     value = z[place.dof]
     if place.offset != 0.0:
         value += place.offset * z[place.slope]
@@ -66,7 +65,7 @@ def at_place(place, z):
 
 @jit
 def at_load(structure, i, z):
-    """Return z at a load on the shaft, z of shape (n,) or longer."""
+    """Return the value of z, shape (n,) or longer, at a load on the shaft."""
     value = z[structure.load_dof[i]]
     arm = structure.load_arms[i]
     if arm.offset != 0.0:
@@ -76,7 +75,7 @@ def at_load(structure, i, z):
 
 @jit
 def add_applied(structure, spin, loads, f):
-    """f += gravity, unbalance and external loads, shape (n,) [N, N.m]; loads: complex, shape
+    """Add to f, shape (n,) [N, N.m], gravity, unbalance and external loads; loads: complex, shape
     (bodies,) [N]. Unbalance: m e exp(i (theta + phi)) (Omega^2 - i Omega')."""
     for i in range(len(structure.weight)):
         f[i] += structure.weight[i]
@@ -93,7 +92,7 @@ def add_applied(structure, spin, loads, f):
 
 @jit
 def add_load(structure, i, load, f):
-    """f += one external load, shape (n,) [N, N.m]."""
+    """Add one external load to f, shape (n,) [N, N.m]."""
     if structure.load_dof[i] >= 0:
         f[structure.load_dof[i]] += load
         arm = structure.load_arms[i]
@@ -106,7 +105,7 @@ def add_load(structure, i, load, f):
 
 @jit
 def internal_torque(structure, q, v, omega):
-    """Return the torque by which the drive sustains the rotating internal damping [N.m]; 0 if it
+    """Return the torque by which the drive sustains the rotating internal damping [N.m], 0 if it
     does not rotate. With f = -eta K_s v + i kappa K_s q it is Re(f^H i q)."""
     kappa = circulation(structure, omega)
     eta_v = structure.numbers[0].kappa_v
@@ -122,10 +121,9 @@ def internal_torque(structure, q, v, omega):
 def drive_torque(structure, loads, q, v, a, spin, friction_torque):
     """Return the torque that the drive must supply to keep the prescribed speed [N.m].
 
-    q, v, a: shape (n,) or longer; friction_torque: what brakes the rotor at its
-    interfaces [N.m]. From
-    Lagrange's equation of the angle of rotation, gyroscopic reaction (second order in the slopes)
-    included.
+    q, v, a: shape (n,) or longer; friction_torque: braking torque of the interfaces [N.m]. It
+    follows from Lagrange's equation of the angle of rotation, including the gyroscopic reaction,
+    which is of second order in the slopes.
     """
     n = len(structure.weight)
     torque = structure.numbers[0].inertia * spin.alpha + friction_torque

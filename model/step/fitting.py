@@ -2,14 +2,14 @@
 
 A rotor's motion is nearly harmonic with the speed of rotation, q ~ exp(i Omega t). For such a
 motion the scheme relates accelerations, velocities and displacements by factors known in closed
-form; with the mass and the damping of a step divided by them, a steady whirl comes out with its
-own period (trigonometric fitting: Gautschi 1961). Both factors are 1 + O((Omega h)^2), so the order
-stays, and so does what holds at rest.
+form; with the mass and the damping of a step divided by them, a steady whirl is integrated with its
+exact period (trigonometric fitting: Gautschi 1961). Both factors are 1 + O((Omega h)^2), so the
+order of the scheme remains, and so do static equilibria.
 
-Of a slower motion the mass would be wrong by as much: a rotor that falls, fitted to its rotation,
-falls with the wrong acceleration. So the scheme is fitted to the motion's own characteristic
-frequency (`characteristic_frequency_after`), which is that of the rotation where the rotor whirls
-with it, and its lowest natural frequency's where it swings freely below.
+For a slower motion the mass would be wrong by the same factor: a rotor that falls, fitted to its
+rotation, would fall with the wrong acceleration. So the scheme is fitted to the motion's own
+characteristic frequency (`characteristic_frequency_after`): that of the rotation where the rotor
+whirls synchronously, and its lowest natural frequency where it swings freely below it.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from ..kernels.functions import direction, inverse
 from ..kernels.jit import jit
 
 SLOWEST = 1e-4  # Omega h [rad] below which the factors are 1 to rounding
-# Radians of the fastest pace over which a faster one is learnt, and a slower one: after an impact
-# the rotor falls, and as long as the impact's pace is held its mass is wrong.
+# The characteristic frequency follows a faster and a slower motion over these angles [rad]: after
+# an impact the rotor falls freely, and at the frequency of the impact its mass would be wrong.
 FASTER, SLOWER = 2.0 * math.pi, 1.0
 
 
@@ -35,7 +35,7 @@ class Fit(NamedTuple):
 
 @jit
 def unfitted():
-    """Return the scheme as it is."""
+    """Return the factors of the unchanged scheme."""
     return Fit(1.0, 1.0)
 
 
@@ -55,12 +55,12 @@ def fitted(scheme, w):
 
 @jit
 def characteristic_frequency_after(structure, omega, h, measures, before):
-    """Return the square of the angular frequency of the motion [rad2/s2], at most that of the
-    rotation or of the machine's slowest motion, whichever is faster, after a step of length h [s];
+    """Return the square of the angular frequency of the motion [rad2/s2] after a step of length h
+    [s], at most that of the rotation or of the machine's slowest motion, whichever is faster;
     measures: of the step (`error_control.measure`); before: after the last step.
 
-    Of q ~ exp(i p t), and of a swing along a line as well, p^2 = (|jerk|^2 + p^2 |a|^2) over
-    (|a|^2 + p^2 |v|^2), weighted with the masses; of a free fall p is 0.
+    For q ~ exp(i p t), and for a swing along a line as well, p^2 = (|jerk|^2 + p^2 |a|^2) over
+    (|a|^2 + p^2 |v|^2), weighted with the masses; p is 0 in a free fall.
     """
     a, v = measures.acceleration, measures.velocity
     above, below = measures.change / (h * h) + before * a, a + before * v

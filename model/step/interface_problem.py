@@ -3,9 +3,9 @@
     w = w_free + W F(d, d'),   d = d0 + b_d w,   d' = d0' + b_v w
 
 w: relative accelerations of node and housing [m/s2], one complex number an interface; W:
-flexibility of the step [1/kg]; d0, d0': predicted displacement and velocity; b_d = beta h^2,
-b_v = gamma h; internal states of the laws: internal_state = free + b_own * rate.
-Accelerations, not displacements, are the unknowns: with displacements very short steps lose digits.
+flexibility of the step [1/kg]; d0, d0': predicted displacement and velocity; b_d = beta h^2, b_v =
+gamma h; internal states of the laws: internal_state = free + b_rate * rate. The unknowns are
+accelerations, because displacements lose digits in very short steps.
 """
 
 from __future__ import annotations
@@ -30,17 +30,18 @@ ATTEMPTS = (
     (WALL, 0.3, 800),
     (EXPECTED, 0.1, 1500),
 )
-# Of an interface's length, on Newton's last correction of a displacement. The forces take part in
-# it, so what they lack of their law is of second order in it.
+# Share of an interface's length that bounds Newton's last correction of a displacement. The forces
+# are corrected with it, so their error is of second order in it.
 TOLERANCE = 1e-8
 
 
 class InterfaceProblem(NamedTuple):
     """Arrays of the problem for m interfaces: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N],
     its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, internal_state:
-    states of the laws, predicted and solved; residual: what the forces lack of their laws' where
-    the iterations are limited [N], shape (1,); flexibility W [1/kg], shape (2 m, 2 m), of (x, y)
-    pairs; of Newton's matrix the columns that are not the identity's, and their places; scratch."""
+    states of the laws, predicted and solved; residual: largest difference between a force and its
+    law where the iterations are limited [N], shape (1,); flexibility W [1/kg], shape (2 m, 2 m), of
+    (x, y) pairs; jacobian, closed: the columns of Newton's matrix that differ from the identity,
+    and their indices; correction: scratch."""
 
     d0: Annotated[np.ndarray, complex, "interfaces"]
     d0_dot: Annotated[np.ndarray, complex, "interfaces"]
@@ -61,10 +62,10 @@ class InterfaceProblem(NamedTuple):
 
 @jit
 def solve_columns(a, places, x):
-    """Overwrite x by A^-1 x, by elimination with partial pivoting; False if A is singular.
+    """Overwrite x by A^-1 x, by elimination with partial pivoting; return False if A is singular.
 
     A, shape (m, m), is the identity but for its columns `places`, ascending, shape (c,), which are
-    those of a, shape (m, c), overwritten. Pivots are looked for in the rows `places`.
+    those of a, shape (m, c), overwritten. Pivots are chosen from the rows `places`.
     """
     m, columns = len(x), len(places)
     for k in range(columns):
@@ -99,8 +100,9 @@ def solve_columns(a, places, x):
 
 @jit
 def _linearize(problem, laws, interfaces, spin, weights):
-    """Return the forces and tangents at problem.w, Newton's correction of w; False if its matrix is
-    singular. Only contacts that are closed, and laws with states, have columns of their own."""
+    """Fill in the forces and tangents at problem.w and Newton's correction of w; return False if
+    the matrix is singular. Only closed contacts, and laws with states, have columns of their
+    own."""
     m, b_d, b_v = len(interfaces), weights.displacement, weights.velocity
     flexibility, jacobian, correction = problem.flexibility, problem.jacobian, problem.correction
     columns = 0
@@ -162,8 +164,8 @@ def _start(problem, laws, interfaces, place, b_d):
 
 @jit_inlined
 def _correct(problem, interfaces, relax, b_d):
-    """Take a share of Newton's correction, of the last one all: only then are the motion and the
-    forces reached those of one another. Returns whether it was the last."""
+    """Apply a share of Newton's correction, all of the last one, so that motion and forces are
+    consistent. Return whether it was the last."""
     is_converged = True
     for j in range(len(interfaces)):
         change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
@@ -180,7 +182,7 @@ def _correct(problem, interfaces, relax, b_d):
 
 @jit
 def _residual(problem, laws, interfaces, spin, weights):
-    """Return the largest difference between an interface's force and its law's [N]."""
+    """Return the largest difference between an interface's force and its law [N]."""
     largest = 0.0
     for j in range(len(interfaces)):
         interface, at = interfaces[j], interfaces[j].internal_state
@@ -197,8 +199,8 @@ def _residual(problem, laws, interfaces, spin, weights):
 
 @jit_not_inlined
 def _solve_within(problem, laws, interfaces, spin, weights, limit):
-    """Take at most `limit` of Newton's iterations from where the nodes are expected, and go on with
-    the forces reached; fills problem.residual and returns the iterations."""
+    """Do at most `limit` Newton iterations from the expected displacements, and continue with the
+    forces reached; fill problem.residual and return the number of iterations."""
     b_d = weights.displacement
     _start(problem, laws, interfaces, EXPECTED, b_d)
     iterations = 0
@@ -215,7 +217,7 @@ def _solve_within(problem, laws, interfaces, spin, weights, limit):
 
 @jit
 def _follow_forces(problem):
-    """Make problem.w what the forces make of it."""
+    """Set problem.w to the accelerations that the forces cause."""
     for i in range(len(problem.w)):
         w = problem.w_free[i]
         for j in range(len(problem.w)):
@@ -230,12 +232,13 @@ def _follow_forces(problem):
 
 @jit
 def solve_interfaces(problem, laws, interfaces, spin, weights, limit=0):
-    """Solve for problem.w, problem.force and problem.own; returns (converged, iterations).
+    """Solve for problem.w, problem.force and problem.internal_state; return (converged,
+    iterations).
 
-    interfaces: records, shape (m,); weights: b_d, b_v and b_own; limit: of the iterations, whose
-    result is then taken as it is; 0 for none.
-    Plain Newton from where it slid before cycles between open and closed in some coarse steps;
-    `ATTEMPTS` lists what is then done. `iterations` counts those of all attempts.
+    interfaces: records, shape (m,); weights: b_d, b_v and b_rate; limit: of the iterations, whose
+    result is then accepted; 0 for none. Plain Newton from the expected sliding cycles between open
+    and closed in some coarse steps; `ATTEMPTS` lists the further attempts. `iterations` counts
+    those of all attempts.
     """
     if limit > 0:
         return True, _solve_within(problem, laws, interfaces, spin, weights, limit)

@@ -1,7 +1,7 @@
-"""Derivatives of the laws' forces and internal states along one of a machine's motion.
+"""Derivatives of the laws' forces and internal states along a derivative of the machine's motion.
 
-The tangents by displacement and velocity are the laws' own; by speed and internal states a law, a
-function of a few numbers, is differenced.
+The tangents with respect to displacement and velocity are the laws' own; those with respect to
+speed and internal states are central differences.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..parts.law import Kinematics, Weights
 from .laws import kinematics, law_rates, law_tangent_called, relative
 
-# Of the size of what a law depends on: by how much it is differenced.
+# Step of the finite differences, as a share of the size of the law's argument.
 _SHARE = 1e-6
 
 
 class Change(NamedTuple):
-    """A derivative of a law's kinematics: of its displacement, of its velocity, of the speed and
-    the sliding speed alike, and of the angle; omega: what a velocity is compared by [rad/s]."""
+    """A derivative of a law's kinematics: of its displacement, of its velocity, of both the speed
+    and the sliding speed, and of the angle; omega: frequency that scales velocities [rad/s]."""
 
     displacement: complex
     velocity: complex
@@ -29,21 +29,21 @@ class Change(NamedTuple):
 
 
 @jit
-def _shift(moving, change, by):
-    """Return `Kinematics` moved along a derivative."""
-    turned = by * change.speed
+def _shift(moving, change, step):
+    """Return `Kinematics` displaced by a step along a derivative."""
+    faster = step * change.speed
     return Kinematics(
-        moving.displacement + by * change.displacement,
-        moving.velocity + by * change.velocity,
-        moving.speed + turned,
-        moving.sliding_speed + turned,
-        moving.angle + by * change.angle,
+        moving.displacement + step * change.displacement,
+        moving.velocity + step * change.velocity,
+        moving.speed + faster,
+        moving.sliding_speed + faster,
+        moving.angle + step * change.angle,
     )
 
 
 @jit
-def _step_along(interface, moving, change, state, d_state):
-    """Return by how much to move along a derivative; 0 where there is nothing to move."""
+def _difference_step(interface, moving, change, state, d_state):
+    """Return the step of a central difference along a derivative; 0 if the derivative is 0."""
     size = modulus(change.displacement) / interface.length
     size = max(size, modulus(change.velocity) / (interface.length * change.omega))
     size = max(size, abs(change.speed) / max(abs(moving.speed), 1.0))
@@ -55,38 +55,38 @@ def _step_along(interface, moving, change, state, d_state):
 
 @jit_not_inlined
 def force_by_rest(laws, interface, moving, d_spin, rate, state, d_state, work):
-    """Return the derivative of a law's force by the rotation, d_spin, and by its internal states;
-    the other arguments as in `states_along`."""
+    """Return the derivative of a law's force along the rotation, d_spin, and along its internal
+    states; the other arguments as in `states_along`."""
     change = Change(0j, 0j, d_spin[0], d_spin[2], 1.0)
-    by = _step_along(interface, moving, change, state, d_state)
-    if by == 0.0:
+    step = _difference_step(interface, moving, change, state, d_state)
+    if step == 0.0:
         return 0.0j
     weights = Weights(1.0, 0.0, rate)
     first = interface.internal_state
     shifted = work.shifted[first:]
     for k in range(interface.states):
-        shifted[k] = state[k] + by * d_state[k]
+        shifted[k] = state[k] + step * d_state[k]
     above, _, _ = law_tangent_called(
-        laws, interface, _shift(moving, change, by), weights, shifted, work.above[first:]
+        laws, interface, _shift(moving, change, step), weights, shifted, work.above[first:]
     )
     for k in range(interface.states):
-        shifted[k] = state[k] - by * d_state[k]
+        shifted[k] = state[k] - step * d_state[k]
     below, _, _ = law_tangent_called(
-        laws, interface, _shift(moving, change, -by), weights, shifted, work.below[first:]
+        laws, interface, _shift(moving, change, -step), weights, shifted, work.below[first:]
     )
-    return (above - below) * (0.5 / by)
+    return (above - below) * (0.5 / step)
 
 
 @jit_not_inlined
 def states_along(laws, interface, moving, change, rate, state, d_state, are_rates, work, out):
-    """Fill out with the derivative of the internal states at the end of a step, of their rates if
-    are_rates, along a `Change`; rate: as of `Weights`; state, d_state: what is known of the states,
-    and its derivative."""
-    by = _step_along(interface, moving, change, state, d_state)
+    """Fill out with the derivative of the internal states at the end of a step, or of their rates
+    if are_rates, along a `Change`; rate: as in `Weights`; state, d_state: the predicted states and
+    their derivative."""
+    step = _difference_step(interface, moving, change, state, d_state)
     first = interface.internal_state
     shifted = work.shifted[first:]
     for side in range(2):
-        signed = by if side == 0 else -by
+        signed = step if side == 0 else -step
         for k in range(interface.states):
             shifted[k] = state[k] + signed * d_state[k]
         moved = _shift(moving, change, signed)
@@ -97,20 +97,20 @@ def states_along(laws, interface, moving, change, rate, state, d_state, are_rate
             law_tangent_called(laws, interface, moved, Weights(1.0, 0.0, rate), shifted, into)
     for k in range(interface.states):
         difference = work.above[first + k] - work.below[first + k]
-        out[first + k] = difference * (0.5 / by) if by > 0.0 else 0.0
+        out[first + k] = difference * (0.5 / step) if step > 0.0 else 0.0
 
 
 @jit
 def change_of(interface, motion, d_spin, omega):
-    """Return the `Change` of an interface by a derivative of the motion and of the rotation; see
-    there."""
+    """Return the `Change` of an interface along a derivative of the motion and of the rotation;
+    omega: see `Change`."""
     d, v = relative(interface, motion.q), relative(interface, motion.v)
     return Change(d, v, d_spin[0], d_spin[2], omega)
 
 
 @jit
 def linearize_laws(structure, spin, rate, motion, free, work):
-    """Fill work.by_law at a motion; free: of its internal states."""
+    """Fill work.by_law at a motion; free: predicted internal states."""
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         moving = kinematics(interface, spin, motion.q, motion.v)

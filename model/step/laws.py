@@ -14,7 +14,7 @@ MOST_LOSSES = max(len(law.losses) for law in LAWS)
 
 
 def _storing(law: Law) -> Callable:
-    """Adds a law's energies to their places among `STORES`."""
+    """Return a function that adds a law's energies to their places among `STORES`."""
     energy, count = law.energy, len(law.stores)
     places = tuple(STORES.index(store.name) for store in law.stores)
 
@@ -27,7 +27,8 @@ def _storing(law: Law) -> Callable:
 
 
 def _dissipating(law: Law) -> Callable:
-    """Adds what a law dissipates to its places among `FLOWS`; returns the braking torque."""
+    """Return a function that adds a law's dissipation to its places among `FLOWS` and returns the
+    braking torque."""
     dissipate, count = law.dissipate, len(law.losses)
     places = tuple(FLOWS.index(loss.name) for loss in law.losses)
 
@@ -41,7 +42,8 @@ def _dissipating(law: Law) -> Callable:
 
 
 def _vibrating(law: Law) -> Callable:
-    """Returns the force of a law and its changes as a machine vibrates, its states following."""
+    """Return the function `Law.vibrate` of a law, or one for a law whose states do not follow a
+    vibration."""
     if law.vibrate is not None:
         return law.vibrate
     tangent = law.tangent
@@ -49,7 +51,7 @@ def _vibrating(law: Law) -> Callable:
     def vibrate(part, tables, kinematics, frequency, free, internal_state):
         """Do what `Law.vibrate` does for a law whose states do not follow at a frequency."""
         force = p_d = q_d = p_v = q_v = 0.0j
-        for by_v in range(2):  # in a loop, so that its code is there once
+        for by_v in range(2):  # a loop, so that its code is compiled once
             weights = Weights(1.0 - by_v, 1.0 * by_v, 0.0)
             force, p, q = tangent(part, tables, kinematics, weights, free, internal_state)
             if by_v == 0:
@@ -74,40 +76,40 @@ add_losses = dispatcher([_dissipating(law) for law in LAWS])
 
 @jit_not_inlined
 def law_tangent_called(laws, interface, kinematics, weights, free, internal_state):
-    """Return what `law_tangent` does, which would be part of its callers, and is large: for all but
-    the iterations of a step."""
+    """Return `law_tangent`, not inlined because it is large: for all calls but the iterations of a
+    step."""
     return law_tangent(laws, interface, kinematics, weights, free, internal_state)
 
 
 @jit
 def relative(interface, z):
-    """Return z of a node relative to its housing or to ground, z of shape (size,)."""
+    """Return the value of z, shape (size,), at a node relative to its housing or to ground."""
     return z[interface.dof] - z[interface.end]
 
 
 @jit
 def sides(interface):
-    """Return the two places between which an interface acts, and how its force does there [1]."""
+    """Return the two rows between which an interface acts, and the sign of its force there."""
     return (interface.end, -1.0), (interface.dof, 1.0)
 
 
 @jit
 def side_of(interface, place):
-    """Return how an interface's force acts on the housing at a place: 1.0 as on a node, -1.0 the
-    other way, 0.0 not at all."""
+    """Return the sign of an interface's force on the housing in row `place`: 1.0 as on a node, -1.0
+    opposite, 0.0 if it does not act there."""
     if interface.end == place:
         return -1.0
     return 1.0 if interface.dof == place else 0.0
 
 
 @jit
-def first_broken(structure, q, internal_state):
-    """Return the first interface whose law means nothing at the displacements q [m] and with its
+def first_invalid_law(structure, q, internal_state):
+    """Return the first interface whose law is invalid at the displacements q [m] and with its
     internal states, or -1."""
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        d, own = relative(interface, q), internal_state[interface.internal_state :]
-        if law_breaks(structure.laws, interface, d, own):
+        d, states = relative(interface, q), internal_state[interface.internal_state :]
+        if law_breaks(structure.laws, interface, d, states):
             return j
     return -1
 

@@ -1,5 +1,5 @@
-"""The laws of some interfaces at many samples of their motion, as compiled functions of a block
-alone. They return DONE."""
+"""The laws of some interfaces at many samples of their motion: compiled entry points, functions of
+a block alone. They return DONE."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from .step_status import DONE
 
 
 class Interfaces(NamedTuple):
-    """The laws' tables, and the interfaces that are asked for."""
+    """The laws' tables, and the interfaces to be evaluated."""
 
     laws: tuple
     interfaces: Annotated[np.recarray, INTERFACE, "interfaces"]
 
 
 class Samples(NamedTuple):
-    """Relative displacements [m], velocities [m/s] and own states of the interfaces at samples;
-    the states that the laws solve for; forces [N], their tangents p z + q conj(z) by displacement
-    and by velocity, rates of the states, and distances from where forces begin [m]."""
+    """Relative displacements [m], velocities [m/s] and internal states of the interfaces at
+    samples; the states that the laws solve for; forces [N], their tangents p z + q conj(z) with
+    respect to displacement and velocity, rates of the states, and gaps [m]."""
 
     d: Annotated[np.ndarray, complex, "interfaces", "samples"]
     v: Annotated[np.ndarray, complex, "interfaces", "samples"]
-    own: Annotated[np.ndarray, float, "samples", "states"]
+    states: Annotated[np.ndarray, float, "samples", "states"]
     solved: Annotated[np.ndarray, float, "samples", "states"]
     force: Annotated[np.ndarray, complex, "interfaces", "samples"]
     p: Annotated[np.ndarray, complex, "2", "interfaces", "samples"]
     q: Annotated[np.ndarray, complex, "2", "interfaces", "samples"]
     rates: Annotated[np.ndarray, float, "samples", "states"]
-    opening: Annotated[np.ndarray, float, "interfaces", "samples"]
+    gap: Annotated[np.ndarray, float, "interfaces", "samples"]
 
 
 class LawData(NamedTuple):
@@ -53,7 +53,7 @@ _view = LAYOUT.view
 
 
 def block_of(laws: tuple, interfaces: np.recarray, samples: int) -> tuple[np.ndarray, LawData]:
-    """Return a block for so many samples, and what is in it."""
+    """Return a block for a number of samples, and its arrays."""
     states = int(interfaces.states.sum())
     sizes = {"interfaces": len(interfaces), "samples": samples, "states": states}
     block = LAYOUT.new(sizes | sizes_of_laws(laws))
@@ -62,14 +62,14 @@ def block_of(laws: tuple, interfaces: np.recarray, samples: int) -> tuple[np.nda
     return block, data
 
 
-def alone(law: Law, record: Any, tables: np.ndarray, states: int) -> tuple[tuple, np.recarray]:
-    """Return the tables of laws and the interfaces of one that acts by itself, with so many
-    states."""
-    own = LAWS.index(law)
-    records = [np.zeros(int(i == own), each.dtype) for i, each in enumerate(LAWS)]
-    records[own][0] = record
+def single_law(law: Law, record: Any, tables: np.ndarray, states: int) -> tuple[tuple, np.recarray]:
+    """Return the tables of laws and the interfaces for one law that acts by itself, with a number
+    of states."""
+    index = LAWS.index(law)
+    records = [np.zeros(int(i == index), each.dtype) for i, each in enumerate(LAWS)]
+    records[index][0] = record
     interface = np.zeros(1, INTERFACE).view(np.recarray)
-    interface.law, interface.states = own, states
+    interface.law, interface.states = index, states
     return (*records, tables), interface
 
 
@@ -82,22 +82,22 @@ def fill(machine: Interfaces, laws: tuple, interfaces: np.recarray) -> None:
 
 @jit
 def call_laws(block, displacement, velocity, rate, speed):
-    """Fill in what the laws do at all samples, at a speed of rotation [rad/s]: forces with the
-    first of the tangents, for these `Weights`, and rates."""
+    """Fill in the forces, the rates and the first of the tangents, for these `Weights`, at all
+    samples, at a speed of rotation [rad/s]."""
     run = _view(block)
-    fill_in_laws(run.machine, run.samples, 0, Weights(displacement, velocity, rate), speed)
+    fill_laws(run.machine, run.samples, 0, Weights(displacement, velocity, rate), speed)
     laws, interfaces = run.machine
     samples = run.samples
     for j in range(len(interfaces)):
         at = interfaces[j].internal_state
         for t in range(samples.d.shape[1]):
             motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
-            law_rates(laws, interfaces[j], motion, samples.own[t, at:], samples.rates[t, at:])
+            law_rates(laws, interfaces[j], motion, samples.states[t, at:], samples.rates[t, at:])
     return DONE
 
 
 @jit_not_inlined
-def fill_in_laws(machine, samples, i, weights, speed):
+def fill_laws(machine, samples, i, weights, speed):
     """Fill in forces, the i-th tangents for `Weights` and the states that the laws solve for."""
     laws, interfaces = machine
     for j in range(len(interfaces)):
@@ -105,16 +105,16 @@ def fill_in_laws(machine, samples, i, weights, speed):
         at = interface.internal_state
         for t in range(samples.d.shape[1]):
             motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
-            own, solved = samples.own[t, at:], samples.solved[t, at:]
+            states, solved = samples.states[t, at:], samples.solved[t, at:]
             samples.force[j, t], samples.p[i, j, t], samples.q[i, j, t] = law_tangent_called(
-                laws, interface, motion, weights, own, solved
+                laws, interface, motion, weights, states, solved
             )
 
 
 @jit
 def vibrate_laws(block, speed, sliding, frequency):
-    """Fill in what the laws do at rest at all displacements, vibrating at a frequency [rad/s];
-    speed, sliding: see `Kinematics` [rad/s]."""
+    """Fill in forces and tangents at rest at all displacements, for a vibration with a frequency
+    [rad/s]; speed, sliding: see `Kinematics` [rad/s]."""
     run = _view(block)
     laws, interfaces = run.machine
     samples = run.samples
@@ -124,7 +124,7 @@ def vibrate_laws(block, speed, sliding, frequency):
         for t in range(samples.d.shape[1]):
             motion = Kinematics(samples.d[j, t], 0.0j, speed, sliding, 0.0)
             force, p_d, q_d, p_v, q_v = law_vibrate(
-                laws, interface, motion, frequency, samples.own[t, at:], samples.solved[t, at:]
+                laws, interface, motion, frequency, samples.states[t, at:], samples.solved[t, at:]
             )
             samples.force[j, t] = force
             samples.p[0, j, t], samples.q[0, j, t] = p_d, q_d
@@ -133,11 +133,11 @@ def vibrate_laws(block, speed, sliding, frequency):
 
 
 @jit
-def find_openings(block):
-    """Fill in the distances at all samples."""
+def find_gaps(block):
+    """Fill in the gaps at all samples."""
     run = _view(block)
     laws, interfaces = run.machine
     for j in range(len(interfaces)):
         for t in range(run.samples.d.shape[1]):
-            run.samples.opening[j, t] = law_gap(laws, interfaces[j], run.samples.d[j, t])
+            run.samples.gap[j, t] = law_gap(laws, interfaces[j], run.samples.d[j, t])
     return DONE

@@ -1,6 +1,5 @@
-"""The linear part of a step in stages: its three systems, factorized, and what forces at the
-interfaces do to their motion at all stages. See `stages`.
-"""
+"""The linear part of a step in stages: its factorized systems, and the influence of interface
+forces on the motion at all stages. See `stages`."""
 
 from __future__ import annotations
 
@@ -48,8 +47,8 @@ def factorize_systems(structure, spin, h, stages):
 
 @jit
 def _factorize(bands):
-    """Do `kernels.band.factorize` for three matrices, bands[:, :, s], side by side: a processor
-    goes on with one where another waits for its last result."""
+    """Do `kernels.band.factorize` for three matrices, bands[:, :, s], interleaved, so that a
+    processor can overlap the three factorizations."""
     n, width = bands.shape[:2]
     for j in range(n):
         a, b, c = inverse(bands[j, 0, 0]), inverse(bands[j, 0, 1]), inverse(bands[j, 0, 2])
@@ -66,8 +65,8 @@ def _factorize(bands):
 
 @jit
 def solve_systems(factors, x, first=0):
-    """Do `kernels.band.solve` for three right-hand sides, x[:, s], and make the solutions a, b, c
-    the parts a, b + c, i (b - c); see `schemes.radau`."""
+    """Do `kernels.band.solve` for three right-hand sides, x[:, s], and replace the solutions a, b,
+    c by the parts a, b + c, i (b - c); see `schemes.radau`."""
     n, width = factors.shape[:2]
     for j in range(first, n):
         a, b, c = x[j, 0], x[j, 1], x[j, 2]
@@ -89,7 +88,7 @@ def solve_systems(factors, x, first=0):
 
 @jit
 def _factor_housings(structure, h, stages):
-    """Fill in what forces on the housings do."""
+    """Fill in the influence of forces on the housings."""
     for j in range(len(structure.housings)):
         housing = structure.housings[j]
         mass = masses(housing)
@@ -115,17 +114,17 @@ def _factor_housings(structure, h, stages):
 
 @jit_not_inlined
 def condense(structure, h, stages):
-    """Fill in what forces at the interfaces do to their relative displacements and velocities."""
+    """Fill in the influence of interface forces on their relative displacements and velocities."""
     n, m = len(structure.weight), len(structure.interfaces)
     real, pair = h * LAMBDA[0].real, h * LAMBDA[1]
     for b in range(m):
         dof, columns = structure.interfaces[b].dof, stages.columns[b]
         for i in range(n):
-            for s in range(STAGES):
-                columns[i, s] = 0.0
+            for k in range(STAGES):
+                columns[i, k] = 0.0
         if dof < n:
-            for s in range(STAGES):
-                columns[dof, s] = 1.0
+            for k in range(STAGES):
+                columns[dof, k] = 1.0
             solve_systems(stages.factors, columns, dof)
         for a in range(m):
             at = structure.interfaces[a].dof
@@ -142,8 +141,8 @@ def condense(structure, h, stages):
                     weights = SHARES[i, k]
                     _fill_block(stages.by_d, column, row, of_parts(weights, d_p, d_s, d_t))
                     _fill_block(stages.by_v, column, row, of_parts(weights, v_p, v_s, v_t))
-            for place, way in sides(structure.interfaces[b]):
-                side = way * side_of(structure.interfaces[a], place)
+            for place, sign in sides(structure.interfaces[b]):
+                side = sign * side_of(structure.interfaces[a], place)
                 if side != 0.0 and n <= place < n + len(structure.housings):
                     _add_housing(stages, side, place - n, 2 * a, 2 * b, 2 * m)
     stages.key[3] = 1.0
@@ -151,7 +150,8 @@ def condense(structure, h, stages):
 
 @jit
 def _fill_block(by_force, column, row, response):
-    """Fill in the response to a force in x, whose response in y is the same turned."""
+    """Fill in the response to a force in x, and the same turned by a right angle for a force in
+    y."""
     by_force[column, row] = by_force[column + 1, row + 1] = response.real
     by_force[column + 1, row] = -response.imag
     by_force[column, row + 1] = response.imag
@@ -159,7 +159,7 @@ def _fill_block(by_force, column, row, response):
 
 @jit
 def _add_housing(stages, side, place, row, column, width):
-    """Add what a housing does, in a block for each pair of stages."""
+    """Add the response of a housing, in a block for each pair of stages."""
     for i in range(STAGES):
         for k in range(STAGES):
             for axis in range(2):

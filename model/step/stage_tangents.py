@@ -1,6 +1,5 @@
-"""The matrix of Newton's method for the interfaces at all stages of a step: its unknowns, the laws'
-derivatives, its rows. See `stage_problem`.
-"""
+"""Newton's matrix for the interfaces at all stages of a step: its unknowns, the laws' derivatives,
+its rows. See `stage_problem`."""
 
 from __future__ import annotations
 
@@ -11,8 +10,8 @@ from ..parts.law import Kinematics, Weights
 from ..schemes.radau import STAGES, A
 from .laws import law_force, law_rates, law_tangent_called
 
-# Of a state and of its change, the difference by which its derivatives are taken, and the least;
-# of an interface's length, that of a displacement.
+# Step of the finite differences, as a share of a state and its change, and its least value; of a
+# displacement, as a share of the interface's length.
 _SHARE, LEAST = 1e-7, 1e-10
 
 
@@ -24,8 +23,9 @@ def kinematics_of_stage(stages, i, j):
 
 
 @jit_not_inlined
-def _take_tangent(structure, h, old, stages, i, j):
-    """Fill in the derivatives of force and rates at a stage by displacement, velocity, states."""
+def _fill_tangent(structure, h, stages, i, j):
+    """Fill in the derivatives of force and rates at a stage with respect to displacement, velocity
+    and states."""
     interface = structure.interfaces[j]
     first, count = interface.internal_state, interface.states
     tangent, moving = stages.tangent[i, j], kinematics_of_stage(stages, i, j)
@@ -45,23 +45,23 @@ def _take_tangent(structure, h, old, stages, i, j):
             spare[s] = states[s]
         if column < 4:
             step = d_step if column < 2 else v_step
-            aside = complex(step, 0.0) if column % 2 == 0 else complex(0.0, step)
+            offset = complex(step, 0.0) if column % 2 == 0 else complex(0.0, step)
             if column < 2:
-                d += aside
+                d += offset
             else:
-                v += aside
+                v += offset
         else:
             s = column - 4
             change = abs(states[s]) + h * abs(stages.law_rate[i, first + s])
             step = _SHARE * change + LEAST
             spare[s] += step
-        beside = Kinematics(d, v, moving.speed, moving.sliding_speed, moving.angle)
+        shifted = Kinematics(d, v, moving.speed, moving.sliding_speed, moving.angle)
         rates = stages.trial_rate
-        law_rates(structure.laws, interface, beside, spare, rates)
+        law_rates(structure.laws, interface, shifted, spare, rates)
         for s in range(count):
             tangent[2 + s, column] = (rates[s] - stages.law_rate[i, first + s]) / step
         if column >= 4:
-            force = law_force(structure.laws, interface, beside, spare)
+            force = law_force(structure.laws, interface, shifted, spare)
             change_of_force = (force - stages.law_force[i, j]) * (1.0 / step)
             tangent[0, column] = change_of_force.real
             tangent[1, column] = change_of_force.imag
@@ -69,7 +69,7 @@ def _take_tangent(structure, h, old, stages, i, j):
 
 @jit
 def list_unknowns(structure, stages):
-    """List the forces that act and all rates; returns how many there are of both."""
+    """List the forces that act and all rates; return the number of forces, and of both."""
     m, size = len(structure.interfaces), len(stages.law_rate[0])
     count = 0
     for i in range(STAGES):
@@ -89,13 +89,13 @@ def list_unknowns(structure, stages):
 
 
 @jit
-def linearize(structure, h, old, stages, forces, count):
-    """Fill in and factorize the matrix of the unknowns; returns False if it is singular."""
+def linearize(structure, h, stages, forces, count):
+    """Fill in and factorize the matrix of the unknowns; return False if it is singular."""
     m, size = len(structure.interfaces), len(stages.law_rate[0])
     for j in range(m):
         for i in range(STAGES):
             if stages.acts[i, j] == 1 or structure.interfaces[j].states > 0:
-                _take_tangent(structure, h, old, stages, i, j)
+                _fill_tangent(structure, h, stages, i, j)
     jacobian = stages.jacobian
     row = 0
     for i in range(STAGES):
@@ -125,7 +125,7 @@ def linearize(structure, h, old, stages, forces, count):
 
 @jit
 def _fill_row(structure, h, stages, row, i, j, output, forces, count):
-    """Fill in minus the derivatives of a force or a rate by all unknowns."""
+    """Fill in the negative derivatives of a force or a rate with respect to all unknowns."""
     m, size = len(structure.interfaces), len(stages.law_rate[0])
     tangent, matrix_row, at = stages.tangent[i, j, output], stages.jacobian[row], 2 * (i * m + j)
     for k in range(forces):

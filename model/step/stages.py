@@ -1,12 +1,12 @@
 """A step of Radau IIA: the motion at its three stages, solved for at once.
 
-The linear part of all stages falls apart into three complex systems of the size of the shaft
+The linear part of all stages decouples into three complex systems of the size of the shaft
 (`schemes.radau`), each a band matrix, and is eliminated exactly; what remains are the forces of the
 interfaces at the stages (`stage_problem`).
 
 Speed and rate differ between the stages of a rotor that speeds up. The matrices are those of the
-middle of the step; what the gyroscopic and circulatory terms differ by is a small force, taken of
-the motion that is expected.
+middle of the step; the differences of the gyroscopic and circulatory terms are small forces,
+evaluated at the predicted motion.
 """
 
 from __future__ import annotations
@@ -33,29 +33,30 @@ from ..schemes.radau import (
 )
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
-from .laws import first_broken, relative, sides
+from .laws import first_invalid_law, relative, sides
 from .stage_matrices import condense, factorize_systems, solve_systems
 from .stage_problem import solve_stages
-from .step import add_internal, by_axis, is_sane
-from .step_status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
+from .step import add_internal, by_axis, is_finite_within
+from .step_status import DONE, FILM_INVALID, NOT_CONVERGED, NOT_FINITE
 
 
 class Stages(NamedTuple):
-    """Scratch of a step in stages: nothing in it outlives the step but the factorized matrices,
-    valid for `key` = (h, speed, rate), whether the interfaces are condensed (1) in its last entry.
+    """Work arrays of a step in stages. Only the factorized matrices outlive the step; they are
+    valid for `key` = (h, speed, rate), and its last entry is 1 if the interfaces are condensed.
 
     omega, alpha, theta, drive, torque, loads: rotation, torque on a free rotor, torque that the
     motion needs, and loads at the stages; ledger: at the end of the step. q, v, v_dot: motion at
     the stages; force: of the interfaces; internal_state, internal_rate: of the laws; powers: flows
     of the ledger [W]. modal: accelerations of the three systems, as parts once they are solved for
-    (`schemes.radau`), columns: those by a force at an interface. d_free, v_free: relative motion of
-    the interfaces without their forces, d, v_relative: with them; by_d, by_v: what forces at
-    all stages, a row each, do to these; moved_d, moved_v: what those that were found do. acts:
-    which interfaces do, law_force, law_state, law_rate: what the laws say; tangent: of forces
-    and rates by displacement, velocity, and states. jacobian, solution, pivots: of Newton's
-    method; unknowns: places of the unknowns, of a force with its stage, interface and axis.
-    housing: accelerations by forces on the housings, in x and in y; housing_d, housing_v:
-    displacements and velocities. scratch, trial_state, trial_rate: scratch of single calls.
+    (`schemes.radau`); columns: those by a force at an interface. d_free, v_free: relative motion of
+    the interfaces without their forces; d, v_relative: with them; by_d, by_v: influence of the
+    forces at all stages, a row each, on d and v; moved_d, moved_v: response to the present forces.
+    acts: which interfaces act; law_force, law_state, law_rate: results of the laws; tangent:
+    derivatives of forces and rates with respect to displacement, velocity, and states. jacobian,
+    solution, pivots: of Newton's method; unknowns: indices of the unknowns, of a force with its
+    stage, interface and axis. housing: accelerations by forces on the housings, in x and in y;
+    housing_d, housing_v: displacements and velocities. scratch, trial_state, trial_rate: scratch of
+    single calls.
     """
 
     key: Annotated[np.ndarray, float, "4"]
@@ -114,8 +115,9 @@ def spin_of_stage(stages, i):
 
 @jit
 def _add_differences(structure, spin, at, ahead, old, scratch, out):
-    """out += what gyroscopic and circulatory terms at a stage, `ahead` [s] from the start, differ
-    by from those of the middle of the step, of the motion that the start leads one to expect."""
+    """Add to out the differences of the gyroscopic and circulatory terms at a stage, `ahead` [s]
+    from the start, from those in the middle of the step, at the motion extrapolated from the
+    start."""
     faster, rate = at.omega - spin.omega, 0.5 * (at.alpha - spin.alpha)
     kappa = circulation(structure, at.omega) - circulation(structure, spin.omega)
     if faster == 0.0 and rate == 0.0 and kappa == 0.0:
@@ -179,7 +181,7 @@ def _free_response(structure, spin, h, old, stages):
 
 @jit
 def _push_housing(stages, n, j, k, force):
-    """Add what a force on a housing at stage k [N] does to its accelerations."""
+    """Add the accelerations by a force on a housing at stage k [N]."""
     for i in range(STAGES):
         stages.v_dot[i, n + j] += by_axis(
             stages.housing[0, j, i, k], stages.housing[1, j, i, k], force
@@ -188,7 +190,7 @@ def _push_housing(stages, n, j, k, force):
 
 @jit
 def _fill_free(structure, h, old, stages):
-    """Fill in the relative motion of the interfaces without their forces; returns whether it is
+    """Fill in the relative motion of the interfaces without their forces; return whether it is
     finite."""
     n = len(structure.weight)
     is_finite = True
@@ -211,13 +213,13 @@ def _fill_free(structure, h, old, stages):
                 stages.d_free[i, j] += scaled(h * h * A_SQUARED[i, k], w)
                 stages.v_free[i, j] += scaled(h * A[i, k], w)
         for i in range(STAGES):
-            is_finite = is_finite and is_sane(stages.d_free[i, j], 1e150)
+            is_finite = is_finite and is_finite_within(stages.d_free[i, j], 1e150)
     return is_finite
 
 
 @jit
 def _fill_motion(structure, h, old, stages):
-    """Fill in the motion at the stages, of the forces that were found."""
+    """Fill in the motion at the stages under the interface forces."""
     n = len(structure.weight)
     size = len(old.q)
     modal = stages.modal
@@ -228,9 +230,9 @@ def _fill_motion(structure, h, old, stages):
             first += scaled(OF_STAGES[0, k], force)
             even += scaled(OF_STAGES[1, k], force)
             odd += scaled(OF_STAGES[2, k], force)
-            for place, way in sides(structure.interfaces[j]):
+            for place, sign in sides(structure.interfaces[j]):
                 if force != 0.0 and n <= place < n + len(structure.housings):
-                    _push_housing(stages, n, place - n, k, scaled(way, force))
+                    _push_housing(stages, n, place - n, k, scaled(sign, force))
         if first != 0.0 or even != 0.0 or odd != 0.0:
             columns = stages.columns[j]
             for i in range(n):
@@ -244,16 +246,16 @@ def _fill_motion(structure, h, old, stages):
     for k in range(STAGES):
         for i in range(size):
             by_q = by_v = 0.0j
-            for l in range(STAGES):  # noqa: E741
-                by_q += scaled(A_SQUARED[k, l], stages.v_dot[l, i])
-                by_v += scaled(A[k, l], stages.v_dot[l, i])
+            for stage in range(STAGES):
+                by_q += scaled(A_SQUARED[k, stage], stages.v_dot[stage, i])
+                by_v += scaled(A[k, stage], stages.v_dot[stage, i])
             stages.q[k, i] = old.q[i] + scaled(C[k] * h, old.v[i]) + scaled(h * h, by_q)
             stages.v[k, i] = old.v[i] + scaled(h, by_v)
 
 
 @jit
-def _arrive(structure, h, stages, new):
-    """Make the last stage the new state."""
+def _accept_last_stage(h, stages, new):
+    """Copy the last stage to the new state."""
     last = STAGES - 1
     for i in range(len(new.q)):
         new.q[i] = stages.q[last, i]
@@ -276,8 +278,7 @@ def try_stages(structure, spin, h, accuracy, old, new, stages):
     """Take one step of length h [s] from `old` to `new`; `spin` is that of its middle, those of the
     stages and their loads are in `stages`; accuracy: of the interfaces' displacements [1].
 
-    Returns the status, see `step`, and the Newton iterations. Whatever the status, `old` is
-    untouched.
+    Return the status, see `step`, and the Newton iterations. `old` is never changed.
     """
     key = stages.key
     if key[0] != h or key[1] != spin.omega or key[2] != spin.alpha:
@@ -294,9 +295,9 @@ def try_stages(structure, spin, h, accuracy, old, new, stages):
     for i in range(len(structure.deflections)):
         dof = structure.deflections[i, 0]
         for k in range(STAGES):
-            if not is_sane(stages.q[k, dof], structure.numbers[0].bound):
+            if not is_finite_within(stages.q[k, dof], structure.numbers[0].bound):
                 return NOT_FINITE, iterations
-    _arrive(structure, h, stages, new)
-    if first_broken(structure, new.q, new.internal_state) >= 0:
-        return BROKEN, iterations
+    _accept_last_stage(h, stages, new)
+    if first_invalid_law(structure, new.q, new.internal_state) >= 0:
+        return FILM_INVALID, iterations
     return DONE, iterations

@@ -1,9 +1,8 @@
 """One implicit step of a machine.
 
 The linear part is eliminated exactly, down to the relative displacements at the interfaces: the
-band matrix of the step is factorized anew whenever step length or speed have changed (that costs
-less than a microsecond, being a band), and what remains is the small problem of
-`interface_problem`.
+band matrix of the step is factorized anew whenever step length or speed have changed (in less than
+a microsecond), and what remains is the small problem of `interface_problem`.
 """
 
 from __future__ import annotations
@@ -20,20 +19,17 @@ from ..parts.law import Weights
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
-from .laws import first_broken, kinematics, law_force, law_rates, relative, side_of, sides
+from .laws import first_invalid_law, kinematics, law_force, law_rates, relative, side_of, sides
 from .linear_step import balance, balance_back, correct, predict, weights
-from .step_status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
-
-# What becomes of a step; broken: it ends where a law means nothing.
+from .step_status import DONE, FILM_INVALID, NOT_CONVERGED, NOT_FINITE
 
 
 class Motion(NamedTuple):
-    """State at one instant: rows of the shaft's dofs, then the housings, then ground, which stays,
-    each complex of shape (n + housings + 1,): displacement q [m], velocity v [m/s]; a: the
-    accelerations that generalized-alpha carries along, v_dot: those of the equation of motion
-    [m/s2]; jerk [m/s3] (of the Li-Zeng-Wiberg indicator); force: of the interfaces on their nodes
-    [N]. internal_state: states of the laws, with the rates that are carried along and those of
-    their law."""
+    """State at one instant: rows of the shaft's dofs, then the housings, then ground, which stays
+    at rest, each complex of shape (n + housings + 1,): displacement q [m], velocity v [m/s]; a: the
+    accelerations carried by generalized-alpha, v_dot: those of the equation of motion [m/s2]; jerk
+    [m/s3] (of the Li-Zeng-Wiberg indicator); force: of the interfaces on their nodes [N].
+    internal_state: states of the laws, with the carried rates and those of the laws."""
 
     q: Annotated[np.ndarray, complex, "size"]
     v: Annotated[np.ndarray, complex, "size"]
@@ -47,8 +43,8 @@ class Motion(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """Scratch of a step: nothing in it outlives the step but the factorized matrix, valid for
-    `key` = (h, omega, alpha, mass and damping of the fit)."""
+    """Work arrays of a step. Only the factorized matrix outlives the step; it is valid for `key` =
+    (h, omega, alpha, mass and damping factors of the fit)."""
 
     key: Annotated[np.ndarray, float, "5"]
     factors: Annotated[np.ndarray, complex, "n", "width"]
@@ -68,7 +64,7 @@ def by_axis(x_factor, y_factor, z):
 
 @jit
 def add_internal(structure, spin, factor, damping, q, v, scratch, out):
-    """out += factor (damping (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q)."""
+    """Add factor (damping (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q) to out."""
     n = len(out)
     if damping != 0.0:
         for i in range(n):
@@ -99,8 +95,8 @@ def housing_forces(housing, g, q, v):
 
 @jit
 def accelerate(structure, spin, damping, loads, motion, work):
-    """Fill motion.force and motion.v_dot from the equation of motion at this instant; damping: the
-    factor that a `fitting` gives it."""
+    """Fill motion.force and motion.v_dot from the equation of motion at this instant; damping:
+    factor of a `fitting`."""
     n = structure.M.shape[0]
     f = motion.v_dot[:n]
     for i in range(n):
@@ -131,7 +127,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
 
 @jit
 def _fill_rates(structure, spin, motion):
-    """Fill motion.own_rate from the laws."""
+    """Fill motion.internal_rate from the laws."""
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         if interface.states > 0:
@@ -146,7 +142,7 @@ def _fill_rates(structure, spin, motion):
 
 @jit
 def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
-    """Factorize the step matrix of the accelerations; condense it to the interfaces."""
+    """Factorize the step matrix of the accelerations and condense it to the interfaces."""
     share = 1.0 - scheme.alpha_f
     m_factor, c_factor, k_factor = weights(scheme, h)
     m_factor *= fit.mass
@@ -186,8 +182,8 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
             flexibility[2 * i, 2 * j + 1] = -response.imag
             flexibility[2 * i + 1, 2 * j] = response.imag
             flexibility[2 * i + 1, 2 * j + 1] = response.real
-            for place, way in sides(interfaces[j]):
-                side = way * side_of(interfaces[i], place)
+            for place, sign in sides(interfaces[j]):
+                side = sign * side_of(interfaces[i], place)
                 if side != 0.0 and n <= place < n + len(structure.housings):
                     flexibility[2 * i, 2 * j] += side * work.housing[place - n, 0]
                     flexibility[2 * i + 1, 2 * j + 1] += side * work.housing[place - n, 1]
@@ -200,7 +196,7 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
 
 @jit
 def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
-    """Predictions of q and v, and the accelerations that would follow without the interfaces."""
+    """Fill in the predictions of q and v, and the accelerations without the interfaces."""
     am, af = fit.mass * scheme.alpha_m, scheme.alpha_f
     share = 1.0 - af
     n = structure.M.shape[0]
@@ -230,9 +226,9 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
 
 
 @jit
-def _expect(problem, interfaces, old, b_d):
-    """Where the nodes that touch a wall will be if they slide on at the same depth, and those
-    without a wall if their accelerations last."""
+def _predict_contacts(problem, interfaces, old, b_d):
+    """Predict the displacements of nodes in contact, assuming sliding at constant penetration, and
+    of those without a wall at constant acceleration."""
     for j in range(len(interfaces)):
         problem.expected[j] = 0.0
         if interfaces[j].has_wall == 0:
@@ -245,7 +241,7 @@ def _expect(problem, interfaces, old, b_d):
 
 @jit
 def predict_internal_state(scheme, h, old, free):
-    """Fill in what is known of the laws' states at the end of a step; returns the weight of their
+    """Fill in the predictions of the laws' states at the end of a step; return the weight of their
     rates there. They follow the scheme as velocities do."""
     am, af, _, gamma = scheme
     share = h * gamma / (1.0 - am)
@@ -258,30 +254,41 @@ def predict_internal_state(scheme, h, old, free):
 
 
 @jit
-def is_sane(x, bound):
-    """Return whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
+def rescale_carried(motion, ratio):
+    """Multiply by `ratio` what the carried accelerations and rates differ by from the exact ones,
+    of a motion or of a row of its tangents."""
+    for i in range(len(motion.a)):
+        motion.a[i] = motion.v_dot[i] + scaled(ratio, motion.a[i] - motion.v_dot[i])
+    for i in range(len(motion.internal_state)):
+        change = motion.internal_rate_carried[i] - motion.internal_rate[i]
+        motion.internal_rate_carried[i] = motion.internal_rate[i] + ratio * change
+
+
+@jit
+def is_finite_within(x, bound):
+    """Return whether |x| is within the bound [m or m/s2], and so neither infinite nor NaN."""
     return x.real * x.real + x.imag * x.imag <= bound * bound
 
 
 @jit
 def add_interface_force(structure, work, j, force, a):
-    """Add to the accelerations what the force [N] of an interface makes of them."""
+    """Add the accelerations caused by the force [N] of an interface."""
     n = structure.M.shape[0]
     for i in range(n):
         a[i] += work.columns[j, i] * force
-    for place, way in sides(structure.interfaces[j]):
+    for place, sign in sides(structure.interfaces[j]):
         if n <= place < n + len(structure.housings):
             x, y = work.housing[place - n, 0], work.housing[place - n, 1]
-            a[place] += by_axis(way * x, way * y, force)
+            a[place] += by_axis(sign * x, sign * y, force)
 
 
 @jit
 def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, limit):
     """Take one step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
-    `fit` what the scheme is fitted with, `limit` as `solve_interfaces` takes it.
+    `fit` the fitting of the scheme, `limit` as in `solve_interfaces`.
 
-    Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces, `NOT_FINITE` or past the bound,
-    or `BROKEN`, and the Newton iterations. Whatever the status, `old` is untouched.
+    Return the status, `DONE`, `NOT_CONVERGED` of the interfaces, `NOT_FINITE` or past the bound, or
+    `FILM_INVALID`, and the Newton iterations. `old` is never changed.
     """
     key = work.key
     is_new = key[0] != h or key[1] != spin.omega or key[2] != spin.alpha
@@ -295,14 +302,14 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, li
         problem.d0[j] = relative(interfaces[j], new.q)
         problem.d0_dot[j] = relative(interfaces[j], new.v)
         problem.w_free[j] = relative(interfaces[j], new.a)
-        is_finite = is_finite and is_sane(problem.w_free[j], 1e150)
+        is_finite = is_finite and is_finite_within(problem.w_free[j], 1e150)
     if not is_finite:
         return NOT_FINITE, 0
     b_rate = predict_internal_state(scheme, h, old, problem.free)
     weights_of_laws = Weights(scheme.beta * h * h, scheme.gamma * h, b_rate)
     for i in range(len(problem.internal_state)):
         problem.internal_state[i] = problem.free[i]
-    _expect(problem, interfaces, old, weights_of_laws.displacement)
+    _predict_contacts(problem, interfaces, old, weights_of_laws.displacement)
     is_converged, iterations = solve_interfaces(
         problem, structure.laws, interfaces, spin, weights_of_laws, limit
     )
@@ -316,10 +323,10 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, li
             add_interface_force(structure, work, j, force, new.a)
     correct(scheme, h, new.a, new.q, new.v)
     for i in range(len(structure.deflections)):
-        if not is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
+        if not is_finite_within(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
-    if first_broken(structure, new.q, problem.internal_state) >= 0:
-        return BROKEN, iterations
+    if first_invalid_law(structure, new.q, problem.internal_state) >= 0:
+        return FILM_INVALID, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
     if len(problem.internal_state) > 0:
         for i in range(len(problem.internal_state)):

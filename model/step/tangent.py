@@ -1,12 +1,13 @@
-"""The tangent of a step: how the motion at its end changes with what is given at its beginning.
+"""The tangent of a step: the derivative of the motion at its end with respect to the inputs.
 
-A row of a `Tangent` is the derivative of a motion by one input, complex as the motion is and linear
-in it over the reals. What the step does to a motion, prediction, factorized matrix, interfaces,
-correction, it does to a row as well, with the interfaces' problem replaced by its derivative
+A row of a `Tangent` is the derivative of a motion with respect to one input, complex as the motion
+is and linear in it over the reals. A row passes through the same operations of the step as a
+motion, prediction, factorized matrix, interfaces, correction, with the interfaces' problem replaced
+by its derivative
 
-    dw = dw_free + W dF,    dF = dF/dd dd + dF/dd' dd' + dF/dOmega dOmega + dF/down down
+    dw = dw_free + W dF,    dF = dF/dd dd + dF/dd' dd' + dF/dOmega dOmega + dF/ds ds
 
-What the laws change is `law_tangents`'. Step lengths and fitting count as given.
+with the internal states s of the laws (`law_tangents`). Step lengths and fitting count as constant.
 """
 
 from __future__ import annotations
@@ -51,8 +52,8 @@ class Tangent(NamedTuple):
 
 
 class TangentWork(NamedTuple):
-    """Scratch of tangents. by_law: the pairs of dF/dd and of dF/dd'; free, rate: of the laws'
-    states; flows, ledger: of `ledger.FLOWS`."""
+    """Work arrays of tangents. by_law: the pairs of dF/dd and of dF/dd'; d_free: derivatives of the
+    predicted internal states; flows, ledger: of `ledger.FLOWS`."""
 
     by_law: Annotated[np.ndarray, complex, "interfaces", "4"]
     known: Annotated[np.ndarray, complex, "interfaces"]
@@ -68,9 +69,9 @@ class TangentWork(NamedTuple):
     loads: Annotated[np.ndarray, complex, "loads"]
 
 
-class Tangents(NamedTuple):
-    """The tangents of a run: at the time reached, at the end of a step, scratch, and a motion that
-    is moved along one of them."""
+class RunTangents(NamedTuple):
+    """The tangents of a run: at the present time, at the end of a step, work arrays, and a motion
+    displaced along one of them."""
 
     now: Tangent
     after: Tangent
@@ -96,8 +97,8 @@ def row_of(tangent, row):
 
 @jit
 def load_of(row, i):
-    """Return the derivative of load i by the input of a row [1]: the drive is row 0, then come the
-    loads, each along x and along y."""
+    """Return the derivative of load i with respect to the input of a row [1]: row 0 is the drive,
+    then come the loads, each along x and along y."""
     if row == 1 + 2 * i:
         return 1.0 + 0.0j
     return 1.0j if row == 2 + 2 * i else 0.0j
@@ -105,7 +106,8 @@ def load_of(row, i):
 
 @jit
 def _add_by_spin(structure, spin, d_spin, share, damping, q, v, scratch, out):
-    """out += share times the change of unbalance and internal forces with the rotation alone."""
+    """Add to out `share` times the change of unbalance and internal forces with the rotation
+    alone."""
     d_omega, d_alpha, d_theta = d_spin[0], d_spin[1], d_spin[2]
     if d_omega == 0.0 and d_alpha == 0.0 and d_theta == 0.0:
         return
@@ -131,7 +133,7 @@ def _add_by_spin(structure, spin, d_spin, share, damping, q, v, scratch, out):
 
 @jit
 def _loads_on_base(structure, row):
-    """Return the derivative of the base's acceleration by the input of a row [1]."""
+    """Return the derivative of the base's acceleration with respect to the input of a row [1]."""
     base = structure.numbers[0].base_load
     return load_of(row, base) if base >= 0 else 0.0j
 
@@ -145,8 +147,8 @@ def linearize_step(structure, scheme, spin, h, new, problem, work):
 
 @jit_not_inlined
 def step_row(structure, scheme, fit, spin, h, row, old, out, d_spin, new, step, problem, work):
-    """Fill `out`, a row at the end of a step, from `old`, the same at its beginning; new: the
-    motion at the end, step: its `Workspace`; d_spin: of the rotation there."""
+    """Fill `out`, a row at the end of a step, from `old`, the same row at its beginning; new: the
+    motion at the end; step: its `Workspace`; d_spin: of the rotation there."""
     n = structure.M.shape[0]
     af = scheme.alpha_f
     am, share = fit.mass * scheme.alpha_m, 1.0 - af
@@ -217,7 +219,7 @@ def _fill_states_along(structure, spin, d_spin, rate, motion, state, out, d_stat
 
 @jit
 def _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work):
-    """Fill out.force by the derivative of the interfaces' problem."""
+    """Fill out.force from the derivative of the interfaces' problem."""
     interfaces = structure.interfaces
     m = len(interfaces)
     b_d, b_v = scheme.beta * h * h, scheme.gamma * h
@@ -265,8 +267,8 @@ def _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work
 
 @jit
 def instant_row(structure, spin, row, out, d_spin, motion, step, work):
-    """Fill the accelerations and rates of a row by the equation of motion at an instant, at which
-    displacements, velocities and internal states are given."""
+    """Fill the accelerations and rates of a row from the equation of motion at an instant at which
+    displacements, velocities and internal states do not depend on the input."""
     n = structure.M.shape[0]
     f = out.v_dot[:n]
     for i in range(n):

@@ -1,13 +1,13 @@
-"""`Rotor` -> `Structure`: band matrices, and the records of all that acts between them and outside.
+"""`Rotor` -> `Structure`: band matrices, and the records of everything that acts on them.
 
 The rotor's equation in complex coordinates q (deflection and slope at each node, x + i y):
 
     M q'' + (C - i Omega G) q' + (K - i kappa K_s - i/2 Omega' G) q = f(t) + B F
 
-with F the interfaces' forces on the nodes. The housings are oscillators of their own,
-m z'' + c z' + k z = f - F, with different springs and dampers in x and y. -i/2 Omega' G is the
-transient stiffness of the gyroscopic terms, without which the energy of a rotor whose speed
-changes does not close.
+with F the interfaces' forces on the nodes. The housings are separate oscillators, m z'' + c z' + k
+z = f - F, with different springs and dampers in x and y. -i/2 Omega' G is the transient stiffness
+of the gyroscopic terms, without which the energy balance of a rotor with changing speed is not
+closed.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from typing import Any
 import numpy as np
 
 from ..kernels.band import factorize, product, to_dense
-from ..kernels.jit import interpreted
+from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from ..parts import LAWS
 from ..parts.base import (
     BASE,
     GROUND,
-    Body,
+    BodyElement,
     Element,
-    Interface,
-    Mount,
-    Port,
-    Probe,
-    Release,
-    Spring,
-    Unbalance,
-    Velocity,
+    InterfaceElement,
+    MountElement,
+    PortElement,
+    ProbeElement,
+    ReleaseElement,
+    SpringElement,
+    UnbalanceElement,
+    VelocityElement,
     outputs_of,
 )
 from ..parts.housing import HousingQuantities
@@ -45,7 +45,7 @@ from .beam import shaft_element
 from .bow import bows_of
 from .ledger import law_entries
 from .parameters import prepare
-from .sparse_modes import LONG, lowest_square_free, lowest_square_held, sparse
+from .sparse_modes import LONG, lowest_square_free, lowest_square_supported, sparse
 from .structure import (
     HOUSING,
     INTERFACE,
@@ -64,7 +64,7 @@ _LOST = 1e-11  # of the highest square of a frequency: below it rounding takes d
 
 
 def assemble(rotor: Rotor) -> Structure:
-    """The matrices and records of a machine (Nelson 1980; Zorzi and Nelson 1977)."""
+    """Return the matrices and records of a machine (Nelson 1980; Zorzi and Nelson 1977)."""
     n = 2 * len(rotor.nodes)
     M, G, K_shaft, K_axial = (np.zeros((n, HALF_BANDWIDTH + 1)) for _ in range(4))
     inertia = 0.0
@@ -76,7 +76,7 @@ def assemble(rotor: Rotor) -> Structure:
         _add(K_axial, 2 * i, element.tension)
         inertia += sum(layer.polar_inertia for layer in section.all_layers)
     elements = list(machine_elements(rotor))
-    for _, body in _of(Body, elements):
+    for _, body in _of_kind(BodyElement, elements):
         dof = _dof(body)
         M[dof, 0] += body.mass
         M[dof, 1] += body.mass * body.offset
@@ -85,11 +85,11 @@ def assemble(rotor: Rotor) -> Structure:
         inertia += body.polar
     springs = _rows(
         SPRING,
-        [(_dof(s), s.stiffness, s.damping) for _, s in _of(Spring, elements)],
+        [(_dof(s), s.stiffness, s.damping) for _, s in _of_kind(SpringElement, elements)],
     )
     M_factors = M.copy()
     interpreted(factorize)(M_factors)
-    outputs = _places(elements)
+    outputs = _output_places(elements)
     housings, interfaces, laws = _mechanism(n, elements, outputs)
     bows, bow_forces, bow_stiffness = bows_of(rotor, elements, K_shaft)
     stores, losses = law_entries(rotor)
@@ -98,16 +98,16 @@ def assemble(rotor: Rotor) -> Structure:
     numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
     numbers[0].gravity = rotor.gravity
     numbers[0].down_x, numbers[0].down_y = rotor.down.real, rotor.down.imag
-    placed_ports = _of(Port, elements)
+    placed_ports = _of_kind(PortElement, elements)
     ports = [port for _, port in placed_ports]
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
     numbers[0].base_load = moved_bases[0] if moved_bases else -1
     numbers[0].own_inertia = inertia
     held = soft_stiffness(len(M), springs, elements)
-    numbers[0].is_held = np.count_nonzero(held) >= 2
+    numbers[0].is_supported = np.count_nonzero(held) >= 2
     numbers[0].lowest_omega = _lowest_omega(rotor, M, K_shaft, K_axial, held, elements)
     numbers[0].bound, numbers[0].small = 0.1 * rotor.length, 1e-4 * rotor.length
-    unbalances = [u for _, u in _of(Unbalance, elements)]
+    unbalances = [u for _, u in _of_kind(UnbalanceElement, elements)]
     structure = Structure(
         M=M,
         C=np.zeros((n, HALF_BANDWIDTH + 1)),
@@ -119,7 +119,9 @@ def assemble(rotor: Rotor) -> Structure:
         weights=_weights(M),
         mass_sum=product(M, np.arange(n) % 2 == 0),
         weight=np.zeros(n, dtype=complex),
-        releases=_rows(RELEASE, [tuple(element) for _, element in _of(Release, elements)]),
+        releases=_rows(
+            RELEASE, [tuple(element) for _, element in _of_kind(ReleaseElement, elements)]
+        ),
         one_body=_one_body(rotor, M),
         deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
         load_dof=np.array([-1 if p.node == BASE else _dof(p) for p in ports], dtype=np.int64),
@@ -127,10 +129,15 @@ def assemble(rotor: Rotor) -> Structure:
             LOAD, [(_slope(p), outputs[i], p.offset, p.impedance) for i, p in placed_ports]
         ),
         probes=_rows(
-            PROBE, [(_dof(p), _slope(p), outputs[i], p.offset) for i, p in _of(Probe, elements)]
+            PROBE,
+            [
+                (_dof(p), _slope(p), outputs[i], p.offset)
+                for i, p in _of_kind(ProbeElement, elements)
+            ],
         ),
         velocities=_rows(
-            PROBE, [(_dof(v), _dof(v), outputs[i], 0.0) for i, v in _of(Velocity, elements)]
+            PROBE,
+            [(_dof(v), _dof(v), outputs[i], 0.0) for i, v in _of_kind(VelocityElement, elements)],
         ),
         unbalances=_rows(UNBALANCE, [(_dof(u), _slope(u), *u[1:]) for u in unbalances]),
         unbalance=np.zeros(len(unbalances), dtype=complex),
@@ -150,40 +157,33 @@ def assemble(rotor: Rotor) -> Structure:
 
 
 def machine_elements(rotor: Rotor) -> list[Element]:
-    """The elements of all parts, in the order of the parts."""
-    density = rotor.material.density
-    return [e for where, part in rotor.named_parts() for e in part.elements(where, density)]
+    """Return the elements of all parts, in the order of the parts."""
+    return [element for _, element in rotor.indexed_elements()]
 
 
 def interface_names(rotor: Rotor) -> list[str]:
-    """The parts that the interfaces belong to, in the interfaces' order."""
-    density = rotor.material.density
-    return [
-        where
-        for where, part in rotor.named_parts()
-        for element in part.elements(where, density)
-        if isinstance(element, Interface)
-    ]
+    """Return the names of the parts that the interfaces belong to, in the interfaces' order."""
+    return [where for where, _ in rotor.elements_of_kind(InterfaceElement)]
 
 
-def _of(kind: type, elements: list[Element]) -> list[tuple[int, Any]]:
-    """The elements of a kind, with their places among all."""
+def _of_kind(kind: type, elements: list[Element]) -> list[tuple[int, Any]]:
+    """Return the elements of a kind, with their indices among all."""
     return [(i, element) for i, element in enumerate(elements) if isinstance(element, kind)]
 
 
-def _places(elements: list[Element]) -> list[int]:
-    """Where each element's outputs begin among those of all parts."""
+def _output_places(elements: list[Element]) -> list[int]:
+    """Return the index of each element's first output among those of all parts."""
     counts = [len(outputs_of(element)) for element in elements]
     return [0, *np.cumsum(counts).tolist()]
 
 
 def _dof(element: Any) -> int:
-    """The deflection where an element acts."""
+    """Return the deflection at which an element acts."""
     return 2 * (element.node - 1)
 
 
 def _slope(element: Any) -> int:
-    """The slope there, if it acts beyond, otherwise the deflection again."""
+    """Return the slope there if the element has an offset, otherwise the deflection again."""
     return _dof(element) + (element.offset != 0)
 
 
@@ -194,15 +194,15 @@ def _rows(dtype: np.dtype, rows: list[tuple]) -> np.recarray:
 def _mechanism(
     n: int, elements: list[Element], outputs: list[int]
 ) -> tuple[np.recarray, np.recarray, tuple[np.ndarray, ...]]:
-    """Housings, interfaces, the records of each law and the tables; n: the shaft's dofs."""
-    mounts = _of(Mount, elements)
+    """Return housings, interfaces, the records of each law and the tables; n: the shaft's dofs."""
+    mounts = _of_kind(MountElement, elements)
     places = {mount.name: n + h for h, (_, mount) in enumerate(mounts)} | {GROUND: n + len(mounts)}
     housings = [(outputs[i], *numbers_of(HousingQuantities, m.source)) for i, m in mounts]
     rows: list[list[tuple]] = [[] for _ in LAWS]
     interfaces = []
     tables: list[float] = []
     internal_state = 0
-    for i, element in _of(Interface, elements):
+    for i, element in _of_kind(InterfaceElement, elements):
         code = LAWS.index(element.law)
         states = len(element.law.states_of(element.source))
         interfaces.append(
@@ -237,7 +237,8 @@ def _add(band: np.ndarray, first: int, matrix: np.ndarray) -> None:
 
 
 def _one_body(rotor: Rotor, M: np.ndarray) -> np.ndarray:
-    """Displacement and tilt of the shaft as one body about its centre of mass, shape (2, n)."""
+    """Return displacement and tilt of the shaft as one body about its centre of mass, shape (2,
+    n)."""
     along, tilt = np.zeros(len(M)), np.ones(len(M))
     along[::2] = 1.0
     tilt[::2] = np.array(rotor.nodes) - rotor.nodes[0]
@@ -255,13 +256,13 @@ def _weights(M: np.ndarray) -> np.recarray:
 
 
 def soft_stiffness(n: int, springs: np.recarray, elements: list[Element]) -> np.ndarray:
-    """Stiffness of springs and soft laws at each dof [N/m], shape (n,)."""
-    held = np.zeros(n)
-    np.add.at(held, springs.dof, springs.stiffness)
-    for _, i in _of(Interface, elements):
+    """Return the stiffness of springs and soft laws at each dof [N/m], shape (n,)."""
+    stiffness = np.zeros(n)
+    np.add.at(stiffness, springs.dof, springs.stiffness)
+    for _, i in _of_kind(InterfaceElement, elements):
         if i.law.stiffness is not None and i.ring == GROUND:
-            held[_dof(i)] += max(0.0, i.law.stiffness(i.source))
-    return held
+            stiffness[_dof(i)] += max(0.0, i.law.stiffness(i.source))
+    return stiffness
 
 
 @on_one_thread
@@ -273,58 +274,61 @@ def _lowest_omega(
     held: np.ndarray,
     elements: list[Element],
 ) -> float:
-    """Of the elastic modes on springs and soft laws [rad/s]; where those do not hold the shaft at
-    two nodes, it is pinned to its walls."""
-    on_shaft = (i for _, i in _of(Interface, elements) if i.ring == GROUND)
+    """Return the lowest elastic natural frequency [rad/s] on springs and soft interfaces; a shaft
+    that these do not support at two nodes is pinned to its walls."""
+    on_shaft = (i for _, i in _of_kind(InterfaceElement, elements) if i.ring == GROUND)
     walls = [_dof(i) for i in on_shaft if i.law.stiffness is None]
     pinned = [] if np.count_nonzero(held) >= 2 else walls
     others = K_axial.copy()
     others[:, 0] += held
     free = np.delete(np.arange(len(M)), np.array(pinned, dtype=int))
     among = np.ix_(free, free)
-    is_held = np.count_nonzero(held) >= 2 or len(set(walls)) >= 2
+    is_supported = np.count_nonzero(held) >= 2 or len(set(walls)) >= 2
     try:
         if len(M) > LONG:
-            if is_held:
+            if is_supported:
                 return math.sqrt(_lowest_square(rotor, M, others, free))
             K, whole = sparse(K_shaft + others), sparse(M)
             shift = _bending_square(rotor)
             return math.sqrt(lowest_square_free(K[free][:, free], whole[free][:, free], shift))
         inverse = np.linalg.inv(np.linalg.cholesky(to_dense(M)[among]))
         squares = np.linalg.eigvalsh(inverse @ to_dense(K_shaft + others)[among] @ inverse.T)
-        if is_held and squares[0] < _LOST * squares[-1]:
+        if is_supported and squares[0] < _LOST * squares[-1]:
             return math.sqrt(_lowest_square(rotor, M, others, free))
     except (np.linalg.LinAlgError, RuntimeError):
         raise QuantityError(
-            "shaft: its masses and stiffnesses lie too far apart to calculate with; look for a "
+            "shaft: its masses and stiffnesses differ by too many orders of magnitude; look for a "
             "length or a diameter of a wrong power of ten"
         ) from None
-    # what is smaller is a motion as a rigid body, and rounding
+    # smaller eigenvalues are rigid-body motions and rounding
     return math.sqrt(squares[squares > 1e-13 * squares[-1]][0])
 
 
 def _lowest_square(rotor: Rotor, M: np.ndarray, others: np.ndarray, free: np.ndarray) -> float:
-    """Of the frequencies of a shaft that is held [rad2/s2], however stiff it is; others: the
-    stiffness of all else; free: the dofs that may move."""
+    """Return the lowest squared natural frequency of a supported shaft [rad2/s2], accurate for any
+    stiffness; others: all stiffness but the shaft's; free: the dofs that may move."""
     from .strain_solver import factorized, strains
 
     across, stiffness = strains(rotor)
     inverse = np.linalg.inv(stiffness)
     solve = factorized(sparse(others)[free][:, free].tocsc(), across[:, free], inverse)
-    return lowest_square_held(lambda f: solve(f)[0], sparse(M)[free][:, free])
+    return lowest_square_supported(lambda f: solve(f)[0], sparse(M)[free][:, free])
 
 
 def _bending_square(rotor: Rotor) -> float:
-    """What the lowest square of a free shaft is of the size of [rad2/s2]: pinned at its ends, of
-    the stiffness and the mass that its elements have in the mean."""
+    """Return an estimate of the lowest squared bending frequency of the free shaft [rad2/s2], used
+    as the shift: pinned at its ends, with the mean stiffness and mass of its elements."""
     sections = rotor.sections
     stiffness = np.mean([s.length**3 * shaft_element(s).stiffness[0, 0] / 12 for s in sections])
     mass = np.mean([2 * shaft_element(s).translation[:1, ::2].sum() / s.length for s in sections])
     return float((math.pi / rotor.length) ** 4 * stiffness / mass)
 
 
-def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> dict[str, Any]:
-    """The members that name dofs, with each dof at its new place."""
+def with_renumbered_dofs(
+    structure: Structure, place: Callable[[np.ndarray], np.ndarray]
+) -> dict[str, Any]:
+    """Return the members of a structure that name dofs, with each dof replaced by its new
+    number."""
     load_dof = structure.load_dof.copy()
     load_dof[load_dof >= 0] = place(load_dof[load_dof >= 0])
     load_arms = structure.load_arms.copy()

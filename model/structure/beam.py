@@ -2,11 +2,11 @@
 
 Degrees of freedom: deflection w and slope psi at its left, then at its right node. A circular shaft
 has the same matrices in both planes, so with complex coordinates z = x + i y one real 4x4 matrix
-serves both. The shape functions are those of the element at rest, so that its stiffness is exact:
-of a cylinder Nelson's polynomials (1980); of a tapered element the integrals of the bending and
-the shear that unit forces at its end cause (force method; Przemieniecki 1968, ch. 5). As ROSS has
-it, or on demand, a tapered element takes the polynomials of a cylinder with its middle or mean
-shear ratio instead, and is then of second order or less.
+serves both. The shape functions are those of static deflection, so that the stiffness is exact: of
+a cylinder Nelson's polynomials (1980); of a tapered element the integrals of bending and shear
+under unit forces at its end (force method; Przemieniecki 1968, ch. 5). As in ROSS, or on demand, a
+tapered element uses the polynomials of a cylinder with its middle or mean shear ratio instead, and
+is then of second order or less.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
 def _integration(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gauss' points in (0, 1) and their weights, each of shape (count,), and the matrix that makes
-    of a function's values there those of its integral from 0."""
+    """Return Gauss points in (0, 1) and their weights, shape (count,) each, and the matrix from a
+    function's values there to those of its integral from 0."""
     legendre = np.polynomial.legendre
     points, weights = legendre.leggauss(count)
     coefficients = np.linalg.inv(legendre.legvander(points, count - 1))
@@ -39,12 +39,11 @@ def _integration(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 _SHARES, _SHARE_WEIGHTS, _UP_TO = _integration(32)
 
 
-class Element(NamedTuple):
-    """Matrices of a shaft element, each of shape (4, 4): mass of the translation, mass of the
-    sections' tilting [kg, kg.m, kg.m2], stiffness, elastic and that of the axial force [N/m, N,
-    N.m].
+class ElementMatrices(NamedTuple):
+    """Matrices of a shaft element, shape (4, 4) each: mass of translation, mass of the sections'
+    tilting [kg, kg.m, kg.m2], elastic stiffness, and stiffness of the axial force [N/m, N, N.m].
 
-    The gyroscopic matrix is twice that of the tilting, a circular section's polar inertia being
+    The gyroscopic matrix is twice that of the tilting, since a circular section's polar inertia is
     twice its diametral one.
     """
 
@@ -55,9 +54,9 @@ class Element(NamedTuple):
 
 
 def shear_coefficient(poisson: float, ratio: Any = 0.0, name: str = "cowper") -> Any:
-    """Shear coefficient of a circular section [1]; ratio: bore over diameter; name: `cowper`
-    (Cowper 1966), `hutchinson` (Hutchinson 2001), or `ross-hutchinson`, ROSS 2's reading of it,
-    which lacks a factor 1 + poisson."""
+    """Return the shear coefficient of a circular section [1]; ratio: bore over diameter; name:
+    `cowper` (Cowper 1966), `hutchinson` (Hutchinson 2001), or `ross-hutchinson`, ROSS 2's version
+    of it, which lacks a factor 1 + poisson."""
     ring = (1 + ratio**2) ** 2
     if name in ("hutchinson", "ross-hutchinson"):
         solid = 7 + 12 * poisson + 4 * poisson**2
@@ -68,22 +67,24 @@ def shear_coefficient(poisson: float, ratio: Any = 0.0, name: str = "cowper") ->
 
 
 def _area_and_moment(outer: np.ndarray, bore: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Area [m2] and second moment of area [m4] of sections."""
+    """Return area [m2] and second moment of area [m4] of sections."""
     return math.pi / 4 * (outer**2 - bore**2), math.pi / 64 * (outer**4 - bore**4)
 
 
 @lru_cache(maxsize=256)
-def shaft_element(section: Section) -> Element:
-    """The matrices of the shaft between two nodes, its layers included."""
+def shaft_element(section: Section) -> ElementMatrices:
+    """Return the matrices of the shaft between two nodes, its layers included."""
     layers = section.all_layers
     if section.taper == "exact" and not all(layer.is_cylinder for layer in layers):
         return _tapered(layers)
     each = [_polynomial(layer) for layer in layers]
-    return Element(*(sum(matrices[1:], matrices[0]) for matrices in zip(*each, strict=True)))
+    return ElementMatrices(
+        *(sum(matrices[1:], matrices[0]) for matrices in zip(*each, strict=True))
+    )
 
 
-def _tapered(layers: Sequence[Section]) -> Element:
-    """The matrices of layers that bend as one, by the force method."""
+def _tapered(layers: Sequence[Section]) -> ElementMatrices:
+    """Return the matrices of layers that bend as one, by the force method."""
     length = layers[0].length
     x, weight = _SHARES * length, _SHARE_WEIGHTS * length
     bending, shearing, mass, tilting, tension = (np.zeros_like(x) for _ in range(5))
@@ -97,12 +98,12 @@ def _tapered(layers: Sequence[Section]) -> Element:
         mass += layer.material.density * area
         tilting += layer.material.density * moment
         tension += layer.axial_force
-    # by a unit force, and by a unit moment, at the right end of what is clamped at its left
+    # by a unit force and by a unit moment at the right end, the left end being clamped
     curvature = np.array([length - x, np.ones_like(x)]) / bending
     strain = np.array([np.zeros_like(x) if is_rigid else 1 / shearing, np.zeros_like(x)])
     flexibility = (curvature * (bending * weight)) @ curvature.T
     flexibility += (strain * (shearing * weight)) @ strain.T
-    # forces by what the nodes' deflections and slopes leave when the element has turned as one
+    # forces by the nodes' deflections and slopes less the rigid-body motion of the element
     left = np.array([[-1.0, -length, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0]])
     forces = np.linalg.solve(flexibility, left)
     slope = curvature @ _UP_TO.T * length
@@ -114,7 +115,7 @@ def _tapered(layers: Sequence[Section]) -> Element:
     def integral(factor: np.ndarray, shape: np.ndarray) -> np.ndarray:
         return (shape * (factor * weight)) @ shape.T
 
-    return Element(
+    return ElementMatrices(
         translation=integral(mass, deflections),
         tilting=integral(tilting, slopes),
         stiffness=left.T @ forces,
@@ -122,8 +123,8 @@ def _tapered(layers: Sequence[Section]) -> Element:
     )
 
 
-def _polynomial(section: Section) -> Element:
-    """The matrices of one layer with the shape functions of a cylinder (Nelson 1980)."""
+def _polynomial(section: Section) -> ElementMatrices:
+    """Return the matrices of one layer with the shape functions of a cylinder (Nelson 1980)."""
     material, length = section.material, section.length
     x = (1 + _POINTS) / 2
     weight = _WEIGHTS / 2 * length
@@ -156,7 +157,7 @@ def _polynomial(section: Section) -> Element:
     def integral(factor: np.ndarray, shape: np.ndarray) -> np.ndarray:
         return (shape * (factor * weight)) @ shape.T
 
-    return Element(
+    return ElementMatrices(
         translation=integral(material.density * area, deflection),
         tilting=integral(material.density * moment, slope),
         stiffness=integral(material.young * moment, curvature) + integral(shear * area, strain),
@@ -165,21 +166,21 @@ def _polynomial(section: Section) -> Element:
 
 
 def _diameters(section: Section, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Outer diameter and bore [m] at shares x of the length."""
+    """Return outer diameter and bore [m] at fractions x of the length."""
     outer = section.outer_left + x * (section.outer_right - section.outer_left)
     bore = section.bore_left + x * (section.bore_right - section.bore_left)
     return outer, bore
 
 
 def _middle_ratio(section: Section) -> float:
-    """Bore over outer diameter in the middle [1]."""
+    """Return bore over outer diameter in the middle [1]."""
     outer = section.outer_left + section.outer_right
     return (section.bore_left + section.bore_right) / outer
 
 
 def _shear_stiffness(section: Section, ratio: Any) -> Any:
-    """kappa G [Pa] where the bore has this ratio to the outer diameter; of a section that shear
-    does not bend, 0."""
+    """Return kappa G [Pa] for a ratio of bore to outer diameter; 0 for a section without shear
+    deflection."""
     if section.shear == "rigid":
         return 0.0
     coefficient = shear_coefficient(section.material.poisson, ratio, section.shear)
@@ -187,9 +188,9 @@ def _shear_stiffness(section: Section, ratio: Any) -> Any:
 
 
 def _shear_ratio(section: Section, shear: float) -> float:
-    """phi = 12 E I / (kappa G A L^2), deflection by shear over that by bending [1].
+    """Return phi = 12 E I / (kappa G A L^2), deflection by shear over that by bending [1].
 
-    Where diameters change, of those at the middle, as ROSS has it, or of the mean area and moment.
+    Tapered sections use the values in the middle, as in ROSS, or the mean area and moment.
     """
     if section.shear == "rigid":
         return 0.0

@@ -1,9 +1,9 @@
-"""How a shaft bows that is hot on one side at a node.
+"""The thermal bow of a shaft that is hot on one side at a node.
 
-One side hot, an element would bend evenly, free of force (Bachschmid, Pennacchi and Vania 2007: a
-pair of moments at its ends). Here the two elements beside the node do, with the same curvature, and
-the shaft is straight before and behind. The bow is the displacement of the node from the straight
-line through the ends of the shaft.
+An element that is hot on one side would bend evenly, free of force (Bachschmid, Pennacchi and Vania
+2007: a pair of moments at its ends). Here the two elements beside the node do so, with the same
+curvature, and the rest of the shaft stays straight. The bow is the displacement of the node from
+the straight line through the ends of the shaft.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from ..kernels.band import product
 from ..machine.rotor import Rotor
-from ..parts.base import Element, Interface
+from ..parts.base import Element, InterfaceElement
 from .structure import BOW
 
 
@@ -37,7 +37,7 @@ def bows_of(
     """Return `bows`, `bow_forces` and `bow_stiffness` of a `Structure`; K_shaft: a band matrix."""
     records, shapes, state = [], [np.zeros((0, len(K_shaft)))], 0
     for element in elements:
-        if isinstance(element, Interface):
+        if isinstance(element, InterfaceElement):
             if element.law.bow is not None:
                 records.append((state + element.law.bow,))
                 shapes.append(bow_shape(np.array(rotor.nodes), element.node)[None])

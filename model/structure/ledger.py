@@ -1,21 +1,21 @@
-"""The entries of the energy ledger: what is stored [J], what flows in and what is dissipated [W].
+"""The entries of the energy ledger: stores [J], inflows and dissipation [W].
 
-The machine's own come first, then those of the laws. Kernels sum them in this order, of all laws
-that there are; a machine has those of its own laws, in the same order.
+The machine's own come first, then those of the laws. Kernels sum the entries of all laws in this
+order; a machine has those of its laws, in the same order.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..machine.rotor import Rotor, spelled
+from ..machine.rotor import Rotor
 from ..parts import LAWS
-from ..parts.base import Interface
+from ..parts.base import InterfaceElement
 from ..quantities import SPEED, Output
 
 
 def _each_once(entries: Sequence[Output]) -> tuple[Output, ...]:
-    """The entries in their order; of those that share a name, the first."""
+    """Return the entries in their order without repeated names."""
     by_name: dict[str, Output] = {}
     for entry in entries:
         by_name.setdefault(entry.name, entry)
@@ -62,13 +62,9 @@ FLOWS = tuple(entry.name for entry in (*MACHINE_FLOWS, *LAW_LOSSES))
 
 
 def law_entries(rotor: Rotor) -> tuple[list[int], list[int]]:
-    """Places in `LAW_STORES` and `LAW_LOSSES` of the entries that a machine's laws have."""
-    laws = [
-        element.law
-        for key, part in rotor.indexed_parts()
-        for element in part.elements(spelled(*key), rotor.material.density)
-        if isinstance(element, Interface)
-    ]
+    """Return the indices in `LAW_STORES` and `LAW_LOSSES` of the entries that a machine's laws
+    have."""
+    laws = [interface.law for _, interface in rotor.elements_of_kind(InterfaceElement)]
     stores = {store.name for law in laws for store in law.stores}
     losses = {loss.name for law in laws for loss in law.losses}
     losses |= {BOW.name for law in laws if law.bow is not None}

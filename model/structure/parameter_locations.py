@@ -1,7 +1,7 @@
-"""Where the parameters of a machine stand in its `Structure`.
+"""Where the parameters of a machine are stored in its `Structure`.
 
-What a part makes of a quantity only the part knows. So each quantity is changed a little: where the
-part's elements then show the new value, there it stands.
+Each part maps its quantities to its elements; to find where a parameter is stored, it is perturbed,
+and the field with the changed value is looked up.
 """
 
 from __future__ import annotations
@@ -12,7 +12,14 @@ from typing import Any, NamedTuple
 
 from ..machine.rotor import OWN, Name, Rotor
 from ..parts import LAWS
-from ..parts.base import Element, Interface, Mount, Part, Release, Unbalance
+from ..parts.base import (
+    Element,
+    InterfaceElement,
+    MountElement,
+    Part,
+    ReleaseElement,
+    UnbalanceElement,
+)
 from ..parts.housing import HousingQuantities
 from ..quantities import QuantityError, quantities
 
@@ -20,8 +27,8 @@ _CHANGE = 2.0**-10
 
 
 class ParameterLocation(NamedTuple):
-    """A number of a `Structure`: the member, as the block of a run spells it (`laws[0]` the records
-    of the first law), the record's place in it, and the field."""
+    """A number of a `Structure`: the member, as named in the block of a run (`laws[0]`: the records
+    of the first law), the record's index in it, and the field."""
 
     member: str
     row: int
@@ -29,35 +36,38 @@ class ParameterLocation(NamedTuple):
 
 
 def parameter_locations(rotor: Rotor) -> dict[Name, tuple[ParameterLocation, ...]]:
-    """The places of every parameter, in the order of `Rotor.parameters`.
+    """Return the locations of every parameter, in the order of `Rotor.parameters`.
 
-    Raises `QuantityError` for one that changes a matrix, which is made at assembly.
+    Raises `QuantityError` for a parameter that changes a matrix, which is fixed at assembly.
     """
     density = rotor.material.density
     rows: dict[str, int] = {}
     result: dict[Name, tuple[ParameterLocation, ...]] = {}
     for key, part in rotor.indexed_parts():
-        begin = dict(rows)
+        rows_before = dict(rows)
         for element in part.elements(str(key), density):
             member = _member(element)
             rows[member] = rows.get(member, 0) + 1
         for name, quantity in quantities(part).items():
             if quantity.is_parameter and not isinstance(getattr(part, name), tuple):
-                result[Name(*key, name)] = tuple(_of_part(str(key), part, name, density, begin))
+                result[Name(*key, name)] = tuple(
+                    _locations_in_part(str(key), part, name, density, rows_before)
+                )
     for name, heading in OWN.items():
         if quantities(rotor)[name].is_parameter:
             result[Name(heading, 0, name)] = (ParameterLocation("numbers", 0, name),)
     return result
 
 
-def _of_part(
-    where: str, part: Part, name: str, density: float, begin: Mapping[str, int]
+def _locations_in_part(
+    where: str, part: Part, name: str, density: float, rows_before: Mapping[str, int]
 ) -> Iterator[ParameterLocation]:
-    """Where a quantity of one part stands; begin: how many records the parts before it have."""
+    """Yield the locations of a quantity of one part; rows_before: the number of records of the
+    parts before it."""
     value = getattr(part, name)
-    probe: Any = value * (1.0 + _CHANGE) if value else _CHANGE
-    changed = replace(part, **{name: probe})
-    rows = dict(begin)
+    changed_value: Any = value * (1.0 + _CHANGE) if value else _CHANGE
+    changed = replace(part, **{name: changed_value})
+    rows = dict(rows_before)
     pairs = zip(part.elements(where, density), changed.elements(where, density), strict=True)
     for old, new in pairs:
         member = _member(old)
@@ -67,28 +77,28 @@ def _of_part(
         for field in before:
             if before[field] == after[field]:
                 continue
-            if not member or after[field] != probe:
+            if not member or after[field] != changed_value:
                 raise QuantityError(
-                    f"{where}.{name}: is no parameter of an assembled machine, since {field} is "
-                    "made of it"
+                    f"{where}.{name}: cannot be changed after assembly, because {field} is "
+                    "derived from it"
                 )
             yield ParameterLocation(member, row, field)
 
 
 def _member(element: Element) -> str:
-    """Where an element's record stands, or "" of what assembly makes matrices of."""
-    if isinstance(element, Interface):
+    """Return the member that holds an element's record, or "" if assembly puts it into matrices."""
+    if isinstance(element, InterfaceElement):
         return f"laws[{LAWS.index(element.law)}]"
-    if isinstance(element, Mount):
+    if isinstance(element, MountElement):
         return "housings"
-    if isinstance(element, Release):
+    if isinstance(element, ReleaseElement):
         return "releases"
-    return "unbalances" if isinstance(element, Unbalance) else ""
+    return "unbalances" if isinstance(element, UnbalanceElement) else ""
 
 
 def _numbers(element: Element) -> dict[str, Any]:
-    """The numbers of an element, by the fields of its record."""
-    if isinstance(element, (Interface, Mount)):
-        kind = element.law.kind if isinstance(element, Interface) else HousingQuantities
+    """Return the numbers of an element, by the fields of its record."""
+    if isinstance(element, (InterfaceElement, MountElement)):
+        kind = element.law.kind if isinstance(element, InterfaceElement) else HousingQuantities
         return {name: getattr(element.source, name) for name in quantities(kind)}
     return element._asdict()

@@ -1,5 +1,5 @@
-"""What follows from the numbers that a user may change once a machine is assembled: damping,
-stiffness, weight, unbalance, inertia, the lengths that matter. Compiled, on the structure alone."""
+"""Values that follow from the parameters of an assembled machine: damping, stiffness, weight,
+unbalance, inertia, characteristic lengths. Compiled, a function of the structure alone."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import math
 import numpy as np
 
 from ..kernels.functions import direction
-from ..kernels.jit import interpreted, jit
+from ..kernels.jit import jit
+from ..kernels.kernel import interpreted
 from ..parts import LAWS
 from ..parts.law import dispatcher
+from ..quantities import GRAVITY
 from .structure import Structure
-
-WEIGHT = 9.81  # m/s2; whether gravity or a base that is accelerated gives it
 
 _length_of = dispatcher([law.length for law in LAWS], takes_tables=False)
 _weigh = dispatcher([law.weigh for law in LAWS])
@@ -21,7 +21,7 @@ _weigh = dispatcher([law.weigh for law in LAWS])
 
 @jit
 def prepare(structure):
-    """Fill in all of a structure that depends on parameters."""
+    """Fill in everything in a structure that depends on parameters."""
     numbers = structure.numbers[0]
     _prepare_shaft(structure, numbers)
     inertia = numbers.own_inertia
@@ -40,29 +40,30 @@ def prepare(structure):
             smallest = min(smallest, length)
     numbers.clearance = smallest if smallest < math.inf else numbers.small
     numbers.slowest = numbers.lowest_omega
-    if numbers.is_held == 0 and smallest < math.inf:
+    if numbers.is_supported == 0 and smallest < math.inf:
         # nothing but its weight brings it back: it swings in its clearance as a pendulum does
-        numbers.slowest = min(numbers.slowest, math.sqrt(WEIGHT / smallest))
+        numbers.slowest = min(numbers.slowest, math.sqrt(GRAVITY / smallest))
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].length == 0.0:
             structure.interfaces[j].length = numbers.clearance
 
 
 def lengths_of(structure: Structure) -> np.ndarray:
-    """Return the length of its own that each interface's law has [m], 0 of those without."""
+    """Return the length of each interface's law [m], 0 for a law without one."""
     length = interpreted(_length_of)
     return np.array([length(structure.laws, i) for i in structure.interfaces], dtype=float)
 
 
 @jit
 def elastic_share(eta_h):
-    """What hysteretic damping makes of the shaft's stiffness (Zorzi and Nelson 1977) [1]."""
+    """Return the factor by which hysteretic damping scales the shaft stiffness (Zorzi and Nelson
+    1977) [1]."""
     return (1.0 + eta_h) / math.sqrt(1.0 + eta_h * eta_h)
 
 
 @jit
 def _prepare_shaft(structure, numbers):
-    """Damping, stiffness and weight."""
+    """Fill in damping, stiffness and weight."""
     share = elastic_share(numbers.eta_h)
     n, width = structure.M.shape
     for i in range(n):

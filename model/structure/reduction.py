@@ -1,8 +1,8 @@
-"""Fewer degrees of freedom: Craig and Bampton's component modes on a `Structure`.
+"""Fewer degrees of freedom: Craig-Bampton component modes of a `Structure`.
 
-Kept as they are: the deflections where something acts, of bearings, discs, coupling and supports.
-The rest of the shaft follows them as it would at rest, q_i = Psi q_b, and vibrates besides in its
-lowest modes with those deflections held (Craig and Bampton 1968).
+Retained are the deflections at which something acts: bearings, discs, coupling and supports. The
+rest of the shaft follows them statically, q_i = Psi q_b, and vibrates in its lowest modes with
+those deflections fixed (Craig and Bampton 1968).
 """
 
 from __future__ import annotations
@@ -14,25 +14,26 @@ from typing import Any
 import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
-from ..kernels.jit import interpreted
+from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..machine.speed_tables import SpeedRange, tables_of
 from ..one_thread import on_one_thread
-from .assembly import assemble, machine_elements, moved, soft_stiffness
-from .sparse_modes import LONG, held_modes, sparse
+from .assembly import assemble, machine_elements, soft_stiffness, with_renumbered_dofs
+from .sparse_modes import LONG, fixed_interface_modes, sparse
 from .structure import WEIGHT, Structure
 
-# A frequency may move by this share; excited are those up to so many times the speed; of those that
-# move so many are said. A share of the lowest elastic one below which the shaft moves as one body.
+# Share by which a frequency may move; multiple of the speed up to which frequencies are excited;
+# number of moved frequencies that a warning names; share of the lowest elastic frequency below
+# which the shaft moves as a rigid body.
 _MOVED, _EXCITED, _SAID, _SLOW = 0.02, 2.0, 3, 1e-3
 _MATRICES = ("M", "C", "K", "G", "K_shaft", "K_axial")
 
 
 @on_one_thread
 def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.ndarray]:
-    """The dofs kept, shape (b,), and the basis T of all n dofs, shape (n, b + modes).
+    """Return the retained dofs, shape (b,), and the basis T of all n dofs, shape (n, b + modes).
 
-    modes: how many fixed-interface modes; all there are where there are fewer.
+    modes: number of fixed-interface modes, at most all.
     """
     n = len(structure.weight)
     on_shaft = structure.load_dof >= 0
@@ -48,20 +49,20 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     modes = min(modes, len(rest))
     if n > LONG and modes < len(rest) // 2:
         K, M = sparse(structure.K_shaft), sparse(structure.M)
-        static, shapes = held_modes(K, M, rest, retained, modes)
+        static, shapes = fixed_interface_modes(K, M, rest, retained, modes)
     else:
         M, K = to_dense(structure.M), to_dense(structure.K_shaft)
-        static, shapes = held_shapes(K, M, rest, retained, modes)
+        static, shapes = dense_fixed_interface_modes(K, M, rest, retained, modes)
     T = np.zeros((n, len(retained) + modes))
     T[retained, np.arange(len(retained))] = 1.0
     T[rest] = np.hstack([static, shapes])
     return retained, T
 
 
-def held_shapes(
+def dense_fixed_interface_modes(
     K: np.ndarray, M: np.ndarray, rest: np.ndarray, retained: np.ndarray, modes: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what `sparse_modes.held_modes` does, by dense matrices."""
+    """Return the same as `sparse_modes.fixed_interface_modes`, by dense matrices."""
     inner = np.ix_(rest, rest)
     inverse = np.linalg.inv(np.linalg.cholesky(M[inner]))
     _, vectors = np.linalg.eigh(inverse @ K[inner] @ inverse.T)
@@ -71,9 +72,10 @@ def held_shapes(
 
 @on_one_thread
 def reduced(structure: Structure, modes: int) -> Structure:
-    """The structure in its component modes: full matrices of b + modes dofs, the kept ones first.
+    """Return the structure in its component modes: full matrices of b + modes dofs, the retained
+    ones first.
 
-    Exact with all modes; with few, for motions slower than the first mode left out.
+    It is exact with all modes; with few, for motions slower than the first mode left out.
     """
     retained, T = component_modes(structure, modes)
     n, size = T.shape
@@ -88,7 +90,7 @@ def reduced(structure: Structure, modes: int) -> Structure:
         moved_to = [place[dof] if dof < n else dof + size - n for dof in dofs.tolist()]
         return np.array(moved_to, dtype=np.int64)
 
-    at = moved(structure, place_of)
+    at = with_renumbered_dofs(structure, place_of)
     at["interfaces"].end += size - n
     deflections = structure.deflections[np.isin(structure.deflections[:, 0], retained)].copy()
     deflections[:, 0] = place_of(deflections[:, 0])
@@ -117,16 +119,16 @@ def _weights(matrix: np.ndarray) -> np.recarray:
 
 
 def assembled(rotor: Rotor, modes: int) -> tuple[Structure, list[SpeedRange]]:
-    """The structure of a machine, reduced to so many component modes unless they are 0, and the
-    ranges of the speed beyond which something is to be said of it."""
+    """Return the structure of a machine, reduced to a number of component modes unless it is 0, and
+    the ranges of the speed beyond which a warning is given."""
     structure, ranges = assemble(rotor), tables_of(rotor)
     if modes == 0:
         return structure, ranges
-    return reduced(structure, modes), [*ranges, *too_coarse(rotor, structure, modes)]
+    return reduced(structure, modes), [*ranges, *reduction_warnings(rotor, structure, modes)]
 
 
 class _Spectrum:
-    """Frequencies of a shaft at standstill by how many component modes are kept, nested."""
+    """Frequencies of a shaft at standstill for any number of component modes."""
 
     def __init__(self, rotor: Rotor, structure: Structure) -> None:
         self._kept, T = component_modes(structure, len(structure.weight))
@@ -143,7 +145,8 @@ class _Spectrum:
         return len(self._walls) > 0
 
     def frequencies(self, modes: int, is_pinned: bool) -> np.ndarray:
-        """Of the elastic modes [rad/s], ascending; those as one body are exact in any case."""
+        """Return the frequencies of the elastic modes [rad/s], ascending; rigid-body modes are
+        exact in any case."""
         held = np.isin(self._kept, self._walls) if is_pinned else np.zeros(len(self._kept), bool)
         free = np.flatnonzero(~np.append(held, np.zeros(modes, bool)))
         among = np.ix_(free, free)
@@ -153,38 +156,39 @@ class _Spectrum:
 
 
 @on_one_thread
-def too_coarse(rotor: Rotor, structure: Structure, modes: int) -> list[SpeedRange]:
-    """Ranges of the speed beyond which the reduction to so many modes moves, or loses, what the
-    speed excites: the lowest modes at standstill, contacts open and pinned."""
+def reduction_warnings(rotor: Rotor, structure: Structure, modes: int) -> list[SpeedRange]:
+    """Return the ranges of the speed beyond which the reduction to so many modes shifts or loses
+    modes that the speed excites: the lowest modes at standstill, with contacts open and pinned."""
     spectrum = _Spectrum(rotor, structure)
     if modes >= spectrum.most:
         return []
     states = (False, True) if spectrum.has_walls else (False,)
-    return [result for is_pinned in states for result in _moved(spectrum, modes, is_pinned)]
+    return [result for is_pinned in states for result in _warnings_for(spectrum, modes, is_pinned)]
 
 
-def _moved(spectrum: _Spectrum, modes: int, is_pinned: bool) -> Iterator[SpeedRange]:
-    """Of one state of the contacts."""
+def _warnings_for(spectrum: _Spectrum, modes: int, is_pinned: bool) -> Iterator[SpeedRange]:
+    """Yield the warnings for contacts open, or pinned."""
     full = spectrum.frequencies(spectrum.most, is_pinned)
-    for place in _off(spectrum.frequencies(modes, is_pinned), full)[:_SAID]:
+    for place in _displaced_modes(spectrum.frequencies(modes, is_pinned), full)[:_SAID]:
         few, enough = modes, spectrum.most
         while enough - few > 1:
             middle = (few + enough) // 2
-            off = _off(spectrum.frequencies(middle, is_pinned), full[: place + 1])
+            off = _displaced_modes(spectrum.frequencies(middle, is_pinned), full[: place + 1])
             few, enough = (middle, enough) if len(off) else (few, middle)
-        yield _said(spectrum, modes, is_pinned, full[place], int(place), enough)
+        yield _warning_for_mode(spectrum, modes, is_pinned, full[place], int(place), enough)
 
 
-def _off(reduced: np.ndarray, full: np.ndarray) -> np.ndarray:
-    """Places of the modes that the reduction has moved, or does not have."""
+def _displaced_modes(reduced: np.ndarray, full: np.ndarray) -> np.ndarray:
+    """Return the indices of the modes that the reduction has shifted, or does not have."""
     there = np.full(len(full), math.inf)
     there[: len(reduced)] = reduced[: len(full)]
     return np.flatnonzero(there > (1.0 + _MOVED) * full)
 
 
-def _said(
+def _warning_for_mode(
     spectrum: _Spectrum, modes: int, is_pinned: bool, omega: float, place: int, enough: int
 ) -> SpeedRange:
+    """Return the warning for one mode; enough: number of component modes that would preserve it."""
     reduced = spectrum.frequencies(modes, is_pinned)
     how = f"is moved to {_hertz(reduced[place])}" if place < len(reduced) else "is lost"
     contacts = f" with contacts {'pinned' if is_pinned else 'open'}" if spectrum.has_walls else ""
@@ -193,8 +197,8 @@ def _said(
         -highest,
         highest,
         f"solver.reduction = {modes} is too coarse: mode {place + 1} of the shaft{contacts}, "
-        f"{_hertz(omega)}, {how}, and the speed, {{speed:.4g}} rad/s, is above half of it; take at "
-        f"least {enough}, or 0",
+        f"{_hertz(omega)}, {how}, and the speed, {{speed:.4g}} rad/s, is above half of it; use at "
+        f"least {enough}, or 0 (no reduction)",
         "reduction-too-coarse",
     )
 

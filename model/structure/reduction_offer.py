@@ -1,4 +1,5 @@
-"""Whether component modes would make a run cheaper, how many, and what they change."""
+"""Whether component modes would make a run cheaper, how many, and how much they change the
+frequencies."""
 
 from __future__ import annotations
 
@@ -17,14 +18,15 @@ from .structure import Structure
 # excites, those up to so many times it, move by no more than this share.
 _PAYS, _EXCITED, _MOVED = 0.3, 2.0, 1e-3
 _MODES = (4, 6, 8, 12, 16)
-_ROUNDING = 1e-9  # of a frequency: what a shift is not known better than
-_SLOW = 1e-3  # of the lowest elastic frequency: below it the shaft moves as one body
+_ROUNDING = 1e-9  # share of a frequency: the accuracy of a shift
+_SLOW = 1e-3  # share of the lowest elastic frequency below which the shaft moves as a rigid body
 _FIXED = 700.0  # work of a step that does not grow with the machine, as measured: 1 us of 2.5
 _LOWEST = 24  # frequencies of a long shaft that are looked at
 
 
 def work_share(structure: Structure, size: int) -> float:
-    """Return the work of a step with so many dofs, all coupled, of that with the whole shaft's."""
+    """Return the work of a step with a number of fully coupled dofs, relative to that with the
+    whole shaft."""
     n, width = structure.M.shape
     contacts = len(structure.interfaces)
 
@@ -38,10 +40,10 @@ def work_share(structure: Structure, size: int) -> float:
 @on_one_thread
 def reduction_offer(rotor: Rotor, structure: Structure, speed: float) -> Message | None:
     """Return the note that offers a reduction of a machine that turns with up to `speed` [rad/s],
-    None where none of up to `_MODES` is both cheap and close.
+    None if no number of modes is both cheap and accurate.
 
-    What it says of the error is the largest shift of a frequency that the speed excites, at
-    standstill, its contacts open and pinned.
+    The error in the note is the largest shift of a frequency that the speed excites, at standstill,
+    with contacts open and pinned.
     """
     if work_share(structure, _MODES[0] + 1 + len(structure.interfaces)) > _PAYS:
         return None

@@ -1,6 +1,6 @@
-"""Lowest modes of shafts of many elements, by sparse matrices: nothing here is of the order n^2.
+"""Lowest modes of shafts of many elements, by sparse matrices: no operation is of order n^2.
 
-SciPy's sparse solvers are imported when they are needed, which most machines do not.
+SciPy's sparse solvers are imported when needed; most machines do not need them.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ def sparse(band: np.ndarray) -> Any:
     return diags_array([*lower, *lower[1:]], offsets=offsets, shape=(n, n), format="csc")
 
 
-def lowest_square_held(solve: Any, M: Any) -> float:
-    """Return the lowest square of a frequency [rad2/s2] of a machine that is held.
+def lowest_square_supported(solve: Any, M: Any) -> float:
+    """Return the lowest squared natural frequency [rad2/s2] of a supported machine.
 
-    solve: applies the inverse of its stiffness; M: its mass matrix, sparse. By iteration with three
-    vectors at once and Rayleigh and Ritz' best of them, so that neighbours do not slow it down.
+    solve: applies the inverse of its stiffness; M: its mass matrix, sparse. By simultaneous
+    iteration with three vectors and Rayleigh-Ritz, so that close frequencies do not slow it down.
     """
     shapes = np.eye(M.shape[0], 3)
     shapes[:, 2] = 1.0
@@ -47,9 +47,9 @@ def lowest_square_held(solve: Any, M: Any) -> float:
 
 
 def lowest_square_free(K: Any, M: Any, shift: float) -> float:
-    """Return the lowest square of an elastic mode [rad2/s2] of a shaft that may move as one body.
+    """Return the lowest square of an elastic mode [rad2/s2] of a shaft with rigid-body motions.
 
-    K, M: sparse; shift: of the size of that square, by which the stiffness is made definite.
+    K, M: sparse; shift: an estimate of that square, by which the stiffness is made definite.
     """
     from scipy.sparse.linalg import eigsh
 
@@ -57,9 +57,11 @@ def lowest_square_free(K: Any, M: Any, shift: float) -> float:
     return float(squares[squares > _RIGID * shift][0])
 
 
-def held_modes(K: Any, M: Any, rest: np.ndarray, retained: np.ndarray, modes: int) -> Any:
-    """Return how the dofs `rest` follow those `retained` at rest, and their lowest modes with these
-    held, shapes (rest, retained) and (rest, modes); K, M: sparse, of all dofs."""
+def fixed_interface_modes(
+    K: Any, M: Any, rest: np.ndarray, retained: np.ndarray, modes: int
+) -> Any:
+    """Return the static response of the dofs `rest` to those `retained`, and their lowest modes
+    with these fixed, shapes (rest, retained) and (rest, modes); K, M: sparse, of all dofs."""
     from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
     rows = K[rest]

@@ -1,13 +1,13 @@
-"""Solving with the stiffness of a shaft that is never summed up: its elements' end forces s are
+"""Solution with the stiffness of a shaft that is never assembled: the elements' end forces s are
 unknowns too.
 
-An element is strained by what is left of its nodes' motion when it has moved as one body,
+The strain of an element is its nodes' motion less its rigid-body part,
 
     B q = (w_2 - w_1 - L psi_1, psi_2 - psi_1),   s = k B q,
 
-and pulls at them with B^T s. In A q + B^T s = f, B q - k^-1 s = 0 a stiff shaft is one whose k^-1
-is small, and as accurate as any other; in A + B^T k B the rounding of k hides bearings that are
-softer than it by many decades.
+and the element pulls at its nodes with B^T s. In A q + B^T s = f, B q - k^-1 s = 0 a stiff shaft
+has a small k^-1, and is solved as accurately as any other; in A + B^T k B the rounding of k hides
+bearings that are softer by many decades.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from scipy.sparse.linalg import splu
 from ..machine.rotor import Rotor
 from .beam import shaft_element
 
-# Of f, shape (N,) or (N, columns), the q and the s.
+# Returns q and s for a right-hand side f, shape (N,) or (N, columns).
 Solve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 _SCALINGS = 4
 
 
 def strains(rotor: Rotor) -> tuple[sp.csr_array, np.ndarray]:
-    """B of one plane, shape (2 elements, dofs), and each element's k, shape (elements, 2, 2) [N/m,
-    N, N.m]."""
+    """Return B of one plane, shape (2 elements, dofs), and each element's k, shape (elements, 2, 2)
+    [N/m, N, N.m]."""
     count = len(rotor.sections)
     lengths = np.array([section.length for section in rotor.sections])
     at, one = 2 * np.arange(count), np.ones(count)
@@ -40,15 +40,15 @@ def strains(rotor: Rotor) -> tuple[sp.csr_array, np.ndarray]:
 
 
 def diagonal(blocks: np.ndarray) -> sp.bsr_array:
-    """The matrix with these blocks, shape (count, size, size), along its diagonal."""
+    """Return the matrix with these blocks, shape (count, size, size), along its diagonal."""
     count, size, _ = blocks.shape
     places = np.arange(count), np.arange(count + 1)
     return sp.bsr_array((blocks, *places), shape=(count * size, count * size))
 
 
 def factorized(A: sp.sparray, B: sp.sparray, flexibility: np.ndarray) -> Solve:
-    """Solver of A q + B^T k B q = f; flexibility: the diagonal blocks of k^-1; real or complex.
-    Raises `RuntimeError` where that is singular."""
+    """Return the solver of A q + B^T k B q = f; flexibility: the diagonal blocks of k^-1; real or
+    complex. Raises `RuntimeError` if the matrix is singular."""
     # as `sp.block_array` does it, in a third of the time
     a, b, size = A.tocoo(), B.tocoo(), A.shape[0]
     own = size + np.arange(B.shape[0]).reshape(*flexibility.shape[:2], 1)
@@ -64,16 +64,16 @@ def factorized(A: sp.sparray, B: sp.sparray, flexibility: np.ndarray) -> Solve:
 
     def solve(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         by_row = scale.reshape(-1, *[1] * (f.ndim - 1))
-        given = np.zeros((len(scale), *f.shape[1:]), dtype=whole.dtype)
-        given[:size] = f
-        result = by_row * factors.solve(by_row * given)
+        right = np.zeros((len(scale), *f.shape[1:]), dtype=whole.dtype)
+        right[:size] = f
+        result = by_row * factors.solve(by_row * right)
         return result[:size], result[size:]
 
     return solve
 
 
 def _balance(sizes: np.ndarray, row: np.ndarray, column: np.ndarray, count: int) -> np.ndarray:
-    """Factors on rows and columns alike, powers of two, that bring the largest numbers of each to
+    """Return factors for rows and columns, powers of two, that scale the largest numbers of each to
     about 1 (Ruiz 2001); sizes: of the numbers at these rows and columns."""
     scale = np.ones(count)
     for _ in range(_SCALINGS):

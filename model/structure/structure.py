@@ -1,4 +1,4 @@
-"""A machine in arrays: what assembly makes of a rotor, and the kernels work on."""
+"""A machine in arrays: the result of assembly, on which the kernels work."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..parts import LAWS
-from ..parts.base import Release
+from ..parts.base import ReleaseElement
 from ..parts.housing import HousingQuantities
 from ..quantities import quantities
 
@@ -16,14 +16,14 @@ def _record(integers: str, numbers: str) -> np.dtype:
     return np.dtype([(n, "i8") for n in integers.split()] + [(n, "f8") for n in numbers.split()])
 
 
-# of the product of two dofs, both ways if they differ
+# the weight of the product of two dofs, counted twice if they differ
 WEIGHT = _record("i k", "weight")
 SPRING = _record("dof", "stiffness damping")
 # `slope`: of the node, where there is an offset, otherwise `dof` again
 UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
 PROBE = _record("dof slope out", "offset")
 LOAD = _record("slope out", "offset impedance")
-RELEASE = _record("", " ".join(Release._fields))
+RELEASE = _record("", " ".join(ReleaseElement._fields))
 # `state`: where the bow, in x and y of the rotor's frame, lies among the laws' states
 BOW = _record("state", "")
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
@@ -32,23 +32,23 @@ HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `internal_state`: where the states of the law begin; `slips`: whether it has a wall that does not
 # turn.
 INTERFACE = _record("law row dof end internal_state states out has_wall slips", "length")
-# What a machine has one of. Given: whether the internal damping turns; is_held: whether springs and
-# soft laws hold it, and not its clearances alone; base_load: place of the
-# base's acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and what share
-# of it acts along x and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see
-# `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, small: a length of the
-# machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia with the
-# eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega kappa_v +
-# sign(Omega) kappa_h; clearance: the smallest [m]; slowest: angular frequency of its slowest motion
-# [rad/s].
+# Numbers of a machine. From its parts: whether the internal damping rotates; is_supported: whether
+# springs and soft laws support it, and not its clearances alone; base_load: index of the base's
+# acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and its shares along x
+# and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see `_lowest_omega`
+# [rad/s]; bound: displacement that no machine reaches, small: a length of a machine without
+# clearance [m]. Filled in by `parameters.prepare`: inertia with the eccentric masses; kappa_v [s]
+# and kappa_h [1] of the rotating damping, kappa = Omega kappa_v + sign(Omega) kappa_h; clearance:
+# the smallest [m]; slowest: angular frequency of the slowest motion [rad/s].
 NUMBERS = _record(
-    "rotating_damping is_held base_load",
+    "rotating_damping is_supported base_load",
     "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound small inertia kappa_v "
     "kappa_h clearance slowest",
 )
 
 
-# Of a machine's `laws`: type and extents of each, the records of each law and last the tables.
+# Type and extents of each array of a machine's `laws`: the records of each law, and last the
+# tables.
 LAW_TABLES = [
     *((law.dtype, (f"rows_{law.name}",)) for law in LAWS),
     (np.dtype(float), ("tables",)),
@@ -59,22 +59,18 @@ class Structure(NamedTuple):
     """A rotor in matrices, all in SI units; n dofs, two a node (deflection, slope).
 
     M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); K_shaft: the shaft's elastic
-    part, K_axial: that of its axial forces; each in band storage, shape (n, width);
-    M_factors: M's, from `band.factorize`.
-    weights: of the norm by which motions and errors are measured, the mean square of the
-    deflections weighted with their lumped masses [1]; mass_sum: force of a unit acceleration [kg,
-    kg.m]; weight: gravity's force [N, N.m].
-    releases: what the machine starts with in the place of equilibrium, if at all; one_body: its
-    motions as one body, by a unit displacement and by a unit tilt about the centre of mass.
-    deflections: dof and node number, from 1, of every deflection.
-    load_dof: where external forces act, -1 of the base's acceleration, and load_arms: how far
-    beyond; probes, velocities: where displacements and where velocities are observed.
-    unbalances, and what they are: m e exp(i phase) [kg.m]. springs: to ground.
-    bows: of the shaft by heat; bow_forces: what the shaft pulls with towards a bow of 1 m
-    [N/m, N], bow_stiffness: between two of them [N/m]; see `bow`.
-    housings; interfaces: between nodes and housings; laws: the records of each law, and the tables.
-    stores, losses: which entries of the ledger the machine has, as places in it.
-    numbers: see `NUMBERS`.
+    part, K_axial: that of its axial forces; each in band storage, shape (n, width); M_factors:
+    those of M, from `band.factorize`. weights: of the norm of motions and errors, the mean square
+    of the deflections weighted with their lumped masses [1]; mass_sum: force of a unit acceleration
+    [kg, kg.m]; weight: gravity's force [N, N.m]. releases: initial motions in the place of the
+    equilibrium, if any; one_body: rigid-body motions, a unit displacement and a unit tilt about the
+    centre of mass. deflections: dof and node number, from 1, of every deflection. load_dof: where
+    external forces act, -1 for the base's acceleration, and load_arms: their offsets; probes,
+    velocities: where displacements and velocities are observed. unbalances, and their values m e
+    exp(i phase) [kg.m]. springs: to ground. bows: thermal bows of the shaft; bow_forces: restoring
+    force of the shaft for a bow of 1 m [N/m, N], bow_stiffness: between two of them [N/m]; see
+    `bow`. housings; interfaces: between nodes and housings; laws: the records of each law, and the
+    tables. stores, losses: indices of the machine's entries in the ledger. numbers: see `NUMBERS`.
     """
 
     M: Annotated[np.ndarray, float, "n", "width"]
@@ -121,7 +117,8 @@ def sizes_of_laws(laws: tuple) -> dict[str, int]:
 
 
 def sizes_of(structure: Structure) -> dict[str, int]:
-    """The numbers on which the extents of arrays depend; `size`: of a motion, ground included."""
+    """Return the sizes on which the extents of the arrays depend; `size`: of a motion, ground
+    included."""
     n, width = structure.M.shape
     housings, interfaces = len(structure.housings), len(structure.interfaces)
     return {
@@ -145,3 +142,8 @@ def sizes_of(structure: Structure) -> dict[str, int]:
         "losses": len(structure.losses),
         **sizes_of_laws(structure.laws),
     }
+
+
+def total_mass(structure: Structure) -> float:
+    """Return the mass of the shaft with its bodies [kg]."""
+    return float(structure.mass_sum[::2].sum())

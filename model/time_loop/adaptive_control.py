@@ -45,11 +45,11 @@ def error_indicator(control, h, is_first, old, new):
 
 @jit
 def shorter_step(control, h, error):
-    """Return the length to repeat a rejected step with [s] (eq. 15, the cube root over the whole
-    ratio).
+    """Return the length with which a rejected step is repeated [s] (eq. 15, the cube root over the
+    whole ratio).
 
-    Times 0.9: with the error taken relative to the increment, itself O(h), a rejected step would
-    otherwise creep towards eps_max and never pass.
+    The factor 0.9 is needed because the error is relative to the increment, which is O(h) itself: a
+    rejected step would otherwise creep towards eps_max and never be accepted.
     """
     return max(control.h_min, SAFETY * h * cube_root(control.eps_max / error))
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..kernels.block import Group, Layout
 from ..parts import LAWS
 from ..schemes.family import Scheme
-from ..stability.survey_block import Survey, coarse_shaft
+from ..stability.survey_block import WhirlSurvey, coarse_shaft
 from ..step.interface_problem import InterfaceProblem
 from ..step.laws import MOST_LOSSES
 from ..step.stages import Stages
@@ -24,9 +24,9 @@ from .recorder import Recorder
 
 _INTEGERS = ("mode", "indicator", "norm", "is_fitted", "stages", "newton_limit")
 # What is found out during a run stands in its memory instead.
-_CHOSEN = tuple(n for n in Control._fields if n not in Control._field_defaults)
+_SETTINGS = tuple(n for n in Control._fields if n not in Control._field_defaults)
 METHOD = np.dtype(
-    [(n, "f8") for n in Scheme._fields] + [(n, "i8" if n in _INTEGERS else "f8") for n in _CHOSEN]
+    [(n, "f8") for n in Scheme._fields] + [(n, "i8" if n in _INTEGERS else "f8") for n in _SETTINGS]
 )
 
 
@@ -36,7 +36,7 @@ class Integrator(NamedTuple):
     numbers: Annotated[np.recarray, METHOD, "1"]
 
 
-class Reading(NamedTuple):
+class OutputArrays(NamedTuple):
     """The observed quantities, in the order of `observe.observed`; scratch and result of
     `derivatives`."""
 
@@ -46,8 +46,8 @@ class Reading(NamedTuple):
 
 
 class RunData(NamedTuple):
-    """All arrays of a run. `motion` and `memory` are its state, and `tangent` where sensitivities
-    are asked for; the arrays before them belong to the machine, those behind are scratch that every
+    """All arrays of a run. `motion` and `memory` are its state, and `tangent` if sensitivities are
+    computed; the arrays before them belong to the machine, those behind are work arrays that every
     call fills anew."""
 
     structure: Structure
@@ -59,9 +59,9 @@ class RunData(NamedTuple):
     work: Workspace
     problem: InterfaceProblem
     stages: Stages
-    reading: Reading
+    outputs: OutputArrays
     recorder: Recorder
-    survey: Survey
+    survey: WhirlSurvey
     tangent_after: Tangent
     tangent_work: TangentWork
     moved: Motion
@@ -94,7 +94,8 @@ _SIZES = (
         "most_losses",
         "outputs",
     ),
-    *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width", "alone", "few"),
+    *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width"),
+    *("single_contacts", "single_contact_dofs"),
     *(f"rows_{law.name}" for law in LAWS),
 )
 LAYOUT = Layout(
@@ -109,9 +110,9 @@ LAYOUT = Layout(
         Group("work", Workspace, {}),
         Group("problem", InterfaceProblem, {}),
         Group("stages", Stages, {}),
-        Group("reading", Reading, {}),
+        Group("outputs", OutputArrays, {}),
         Group("recorder", Recorder, {}),
-        Group("survey", Survey, {}),
+        Group("survey", WhirlSurvey, {}),
         Group("tangent_after", Tangent, {}),
         Group("tangent_work", TangentWork, {}),
         Group("moved", Motion, {}),
@@ -123,8 +124,8 @@ LAYOUT = Layout(
 def new_block(
     structure: Structure, outputs: int, channels: int = 0, recorder_rows: int = 0
 ) -> np.ndarray:
-    """Return a block for runs of a machine, its structure copied in; outputs: how many can be read;
-    channels and an even number of rows: of the recorder."""
+    """Return a block for runs of a machine, its structure copied in; outputs: number of observed
+    quantities; channels, recorder_rows (even): of the recorder."""
     shaft = coarse_shaft(structure)
     sizes = sizes_of(structure) | {
         "all_stores": len(STORES),
@@ -136,13 +137,13 @@ def new_block(
         "basis": shaft.basis.shape[1],
         "coarse": len(shaft.mass),
         "coarse_width": shaft.mass.shape[1],
-        "alone": len(shaft.alone),
-        "few": shaft.alone.shape[2],
+        "single_contacts": len(shaft.single_contact_basis),
+        "single_contact_dofs": shaft.single_contact_basis.shape[2],
     }
     block = LAYOUT.new(sizes)
     run = LAYOUT.view_in_python(block)
-    for mine, given in zip(run.structure, structure, strict=True):
-        pairs = zip(mine, given, strict=True) if isinstance(given, tuple) else [(mine, given)]
+    for field, value in zip(run.structure, structure, strict=True):
+        pairs = zip(field, value, strict=True) if isinstance(value, tuple) else [(field, value)]
         for target, source in pairs:
             target[...] = source
     run.motion.internal_state[...] = starts_of(run.structure.interfaces)

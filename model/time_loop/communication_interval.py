@@ -1,4 +1,4 @@
-"""How a communication interval begins: what drives the rotor, and its loads, until its end."""
+"""The beginning of a communication interval: the drive and the loads until its end."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from .memory import spin_now, take_loads
 from .monitors import open_window
 from .step_with_rotation import SPIN_ITERATIONS, imbalance
 
-# Of a free rotor's rate where an interval begins: no noise of a step's contacts is in it.
+# Relative accuracy of a free rotor's rate at the start of an interval, which no contact disturbs.
 _BALANCED = 1e-14
 
 
 @jit
 def begin_interval(structure, drive, rate, is_start, motion, memory, work):
-    """Take up what drives the rotor and the loads [N] of a new interval: the speed [rad/s] and its
-    rate [rad/s2], or the torque on a free rotor [N.m] and its rate [N.m/s]; those of the loads are
+    """Take up drive and loads [N] of a new interval: the speed [rad/s] and its rate [rad/s2], or
+    the torque on a free rotor [N.m] and its rate [N.m/s]; the rates of the loads are
     memory.load_rates.
 
-    Carries accelerations and powers over the jump; at the start the accelerations are
-    those of the equation of motion. A jump of the speed is work that the drive does in no time.
+    Carry accelerations and powers over the jump; at the start the accelerations are those of the
+    equation of motion. A jump of the speed is instantaneous work of the drive.
     """
     r = memory.record[0]
     loads = memory.loads

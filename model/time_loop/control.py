@@ -13,18 +13,18 @@ FIXED, ADAPTIVE, CONTROLLED, REALTIME = 1, 2, 3, 4
 
 
 class Control(NamedTuple):
-    """How the step length is chosen.
+    """Settings of the step-length control.
 
-    mode: FIXED, ADAPTIVE (`paper_control`), CONTROLLED (`error_control`) or REALTIME, as FIXED but
-    of at most newton_limit iterations a step, 0 for no limit; h_min, h_max [s];
-    eps_min, eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or
-    LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
-    MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of h^2
-    (a1 - a0), or of h^2 times what the stages' accelerations differ by from expectation, in the
-    local error of the scheme [1]; is_fitted: whether the scheme is fitted to the motion
-    (`fitting`); stages: of Radau IIA, 0 of generalized-alpha; h_in_contact, h_in_the_open: longest
-    of CONTROLLED while a journal touches, and while none does [s]; overdamping: limit of the energy
-    that the integrator may dissipate in a rub, relative to that of the dampers [1].
+    mode: FIXED, ADAPTIVE (`adaptive_control`), CONTROLLED (`error_control`) or REALTIME, as FIXED
+    but with at most newton_limit iterations a step, 0 for no limit; h_min, h_max [s]; eps_min,
+    eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or LI_ZENG_WIBERG, with
+    beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or MIXED_NORM, atol + rtol
+    |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of the scheme's local error,
+    relative to h^2 (a1 - a0), in stages relative to h^2 times the deviation of the last stage's
+    acceleration from its extrapolation [1]; is_fitted: whether the scheme is fitted to the motion
+    (`fitting`); stages: of Radau IIA, 0 for generalized-alpha; h_in_contact, h_in_the_open: longest
+    step of CONTROLLED while a journal touches, and while none does [s]; overdamping: limit of the
+    energy that the integrator may dissipate in a rub, relative to that of the dampers [1].
     """
 
     mode: int
@@ -55,8 +55,8 @@ def varies(mode):
 
 @jit
 def step_error(structure, control, local, h, is_first, old, new):
-    """Return the error of a step in the terms of the mode [1]; above control.eps_max it is
-    repeated. local: its `local_error` [1]."""
+    """Return the error of a step in the measure of the mode [1]; the step is repeated if it exceeds
+    control.eps_max. local: its `local_error` [1]."""
     if control.mode == ADAPTIVE:
         return error_indicator(control, h, is_first, old, new)
     if control.mode == CONTROLLED:
@@ -66,8 +66,8 @@ def step_error(structure, control, local, h, is_first, old, new):
 
 @jit
 def retry_step(structure, control, h, error, is_solved, old, new):
-    """Return the length to repeat a step with [s]; is_solved: whether it is its error that was too
-    large."""
+    """Return the length with which a step is repeated [s]; is_solved: the step was solved, but its
+    error was too large."""
     if not is_solved:
         shorter = 0.5 * h
     elif control.mode == CONTROLLED:
@@ -80,7 +80,7 @@ def retry_step(structure, control, h, error, is_solved, old, new):
 @jit
 def propose_step(control, desired, h, error, error_before, was_rejected):
     """Return the proposed length of the next step [s], after one of length h that a communication
-    point may have cut shorter than was proposed."""
+    point may have cut shorter than desired."""
     if control.mode == ADAPTIVE:
         return next_step(control, desired, h, error)
     if control.mode == CONTROLLED:

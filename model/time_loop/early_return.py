@@ -1,4 +1,4 @@
-"""What may end an advance early: a limit that is passed, a contact that closes or opens."""
+"""Causes that end an advance early: a limit is passed, or a contact closes or opens."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..step.excitation import at_place
 from .equilibrium import MOVED
 
-# Of a start: the rest lies past a limit; the method of stages has no tangents and no line.
+# Status of a start: the equilibrium lies beyond a limit; the method with stages has neither
+# tangents nor the impedance of a line.
 LIMITED, IN_STAGES = 1 + MOVED, 2 + MOVED
-# Of a step: goes on; past the displacement, past the force; a contact closed, opened.
+# Outcome of a step: it goes on; beyond the limit of displacement or force; a contact closed or
+# opened.
 GOES_ON, PAST_DISPLACEMENT, PAST_FORCE, CLOSED, OPENED = 0, 1, 2, 3, 4
 
 
@@ -39,7 +41,7 @@ def largest_force(motion):
 
 @jit_not_inlined
 def rests_past_limit(structure, motion, r):
-    """Return whether the rest lies past a limit; `failed_value` is then its size."""
+    """Return whether the equilibrium lies past a limit; `failed_value` is then the value."""
     if r.limit_displacement > 0.0:
         r.failed_value = largest_displacement(structure, motion)
         if r.failed_value >= r.limit_displacement:
@@ -54,9 +56,9 @@ def rests_past_limit(structure, motion, r):
 
 
 @jit_not_inlined
-def what_ends(structure, motion, trial, r):
-    """Return what a step to `trial` ends the advance for. A limit that is passed does so once,
-    until the motion has been within all limits again."""
+def early_return_cause(structure, motion, trial, r):
+    """Return the cause for which the step to `trial` ends the advance early, or GOES_ON. A limit
+    that is passed does so once, until the motion has been within all limits again."""
     displacement = r.limit_displacement > 0.0
     if displacement:
         r.failed_value = largest_displacement(structure, trial)

@@ -1,8 +1,8 @@
 """The energy ledger: energy stored in the machine, inflow and dissipation [J, W].
 
 Energy of the machine + dissipation = work of the drive and of external loads + residual; the
-residual is due to the integrator. Exact power balance of the equations in `assembly`, so the
-residual falls with the step length.
+residual is the error of the integrator. The powers are those of the equations in `assembly`
+exactly, so the residual falls with the step length.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ _BOW = FLOWS.index(BOW.name)
 
 @jit
 def powers(structure, spin, loads, motion, scratch, out):
-    """Fill out, shape (flows,) [W], in the order of `ledger.FLOWS`; returns the drive torque [N.m].
+    """Fill out, shape (flows,) [W], in the order of `ledger.FLOWS`; return the drive torque [N.m].
 
-    Inflows: drive, external loads. Dissipations: shaft and supports, housing dampers, what the laws
-    of the interfaces dissipate. The torque takes the accelerations of the equation of motion: those
-    that generalized-alpha carries along belong to another instant, (alpha_m - alpha_f) h away.
+    Inflows: drive, external loads. Dissipations: shaft and supports, housing dampers, the laws of
+    the interfaces. The torque uses the accelerations of the equation of motion: those carried by
+    generalized-alpha belong to another instant, (alpha_m - alpha_f) h away.
     """
     n = structure.M.shape[0]
     q, v = motion.q, motion.v
@@ -41,9 +41,9 @@ def powers(structure, spin, loads, motion, scratch, out):
         kappa = circulation(structure, spin.omega)
         structural += internal * spin.omega + kappa * form(structure.K_shaft, v[:n], q[:n]).imag
     housing = 0.0
-    for h in range(len(structure.housings)):
-        rate = v[n + h]
-        damper = structure.housings[h]
+    for k in range(len(structure.housings)):
+        rate = v[n + k]
+        damper = structure.housings[k]
         housing += damper.cx * rate.real**2 + damper.cy * rate.imag**2
     for i in range(_MACHINE_FLOWS, len(out)):
         out[i] = 0.0
@@ -80,7 +80,8 @@ def has_power(structure, i, load):
 
 @jit
 def port_power(structure, spin, i, load, v):
-    """Return the power that enters with one of the loads [W]: of a line without what goes back."""
+    """Return the power that enters with one of the loads [W], for a transmission line less the
+    reflected power."""
     power = load_power(structure, spin, i, load, v)
     impedance = structure.load_arms[i].impedance
     if impedance > 0.0:
@@ -91,24 +92,24 @@ def port_power(structure, spin, i, load, v):
 
 @jit
 def _momentum(structure, spin, v):
-    """Return the momentum of everything that the base carries [N.s]."""
+    """Return the momentum of all masses on the base [N.s]."""
     n = structure.M.shape[0]
     total = 0.0j
     for i in range(n):
         total += structure.mass_sum[i] * v[i]
     for i in range(len(structure.unbalance)):
         total += 1j * spin.omega * structure.unbalance[i] * spin.direction
-    for h in range(len(structure.housings)):
-        m_x, m_y = masses(structure.housings[h])
-        total += complex(m_x * v[n + h].real, m_y * v[n + h].imag)
+    for k in range(len(structure.housings)):
+        m_x, m_y = masses(structure.housings[k])
+        total += complex(m_x * v[n + k].real, m_y * v[n + k].imag)
     return total
 
 
 @jit
 def total_energy(structure, spin, motion, out):
-    """Return the energy of the machine [J]. Fills out, shape (stores,) [J], in the order of
-    `ledger.STORES`: kinetic (lateral, spin and what couples them), elastic (shaft, supports,
-    housing springs), gravity, and what the laws of the interfaces store."""
+    """Return the energy of the machine [J]. Fill out, shape (stores,) [J], in the order of
+    `ledger.STORES`: kinetic (lateral, spin and their coupling), elastic (shaft, supports, housing
+    springs), gravity, and the stores of the interface laws."""
     n = structure.M.shape[0]
     numbers = structure.numbers[0]
     rotor_q, rotor_v = motion.q[:n], motion.v[:n]
@@ -127,9 +128,9 @@ def total_energy(structure, spin, motion, out):
         v = at_place(structure.unbalances[i], motion.v)
         kinetic += spin.omega * (arm.conjugate() * v).imag
         gravity -= (g.conjugate() * arm).real
-    for h in range(len(structure.housings)):
-        housing = structure.housings[h]
-        q, v = motion.q[n + h], motion.v[n + h]
+    for k in range(len(structure.housings)):
+        housing = structure.housings[k]
+        q, v = motion.q[n + k], motion.v[n + k]
         m_x, m_y = masses(housing)
         kinetic += 0.5 * (m_x * v.real * v.real + m_y * v.imag * v.imag)
         elastic += 0.5 * (housing.kx * q.real * q.real + housing.ky * q.imag * q.imag)

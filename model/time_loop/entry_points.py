@@ -1,5 +1,5 @@
-"""The compiled functions that are called from outside, each of a run's block alone; they return a
-status, DONE where nothing can fail."""
+"""The compiled entry points, each a function of a run's block alone; they return a status, DONE if
+they cannot fail."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ..kernels.jit import jit, jit_inlined
 from ..schemes.family import Scheme
 from ..stability.whirls import find_growing_whirls
 from ..step.excitation import at_place
-from ..step.laws import first_broken
+from ..step.laws import first_invalid_law
 from ..step.step_status import DONE
-from ..step.tangent import Tangents
+from ..step.tangent import RunTangents
 from ..structure.parameters import prepare
 from . import derivatives, recorder, time_loop
 from .block import LAYOUT
@@ -19,7 +19,7 @@ from .communication_interval import begin_interval, continued_rate
 from .control import REALTIME, Control
 from .early_return import IN_STAGES, LIMITED, rests_past_limit
 from .energy import FLOW, total_energy
-from .equilibrium import BEYOND, HELD, find_equilibrium, is_beyond, release
+from .equilibrium import AT_EQUILIBRIUM, OUT_OF_BOUNDS, find_equilibrium, is_out_of_bounds, release
 from .error_control import first_size
 from .memory import spin_now
 from .observe import observe
@@ -59,10 +59,10 @@ def _control(numbers, r):
 
 @jit
 def start(block, speed, drive, rate):
-    """Take up the parameters, find the rest under the loads that are set, and begin a run there.
+    """Take up the parameters, find the equilibrium under the present loads, and begin a run there.
 
-    speed [rad/s]; drive: the speed, or a free rotor's torque [N.m]; rate [rad/s2]. Returns HELD or
-    why there is no equilibrium.
+    speed [rad/s]; drive: the speed, or a free rotor's torque [N.m]; rate [rad/s2]. Return
+    AT_EQUILIBRIUM or why there is none.
     """
     run = _view(block)
     prepare(run.structure)
@@ -73,15 +73,15 @@ def start(block, speed, drive, rate):
     run.stages.key[0] = -1.0
     if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)
-        if is_beyond(run.structure, run.motion):
-            return BEYOND
-        if first_broken(run.structure, run.motion.q, run.motion.internal_state) >= 0:
-            return BEYOND
+        if is_out_of_bounds(run.structure, run.motion):
+            return OUT_OF_BOUNDS
+        if first_invalid_law(run.structure, run.motion.q, run.motion.internal_state) >= 0:
+            return OUT_OF_BOUNDS
     else:
         status = find_equilibrium(
             run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem
         )
-        if status != HELD:
+        if status != AT_EQUILIBRIUM:
             return status
     if rests_past_limit(run.structure, run.motion, r):
         return LIMITED
@@ -89,17 +89,18 @@ def start(block, speed, drive, rate):
         run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
     begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     first_size(run.structure, speed, run.motion, run.memory)
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
+    observe(run.structure, run.motion, run.memory, run.work, run.outputs.observed, True)
     recorder.start(
-        run.structure, run.motion, run.memory, run.work, run.recorder, run.reading.observed
+        run.structure, run.motion, run.memory, run.work, run.recorder, run.outputs.observed
     )
-    return HELD
+    return AT_EQUILIBRIUM
 
 
 @jit
 def advance(block, t_end, drive, rate):
-    """Call `time_loop.advance` under the loads that are set, with their rates; returns its status.
-    rate: of `drive`, or NaN where a speed goes on as the last two say and a torque stays."""
+    """Call `time_loop.advance` under the present loads and their rates; return its status. rate: of
+    `drive`, or NaN: a speed continues linearly as between the last two values, and a torque is
+    constant."""
     run = _view(block)
     numbers = run.method.numbers[0]
     r, tangents = run.memory.record[0], _tangents(run)
@@ -114,13 +115,13 @@ def advance(block, t_end, drive, rate):
 
 @jit_inlined
 def _tangents(run):
-    return Tangents(run.tangent, run.tangent_after, run.tangent_work, run.moved)
+    return RunTangents(run.tangent, run.tangent_after, run.tangent_work, run.moved)
 
 
 @jit_inlined
 def _observe(run, tangents):
-    """Fill in all that can be read."""
-    out = run.reading.observed
+    """Fill in all outputs."""
+    out = run.outputs.observed
     observe(run.structure, run.motion, run.memory, run.work, out, True)
     if run.memory.record[0].has_sensitivities == 1:
         observe_sensitivities(run.structure, run.motion, run.memory, run.work, tangents, out)
@@ -128,8 +129,8 @@ def _observe(run, tangents):
 
 @jit
 def survey(block, speed, is_start):
-    """Look for the whirls that grow up to a speed of rotation [rad/s] and, at the start, for what
-    grows at rest; see `stability.whirls`. In real time there is no time for it but at the start."""
+    """Search for whirls that grow up to a speed of rotation [rad/s] and, at the start, for growth
+    at rest; see `stability.whirls`. In real time this is done at the start only."""
     run = _view(block)
     in_real_time = run.method.numbers[0].mode == REALTIME
     if is_start != 0 or not in_real_time:
@@ -142,7 +143,8 @@ def survey(block, speed, is_start):
 
 @jit
 def refresh_outputs(block):
-    """`observe` alone; what depends on the state but is not in it is made anew."""
+    """Fill in the outputs from the present state; the factorized matrices, which are not part of
+    it, become invalid."""
     run = _view(block)
     run.work.key[0] = -1.0
     run.stages.key[0] = -1.0
@@ -152,8 +154,8 @@ def refresh_outputs(block):
 
 @jit
 def retune(block, is_changed):
-    """Take up parameters that change during a run: called before they change, and after. What this
-    does to the machine's energy counts as work of external loads."""
+    """Take up parameters that change during a run: called before and after they change. The change
+    of the machine's energy counts as work of external loads."""
     run = _view(block)
     r = run.memory.record[0]
     if is_changed != 0:
@@ -169,7 +171,7 @@ def retune(block, is_changed):
 
 @jit
 def differentiate(block, row):
-    """Fill reading.derivatives with those by time, of first and second order, or, row >= 0, with
+    """Fill outputs.derivatives with the first and second time derivatives, or, if row >= 0, with
     the sensitivities to the input of a row of the tangents."""
     run = _view(block)
     if row < 0:

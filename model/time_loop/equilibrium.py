@@ -1,10 +1,10 @@
-"""Static equilibrium under gravity and loads: how a run starts.
+"""Static equilibrium under gravity and loads, in which a run starts.
 
-The same implicit step finds it, with a scheme that forgets velocities: with beta = 1 and no other
+It is found by the same implicit step with a scheme without velocities: with beta = 1 and no other
 parameter a step of length tau solves (M / tau^2 + K) (q1 - q0) = f - K q0 + B F(q1), a step of
-pseudo-transient continuation (Kelley and Keyes 1998). Its mass holds what is not yet held, a
-journal in the air of its clearance, and is gone where the motion ends. Surfaces do not slide
-meanwhile, so that there is no friction.
+pseudo-transient continuation (Kelley and Keyes 1998). The mass term restrains what is not yet
+supported, a journal that does not touch its wall, and vanishes where the motion ends. Surfaces do
+not slide meanwhile, so that there is no friction.
 """
 
 from __future__ import annotations
@@ -22,35 +22,44 @@ from ..step.laws import at_rest, law_tangent_called, relative
 from ..step.step import try_step
 from ..step.step_status import DONE, NOT_FINITE
 
-HELD, NOT_HELD, NOT_CONVERGED_AT_REST, UNSTABLE, BEYOND, MOVED = 0, 1, 2, 3, 4, 5
+AT_EQUILIBRIUM, NOT_SUPPORTED, NOT_CONVERGED_AT_REST, UNSTABLE, OUT_OF_BOUNDS, MOVED = (
+    0,
+    1,
+    2,
+    3,
+    4,
+    5,
+)
 _ITERATIONS = 200
-_FIRST = 10.0  # radians of the lowest mode that a step takes
+_FIRST = 10.0  # first pseudo-time step, in radians of the lowest mode
 _GROWTH, _LONGEST = 3.0, 1e6
-_FAST = 0.1  # of one change to the next: what is slower takes longer steps
-_SMALL = 1e-16  # a change that is rounding, of the largest displacement
-_FALLS = 12  # steps that fail
-# A change that no longer shrinks and is below this is rounding too; in long steps that of a shaft
-# that is stiff by many decades, which the last steps leave behind.
+_FAST = 0.1  # ratio of two changes above which the steps become longer
+_SMALL = 1e-16  # share of the largest displacement below which a change is rounding
+_FAILURES = 12  # failed steps at most
+# A change that no longer shrinks is rounding as well if it is below the first share; in steps
+# longer than the third the second applies, for a very stiff shaft, whose rounding the last steps
+# remove.
 _STEADY, _STIFF, _LONG = 1e-9, 1e-6, 200.0
-_FALL = 8.0 * 2.0**-53  # of the free fall through a step: rounding
-_MIDDLE = 1e-12  # of the smallest clearance: a rest so close to the middle is rounding, of preloads
-# Of the stiffest element's force, against that of the softest mode; what rounding may take from a
-# rest before it is none.
+_FALL = 8.0 * 2.0**-53  # rounding, as a share of the free fall through a step
+_MIDDLE = 1e-12  # share of the smallest clearance: closer to the middle it is rounding
+# Rounding of the stiffest element's force, compared with the force of the softest mode; the largest
+# relative error of an equilibrium by rounding.
 _EPSILON, _WORST = 2.0**-53, 1e-4
-# A step's rounding is that of a fall through its length: the last ones are short.
+# The rounding of a step is proportional to the free fall in it: the last steps are short.
 _POLISH, _POLISHES = 1.0, 24
-# Off a hump: how often; the push, of a clearance, and the share of it that tilts; the first step,
-# in radians, how much longer the next one is, how many there are; what is back, of the push, and
-# what has arrived, of the largest force.
-_HUMPS, _PUSH, _TILTED, _DOWNHILL, _LONGER, _STEPS = 5, 1e-3, 0.3, 0.3, 1.2, 5000
+# Departure from an unstable equilibrium: how often; the push, as a share of a clearance, and the
+# share of it that tilts; the first step [rad], the growth of the steps and their number; the share
+# of the push below which the machine has come back, and that of the largest force below which it
+# has arrived.
+_DEPARTURES, _PUSH, _TILTED, _DOWNHILL, _LONGER, _STEPS = 5, 1e-3, 0.3, 0.3, 1.2, 5000
 _BACK, _ARRIVED = 0.1, 1e-3
-_ROUND = 1e-9  # of a wall's stiffness: below it is rounding
+_ROUND = 1e-9  # share of a wall's stiffness below which a stiffness is rounding
 
 
 @jit
 def release(structure, motion, loads):
-    """Fill motion.q and motion.v with what the machine is released with, its housings at rest on
-    their springs."""
+    """Fill motion.q and motion.v with the initial motion of the machine's release, its housings in
+    equilibrium on their springs."""
     n = structure.M.shape[0]
     r = structure.releases[0]
     for i in range(n):
@@ -58,14 +67,14 @@ def release(structure, motion, loads):
         motion.q[i] = along * complex(r.x, r.y) + tilt * complex(r.tilt_x, r.tilt_y)
         motion.v[i] = along * complex(r.vx, r.vy) + tilt * complex(r.rate_x, r.rate_y)
     g = free_fall_acceleration(structure, loads)
-    for h in range(len(structure.housings)):
-        housing = structure.housings[h]
+    for k in range(len(structure.housings)):
+        housing = structure.housings[k]
         m_x, m_y = masses(housing)
-        motion.q[n + h] = complex(m_x * g.real / housing.kx, m_y * g.imag / housing.ky)
+        motion.q[n + k] = complex(m_x * g.real / housing.kx, m_y * g.imag / housing.ky)
 
 
 @jit
-def _take(motion, trial):
+def _copy_state(motion, trial):
     for i in range(len(motion.q)):
         motion.q[i] = trial.q[i]
     for j in range(len(motion.force)):
@@ -85,8 +94,8 @@ def _step(structure, spin, tau, loads, motion, trial, work, problem):
 
 
 @jit
-def is_beyond(structure, motion):
-    """Return whether a deflection is larger than any machine's."""
+def is_out_of_bounds(structure, motion):
+    """Return whether a deflection is larger than that of any machine."""
     bound = structure.numbers[0].bound
     for i in range(len(structure.deflections)):
         if modulus(motion.q[structure.deflections[i, 0]]) > bound:
@@ -95,11 +104,11 @@ def is_beyond(structure, motion):
 
 
 @jit_not_inlined
-def _hump(structure, omega, motion, problem):
-    """Return the largest rate at which a journal that touches its wall would be driven away along
-    it [1/s], and the direction, to the right if possible [1]; 0 if there is none: only the wear of
-    a bore does that."""
-    steepest, where = 0.0, 0.0j
+def _steepest_instability(structure, omega, motion, problem):
+    """Return how strongly a journal in contact is driven away along its wall, for the worst one,
+    and the direction, to the right if possible [1]; 0 if none is: only the wear of a bore causes
+    that."""
+    steepest, escape = 0.0, 0.0j
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         if interface.has_wall == 0 or motion.force[j] == 0.0:
@@ -125,20 +134,23 @@ def _hump(structure, omega, motion, problem):
         if driven > steepest * steepest * lightest:
             steepest = math.sqrt(driven / lightest)
             along = direction(0.5 * angle(q))
-            steepest, where = driven, along if along.real >= 0.0 else -along
-    return steepest, where
+            steepest, escape = driven, along if along.real >= 0.0 else -along
+    return steepest, escape
 
 
 @jit_inlined
-def _leave(structure, motion, trial, memory, work, problem, spin, steepest, where):
-    """Push a machine off the hump that it lies on and let it go downhill; returns HELD if it comes
-    back, to where it lay, UNSTABLE if it gets nowhere, and MOVED if it lies beside the hump.
+def _move_off_unstable_equilibrium(
+    structure, motion, trial, memory, work, problem, spin, steepest, escape
+):
+    """Perturb an unstable equilibrium and follow pseudo-time steps until a stable one is reached;
+    return AT_EQUILIBRIUM if the machine comes back to where it was, UNSTABLE if it does not arrive,
+    and MOVED if it reaches another equilibrium.
 
-    In steps so short that inertia outweighs the hump, implicit steps without velocity never gain
-    potential energy, and go on as they began; a longer one that turns back is made anew.
+    In steps so short that inertia outweighs the instability, implicit steps without velocity never
+    gain potential energy, and keep their direction; a longer one that turns back is repeated.
     """
     deflections = structure.deflections
-    start, step = motion.v_dot, motion.jerk  # nobody's until the run begins
+    start, step = motion.v_dot, motion.jerk  # unused until the run begins
     widest = 0.0
     for i in range(len(deflections)):
         widest = max(widest, abs(structure.one_body[1, deflections[i, 0]]))
@@ -147,34 +159,34 @@ def _leave(structure, motion, trial, memory, work, problem, spin, steepest, wher
     push = _PUSH * structure.numbers[0].clearance
     for i in range(len(structure.weight)):
         shape = structure.one_body[0, i] + _TILTED / widest * structure.one_body[1, i]
-        motion.q[i] += push * shape * where
+        motion.q[i] += push * shape * escape
     shortest = _DOWNHILL / steepest
     tau = shortest
     status = UNSTABLE
     fastest = 0.0
     for _ in range(_STEPS):
-        done, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
-        if done == NOT_FINITE:
+        step_status, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        if step_status == NOT_FINITE:
             break
-        change = away = onward = 0.0
+        change = distance = progress = 0.0
         for i in range(len(deflections)):
             dof = deflections[i, 0]
             moved = trial.q[dof] - motion.q[dof]
             change = max(change, modulus(moved))
-            away = max(away, modulus(trial.q[dof] - start[dof]))
-            onward += (step[dof].conjugate() * moved).real
-        if tau > shortest and (done != DONE or onward < 0.0):
+            distance = max(distance, modulus(trial.q[dof] - start[dof]))
+            progress += (step[dof].conjugate() * moved).real
+        if tau > shortest and (step_status != DONE or progress < 0.0):
             tau = max(shortest, 0.25 * tau)
             continue
         for i in range(len(motion.q)):
             step[i] = trial.q[i] - motion.q[i]
-        _take(motion, trial)
-        if away < _BACK * push:
-            status = HELD
+        _copy_state(motion, trial)
+        if distance < _BACK * push:
+            status = AT_EQUILIBRIUM
             break
         acceleration = change / (tau * tau)
         fastest = max(fastest, acceleration)
-        if away > 10.0 * push and acceleration < _ARRIVED * fastest:
+        if distance > 10.0 * push and acceleration < _ARRIVED * fastest:
             status = MOVED
             break
         tau *= _LONGER
@@ -188,20 +200,22 @@ def _leave(structure, motion, trial, memory, work, problem, spin, steepest, wher
 
 @jit_inlined
 def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
-    """Fill motion.q with the displacements at rest at the speed omega [rad/s] under memory.loads,
-    starting from those that are there; returns HELD or why not. Of a bore worn so that the rest
-    below the load is a hump, that beside it is taken."""
+    """Fill motion.q with the static displacements at the speed omega [rad/s] under memory.loads,
+    starting from the present ones; return AT_EQUILIBRIUM or why there is none. In a worn bore with
+    an unstable equilibrium below the load, the stable one beside it is taken."""
     spin = static_spin(omega)
     status = NOT_CONVERGED_AT_REST
-    for _ in range(_HUMPS):
-        status = _settle(structure, spin, motion, trial, memory, work, problem)
-        if status != HELD:
+    for _ in range(_DEPARTURES):
+        status = _converge(structure, spin, motion, trial, memory, work, problem)
+        if status != AT_EQUILIBRIUM:
             break
         # Short steps lead away from a hump, but in a direction that rounding chose.
-        steepest, where = _hump(structure, omega, motion, problem)
+        steepest, escape = _steepest_instability(structure, omega, motion, problem)
         if steepest != 0.0:
-            status = _leave(structure, motion, trial, memory, work, problem, spin, steepest, where)
-        if status == HELD:
+            status = _move_off_unstable_equilibrium(
+                structure, motion, trial, memory, work, problem, spin, steepest, escape
+            )
+        if status == AT_EQUILIBRIUM:
             status = _polish(structure, spin, motion, trial, memory, work, problem)
         if status != MOVED:
             break
@@ -210,7 +224,7 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
 
 
 @jit_inlined
-def _settle(structure, spin, motion, trial, memory, work, problem):
+def _converge(structure, spin, motion, trial, memory, work, problem):
     """Find an equilibrium, whether it is stable or not."""
     lowest = structure.numbers[0].lowest_omega
     stiffest = mass = 0.0
@@ -221,20 +235,20 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
     of_stiffness = min(of_stiffness, _WORST)
     radians = _FIRST
     before = 0.0
-    falls = 0
-    taken = 0
+    failures = 0
+    iterations = 0
     status = NOT_CONVERGED_AT_REST
     for _ in range(_ITERATIONS):
-        if taken > memory.record[0].max_iterations:
+        if iterations > memory.record[0].max_iterations:
             break
         tau = radians / lowest
-        done, iterations = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
-        taken += iterations
-        if done != DONE:
+        step_status, taken = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        iterations += taken
+        if step_status != DONE:
             # past the bound again and again: nothing holds it
-            falls += 1
-            if falls > _FALLS:
-                status = NOT_HELD if done == NOT_FINITE else NOT_CONVERGED_AT_REST
+            failures += 1
+            if failures > _FAILURES:
+                status = NOT_SUPPORTED if step_status == NOT_FINITE else NOT_CONVERGED_AT_REST
                 break
             radians /= _GROWTH
             continue
@@ -243,13 +257,13 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
         for i in range(len(motion.q)):
             change = max(change, modulus(trial.q[i] - motion.q[i]))
             size = max(size, modulus(trial.q[i]))
-        _take(motion, trial)
+        _copy_state(motion, trial)
         rounding = max(_STEADY if radians < _LONG else _STIFF, of_stiffness) * size
         for j in range(len(problem.w_free)):
             rounding = max(rounding, _FALL * tau * tau * modulus(problem.w_free[j]))
         is_steady = change <= rounding or size <= _MIDDLE * structure.numbers[0].clearance
         if change <= _SMALL * size or (is_steady and change >= 0.5 * before):
-            status = HELD
+            status = AT_EQUILIBRIUM
             break
         if before > 0.0 and change > _FAST * before:
             radians = min(_GROWTH * radians, _LONGEST)
@@ -259,20 +273,20 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
 
 @jit_inlined
 def _polish(structure, spin, motion, trial, memory, work, problem):
-    """Take an equilibrium's rounding away by short steps; returns HELD, or MOVED where they lead
-    away from it."""
+    """Remove an equilibrium's rounding errors by short steps; return AT_EQUILIBRIUM, or MOVED if
+    they lead away from it."""
     lowest = structure.numbers[0].lowest_omega
-    result = motion.v_dot  # nobody's until the run begins
+    result = motion.v_dot  # unused until the run begins
     for i in range(len(motion.q)):
         result[i] = motion.q[i]
     for _ in range(_POLISHES):
         tau = _POLISH / lowest
-        done, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
-        if done != DONE:
+        step_status, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        if step_status != DONE:
             break
-        _take(motion, trial)
+        _copy_state(motion, trial)
     drift = 0.0
     for i in range(len(motion.q)):
         drift = max(drift, modulus(motion.q[i] - result[i]))
         result[i] = 0.0
-    return MOVED if drift > _PUSH * structure.numbers[0].clearance else HELD
+    return MOVED if drift > _PUSH * structure.numbers[0].clearance else AT_EQUILIBRIUM

@@ -14,29 +14,29 @@ from ..kernels.functions import fifth_root, scaled
 from ..kernels.jit import jit
 from ..step.laws import law_gap, relative
 
-# Of the motion's size and the tolerance, the error of a radian; revolutions over which the size is
-# remembered; what motion counts as none, of the clearance or of a small length of the machine.
+# Error of one radian as a share of the motion's size times the tolerance; revolutions over which
+# the size is remembered; share of the clearance (or of a small length) below which there is no
+# motion.
 SHARE, TURNS, FLOOR = 0.7, 2.0, 1e-4
 FIRST = 0.05  # revolutions over which the size at the start is remembered
 SAFETY = 0.8
-# Of one step length to the next, at most; growing slowly costs little and calms the next impact.
+# Limits of the ratio of two step lengths; slow growth costs little and softens the next impact.
 GROWTH, SHRINKAGE = 1.25, 0.2
-# Of steps that are to stay as they are: turns over which errors are remembered, the largest that a
-# longer step may be expected to have, and how much longer it may be.
+# Steps of constant length: turns over which errors are remembered, the largest expected error of a
+# longer step, and the factor by which it is longer.
 STEADY_TURNS, STEADY_ERROR, STEADY_GROWTH = 4.0, 0.6, 4.0
-CUT = 0.9  # of the proposed length: a step below it was cut short and says nothing against it
-# The same of steps in stages, whose errors are of a higher order.
+CUT = 0.9  # a step below this share of the proposed length was cut, and does not reduce it
+# The growth of a step in stages, whose error is of a higher order.
 STAGE_GROWTH = 2.0
-SMALLEST = 1e-8  # an error that it does not pay to tell from none
+SMALLEST = 1e-8  # errors below it count as this one
 # Share of a step before which a contact's opening or closing is worth ending a repeated step at.
 LATE = 0.9
 
 
 class Measures(NamedTuple):
-    """Mean squares over the masses, of a step: change of the accelerations, the same beside that of
-    a whirl with the motion's characteristic frequency [m2/s4]; of its middle: acceleration [m2/s4],
-    velocity [m2/s2].
-    """
+    """Mean squares over the masses in a step: of the change of the accelerations, of their
+    deviation from a whirl with the motion's characteristic frequency [m2/s4], and in the middle of
+    the step of the acceleration [m2/s4] and the velocity [m2/s2]."""
 
     change: float
     beside_whirl: float
@@ -55,8 +55,8 @@ def _product(x, y):
 
 @jit
 def measure(weights, turned, old, new):
-    """Return the `Measures` of a step; turned: by what a whirl of the motion's characteristic
-    frequency turns in it, e^(i p h)."""
+    """Return the `Measures` of a step; turned: factor e^(i p h) by which a whirl with the motion's
+    characteristic frequency turns in it."""
     change, beside, acceleration, velocity = 0.0, 0.0, 0.0, 0.0
     for j in range(len(weights)):
         i, k, weight = weights[j].i, weights[j].k, weights[j].weight
@@ -69,14 +69,14 @@ def measure(weights, turned, old, new):
 
 @jit
 def update_size(structure, omega, h, new, memory):
-    """Follow the size of the motion over the last revolutions, after a step of length h [s].
+    """Update the size of the motion over the last revolutions, after a step of length h [s].
 
-    The size is the root mean square, over the masses, of the amplitude about the mean position: of
-    a swing with the speed of rotation, or with the slowest motion's if that is faster, displacement
-    and velocity over that speed have the same. It falls to a share of exp(-1) in `TURNS` turns of
-    that speed after the motion has ceased; at first sooner, the memory being no longer than the
-    run, since a journal pressed on its wall starts with the accelerations of a large swing into a
-    far smaller motion. What is smaller than `FLOOR` counts as large as that.
+    The size is the root mean square, over the masses, of the amplitude about the mean position: for
+    a swing with the speed of rotation, or with that of the slowest motion if this is faster, it is
+    that of displacement and velocity over that speed. It decays by exp(-1) in `TURNS` turns of that
+    speed after the motion has ceased; at first sooner, the memory being no longer than the run,
+    since a journal pressed on its wall starts with the accelerations of a large swing into a far
+    smaller motion. Sizes below `FLOOR` count as `FLOOR`.
     """
     r = memory.record[0]
     numbers = structure.numbers[0]
@@ -100,8 +100,8 @@ def update_size(structure, omega, h, new, memory):
 
 @jit
 def first_size(structure, omega, motion, memory):
-    """Size of the motion that begins: that of a swing with the speed of rotation, or the slowest
-    motion's, that has the accelerations of the start."""
+    """Initialize the size of the motion: that of a swing with the speed of rotation, or with that
+    of the slowest motion, that has the accelerations of the start."""
     fastest = max(structure.numbers[0].slowest, abs(omega))
     for i in range(len(memory.center)):
         memory.center[i] = motion.q[i]
@@ -115,15 +115,16 @@ def first_size(structure, omega, motion, memory):
 
 @jit
 def local_error(structure, control, size, frequency, h, measures):
-    """Return the error of a step of length h [s] over the one tolerated [1]; size: of the motion
-    [m], frequency: of the motion [rad/s].
+    """Return the error of a step of length h [s] relative to the tolerated one [1]; size: of the
+    motion [m], frequency: of the motion [rad/s].
 
-    Displacements are weighted with their masses (root mean square), so that neither the turning
-    point of a node matters nor a light journal that shakes in its clearance. Tolerated is a share
-    of the motion's size, per 2.5 radians of the slowest motion or of the pace, whichever is faster.
+    Displacements are mass-weighted (root mean square), so that neither the turning point of one
+    node nor a light journal rattling in its clearance dominates. Tolerated is a share of the
+    motion's size, per 2.5 radians of the slowest motion or of the characteristic frequency,
+    whichever is faster.
 
-    At the turn of a swing along a line the accelerations do not change for a moment; there the
-    distance to what a whirl of this pace would have changed them to is taken.
+    At the turning point of a swing along a line the accelerations do not change for a moment; there
+    the deviation from a whirl with this frequency is used.
     """
     change = math.sqrt(max(measures.change, measures.beside_whirl))
     tolerated = tolerated_error(structure, control, size, frequency, h)
@@ -132,8 +133,8 @@ def local_error(structure, control, size, frequency, h, measures):
 
 @jit
 def tolerated_error(structure, control, size, frequency, h):
-    """Return the error of displacements that a step of length h [s] may have [m]; size, frequency:
-    see `local_error`."""
+    """Return the tolerated error of displacements in a step of length h [s], in [m]; size,
+    frequency: see `local_error`."""
     return SHARE * radians_of(structure, frequency, h) * control.tolerance * size
 
 
@@ -145,9 +146,9 @@ def radians_of(structure, frequency, h):
 
 @jit
 def whirl_error(structure, control, h, new):
-    """Return the error of a step of length h [s] that ends in contact and may be too long to see a
-    whirl grow there [1]: as long as its amplitude is below the tolerance, no other error shows that
-    it does not."""
+    """Return the error of a step of length h [s] that ends in contact and may be too long to
+    resolve a growing whirl there [1]: while the whirl's amplitude is below the tolerance, no other
+    error shows that it is not resolved."""
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
             ratio = h / control.h_in_contact
@@ -158,7 +159,7 @@ def whirl_error(structure, control, h, new):
 @jit
 def next_length(proposed, h, error, error_before):
     """Return the proposed length of the next step [s] after one of length h [s] with these last
-    errors [1]; a communication point may have cut h shorter than was proposed, which says nothing
+    errors [1]; a communication point may have cut h shorter than proposed, which does not count
     against it.
 
     The factor is SAFETY error^-0.35 trend^0.2, of gains for an error per unit of time of order 2.
@@ -174,8 +175,8 @@ def next_length(proposed, h, error, error_before):
 
 @jit
 def next_stage_length(proposed, h, error, error_before):
-    """Return what `next_length` does, of steps in stages: SAFETY error^-0.175 trend^0.1, of gains
-    for an error per unit of time of order 4."""
+    """Return the proposed length after a step in stages, as `next_length`: SAFETY error^-0.175
+    trend^0.1, of gains for an error per unit of time of order 4."""
     error = max(error, SMALLEST)
     trend = max(error_before, SMALLEST) / error
     fifth = fifth_root(error)
@@ -191,7 +192,7 @@ def steady_length(structure, control, omega, proposed, h, error, memory):
     open [s].
 
     Steps that lengthen and shorten with a beat of the motion feed it or damp it as a slow growth
-    does. So they stay as they are, and lengthen where the errors of many turns allow it.
+    does. So they stay constant, and lengthen only if the errors of many turns allow it.
     """
     r = memory.record[0]
     fastest = max(structure.numbers[0].slowest, abs(omega))
@@ -209,10 +210,10 @@ def steady_length(structure, control, omega, proposed, h, error, memory):
 
 @jit
 def repeated_length(structure, control, h, error, old, new):
-    """Return the length to repeat a step with whose error is too large [s].
+    """Return the length with which a step with too large an error is repeated [s].
 
-    That of the error, or, if it is longer, up to where a contact opens or closes: the two parts of
-    such a step are smooth each, and only their joint is not.
+    It follows from the error, or extends, if this is longer, to where a contact opens or closes:
+    the two parts of such a step are smooth, and only their joint is not.
     """
     joint = 1.0
     for j in range(len(structure.interfaces)):

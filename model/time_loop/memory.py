@@ -1,4 +1,4 @@
-"""The state of a run besides the motion: time and rotation, counters, the ledger, the peaks."""
+"""The state of a run beside the motion: time and rotation, counters, the ledger, the peaks."""
 
 from __future__ import annotations
 
@@ -103,17 +103,17 @@ BOUNCE = places(("x", "y", "steps", "score"))
 
 
 class Memory(NamedTuple):
-    """The state of a run besides the motion; every array changes in place.
+    """The state of a run beside the motion; every array changes in place.
 
     record: of dtype `RECORD`; work, power: of `ledger.FLOWS` [J], [W]; peaks: largest |x|, |y| [m]
-    and squared distance [m2] from rest of the probes in the present revolution, in the one before,
-    and since the last communication point; once: of their z from rest, z exp(-i theta) and
-    z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
-    one before, by the angle turned [m]; bounce: of each interface the displacement at the last
-    contact (x, y) [m], steps since then, score of crossings; rest: the probes under the loads at
-    the start [m]; center: the mean position of the last revolutions [m]; loads: on the ports at t
-    [N], of the base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have
-    been linear in time [N, N/s]; load_work, load_power: of each load since t_ref [J] and now [W].
+    and squared distance [m2] of the probes from rest in the present revolution, in the one before,
+    and since the last communication point; once: of their z from rest, z exp(-i theta) and z exp(i
+    theta) now [m], integrated over the present revolution [m.rad], and their means over the one
+    before, by the angle turned [m]; bounce: of each interface the displacement at the last contact
+    (x, y) [m], steps since then, score of crossings; rest: the probes under the loads at the start
+    [m]; center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of the
+    base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been linear
+    in time [N, N/s]; load_work, load_power: of each load since t_ref [J] and now [W].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]
@@ -151,8 +151,8 @@ def spin_at(record, t, alpha):
 
 @jit
 def take_loads(memory, drive, rate):
-    """Let loads and the torque on a free rotor, now `drive` [N.m] with its rate [N.m/s], be linear
-    in time from now on."""
+    """Make loads and the torque on a free rotor, now `drive` [N.m] with its rate [N.m/s], linear in
+    time from now on."""
     r = memory.record[0]
     r.varies = 0
     for i in range(len(memory.loads)):
@@ -169,7 +169,7 @@ def take_loads(memory, drive, rate):
 
 @jit
 def move_loads(memory, t):
-    """Make loads and torque those at time t [s]."""
+    """Set loads and torque to those at time t [s]."""
     r = memory.record[0]
     if r.varies == 1:
         since = t - r.t_ref
@@ -181,6 +181,6 @@ def move_loads(memory, t):
 
 @jit
 def spin_now(record):
-    """Return the rotation at the time reached."""
+    """Return the rotation at the present time."""
     r = record[0]
     return spin_of(r.omega, r.alpha, r.theta)

@@ -22,13 +22,13 @@ from .memory import AXIS, BOUNCE, ONCE, PEAK, SENSE, spin_now
 CROSSING_STEPS = 2
 CROSSING_SCORE = 3.0
 TRAPPED_SCORE = 60.0
-# The ledger is looked at every so many cycles of the rotation or of the lowest mode, whichever is
-# faster. Friction between the rotor and what it slides on is the drive's loss, not the whirl's: a
-# loss to the integrator counts against the others, if it stands out of the ledger's rounding. Where
-# the rotation is taken in steps longer than COARSE [rad] the ledger's own quadrature is as large.
+# The energy ledger is evaluated after this number of cycles of the rotation or of the lowest mode,
+# whichever is faster. Sliding friction of the rotor takes its energy from the drive, not from the
+# whirl: the integrator's loss is compared with all others, if it exceeds the ledger's rounding. In
+# steps longer than COARSE [rad] of the rotation the quadrature of the ledger has errors as large.
 WINDOW_CYCLES = 10.0
 LEAST_LOSS = 3e-4
-MEMORY = 0.8  # of a window's sums in the next
+MEMORY = 0.8  # share of a window's sums that the next one keeps
 COARSE = 0.5
 # About the root mean square of the errors that error control with COARSEST_IN_CONTACT keeps to. A
 # coarser revolution with a touch means as much as a coarser step in which a contact closes.
@@ -42,7 +42,7 @@ _LOSSES = len(INFLOWS)
 
 @jit
 def monitor_step(structure, control, spin, motion, memory, work):
-    """Run the monitors that look at an accepted step alone."""
+    """Run the monitors that look at one accepted step."""
     monitor_revolution(structure, spin, motion, memory)
     monitor_bounces(structure, motion, memory)
     monitor_losses(structure, control, motion, memory, work)
@@ -50,9 +50,9 @@ def monitor_step(structure, control, spin, motion, memory, work):
 
 @jit
 def monitor_revolution(structure, spin, motion, memory):
-    """Of the probes: largest displacements, over the last whole revolution and what has passed of
-    the present one; forward and backward 1x components, over the last whole revolution. Where the
-    shaft stands or turns back there is no revolution before, and none that goes on."""
+    """Update, for each probe, the largest displacements over the last whole revolution and the
+    present one, and the forward and backward 1x components over the last whole revolution. If the
+    shaft stands still or turns back, both revolutions begin anew."""
     r = memory.record[0]
     peaks, once = memory.peaks, memory.once
     past = spin.theta - r.turn
@@ -64,30 +64,30 @@ def monitor_revolution(structure, spin, motion, memory):
         once[ONCE.integral :, :, :] = 0.0
     by_step = abs(past - r.swept)
     is_whole = abs(past) >= TURN
-    before = (TURN - abs(r.swept)) / by_step if is_whole else 1.0
+    until_end = (TURN - abs(r.swept)) / by_step if is_whole else 1.0
     r.swept = past
     if is_whole:
         r.turn += math.copysign(TURN, past)
         r.swept = past - math.copysign(TURN, past)
-        if abs(r.swept) >= TURN:  # of steps longer than a revolution nothing can be said
+        if abs(r.swept) >= TURN:  # steps longer than a revolution cannot be judged
             r.turn = spin.theta
             r.swept = 0.0
-            before = 0.0
+            until_end = 0.0
     for i in range(len(structure.probes)):
-        moved = at_place(structure.probes[i], motion.q) - memory.rest[i]
-        turned = (moved * spin.direction.conjugate(), moved * spin.direction)
-        for way in range(len(SENSE)):
-            last, now = once[ONCE.now, way, i], turned[way]
+        displacement = at_place(structure.probes[i], motion.q) - memory.rest[i]
+        turned = (displacement * spin.direction.conjugate(), displacement * spin.direction)
+        for sense in range(len(SENSE)):
+            last, now = once[ONCE.now, sense, i], turned[sense]
             # at the end of the revolution, as if it were linear over the step
-            end = last + scaled(before, now - last)
-            once[ONCE.integral, way, i] += scaled(0.5 * before * by_step, last + end)
+            end = last + scaled(until_end, now - last)
+            once[ONCE.integral, sense, i] += scaled(0.5 * until_end * by_step, last + end)
             if is_whole:
                 # by the angle turned, so that a lag is negative whichever way the shaft turns
-                ahead = way if past > 0.0 else 1 - way
-                once[ONCE.mean, ahead, i] = once[ONCE.integral, way, i] * (1.0 / TURN)
-                once[ONCE.integral, way, i] = 0.5 * abs(r.swept) * (end + now)
-            once[ONCE.now, way, i] = now
-        x, y = abs(moved.real), abs(moved.imag)
+                ahead = sense if past > 0.0 else 1 - sense
+                once[ONCE.mean, ahead, i] = once[ONCE.integral, sense, i] * (1.0 / TURN)
+                once[ONCE.integral, sense, i] = 0.5 * abs(r.swept) * (end + now)
+            once[ONCE.now, sense, i] = now
+        x, y = abs(displacement.real), abs(displacement.imag)
         size = (x, y, x * x + y * y)
         for axis in range(len(AXIS)):
             if is_whole:
@@ -99,10 +99,9 @@ def monitor_revolution(structure, spin, motion, memory):
 
 @jit
 def monitor_errors(structure, control, local, spin, old, new, memory):
-    """Record the local errors of the last revolution, after a step from `old` to `new` whose own is
-    `local`, in tolerances; check whether a contact closed in a step too coarse to resolve what
-    follows.
-    """
+    """Record the local errors of the last revolution, after a step from `old` to `new` with the
+    error `local`, in tolerances; check whether a contact closed in a step too coarse to resolve
+    what follows."""
     r = memory.record[0]
     by_step = abs(spin.theta - r.theta)
     r.error_largest = max(r.error_largest, local)
@@ -172,7 +171,7 @@ def monitor_work(structure, memory):
 
 @jit
 def open_window(structure, memory):
-    """Begin a window of `monitor_losses` at the time reached."""
+    """Begin a window of `monitor_losses` at the present time."""
     r = memory.record[0]
     fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)
     r.window_end = r.t + WINDOW_CYCLES * 2.0 * math.pi / fastest
@@ -184,8 +183,8 @@ def monitor_losses(structure, control, motion, memory, work):
     """Compare, once in a window, the energy that the integrator dissipated in a machine that
     touched with that of the machine's dampers.
 
-    Not of error control: its steps resolve every growth that the survey has seen, and their other
-    errors are within the tolerance. Nor in real time, where every step takes as long as another.
+    Not under error control: its steps resolve every growth that the survey has found, and their
+    other errors are within the tolerance. Nor in real time, where every step takes equally long.
     """
     if control.mode == CONTROLLED or control.mode == REALTIME:
         return

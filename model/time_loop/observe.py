@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ..kernels.functions import angle, modulus
 from ..kernels.jit import jit, jit_inlined
-from ..machine.rotor import Name, Rotor, spelled
+from ..machine.rotor import Name, Rotor
 from ..parts.base import (
     MOUNT_OUTPUTS,
     PORT_OUTPUTS,
@@ -49,7 +49,7 @@ SHAFT = (
     Output(
         "tau_load",
         "N.m",
-        "share of tau due to friction, whirl and unbalance, tau - J a: the load of a partner that "
+        "load torque of friction, whirl and unbalance, tau - J a: the load of a partner that "
         "integrates the speed with the rotor's moment of inertia J",
         True,
         0.1,
@@ -64,7 +64,7 @@ SHAFT = (
     Output(
         "tau_wave",
         "N.m",
-        "wave that goes back through the line of the drive, tau_drive - 2 Z w; tau without a line",
+        "reflected wave of the drive's transmission line, tau_drive - 2 Z w; tau without a line",
         nominal=0.1,
         reached_by=ALL,
     ),
@@ -115,8 +115,7 @@ SOLVER = remembered(
     Output(
         "overdamped_at",
         "s",
-        "time since which the integrator damps a rub so much that it may hide an instability; "
-        "-1: never",
+        "time from which numerical damping during a rub may hide an instability; -1: never",
         nominal=1.0,
     ),
     Output(
@@ -156,11 +155,9 @@ def observed_names(rotor: Rotor) -> tuple[str, ...]:
 
 
 def _of_parts(rotor: Rotor) -> list[Observed]:
-    density = rotor.material.density
     return [
         Observed(Name(*key, output.name), output)
-        for key, part in rotor.indexed_parts()
-        for element in part.elements(spelled(*key), density)
+        for key, element in rotor.indexed_elements()
         for output in outputs_of(element)
     ]
 
@@ -184,7 +181,7 @@ _VELOCITY, _MOUNT, _PORT = places(VELOCITY_OUTPUTS), places(MOUNT_OUTPUTS), plac
 
 @jit_inlined
 def energies_at(structure, out):
-    """Return the place in `out` where the energies begin."""
+    """Return the index in `out` at which the energies begin."""
     return len(out) - (
         _MACHINE_STORES + len(structure.stores) + _MACHINE_FLOWS + len(structure.losses) + 1
     )
@@ -228,8 +225,8 @@ def _observe_solver(r, out):
 
 @jit
 def _largest(peaks, axis, i):
-    """Return a probe's largest displacement over the revolutions and since the last communication
-    point."""
+    """Return a probe's largest displacement over the two revolutions and since the last
+    communication point."""
     return max(
         peaks[PEAK.this_revolution, axis, i],
         peaks[PEAK.last_revolution, axis, i],

@@ -2,8 +2,9 @@
 fixed size.
 
 The outputs of an FMU are those of its communication points, which may be many revolutions apart;
-between them the steps go by unseen. A recorder stores selected observed quantities, one row a step,
-no closer than a least angle. When it is full, every second row is dropped and the angle doubles.
+the steps between them are not visible. A recorder stores selected observed quantities, one row a
+step, no closer than a least angle. When it is full, every second row is dropped and the angle
+doubles.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.jit import jit, jit_not_inlined
-from ..machine.rotor import Name, Rotor, spelled
-from ..parts.base import VELOCITY_OUTPUTS, Probe
+from ..machine.rotor import Name, Rotor
+from ..parts.base import VELOCITY_OUTPUTS, ProbeElement
 from ..step.excitation import at_place
 from .observe import Observed, energies_at, observe, observed
 
@@ -36,7 +37,7 @@ ROWS = 4096
 
 
 class Recorder(NamedTuple):
-    """The recorder's arrays: head, of dtype `RECORDER`; channels: places in `recordable`; rows:
+    """The recorder's arrays: head, of dtype `RECORDER`; channels: indices in `recordable`; rows:
     time [s] and the channels. Without rows nothing is recorded."""
 
     head: Annotated[np.recarray, RECORDER, "1"]
@@ -49,9 +50,8 @@ def recordable(rotor: Rotor) -> tuple[Observed, ...]:
     `vy` [m/s] of the probes."""
     probes = [
         Name(*key, output.name)
-        for key, part in rotor.indexed_parts()
-        for element in part.elements(spelled(*key), rotor.material.density)
-        if isinstance(element, Probe)
+        for key, element in rotor.indexed_elements()
+        if isinstance(element, ProbeElement)
         for output in VELOCITY_OUTPUTS
     ]
     axes = len(VELOCITY_OUTPUTS)
@@ -61,7 +61,7 @@ def recordable(rotor: Rotor) -> tuple[Observed, ...]:
 
 class Record(NamedTuple):
     """What to record of a run at the solver's own steps: names of `recordable`; the least angle of
-    rotation between two rows [rad], 0 for every step; the most rows held until they are taken."""
+    rotation between two rows [rad], 0 for every step; the most rows held until they are read."""
 
     names: Sequence[str]
     angle: float = ANGLE
@@ -69,7 +69,7 @@ class Record(NamedTuple):
 
 
 def channels_of(rotor: Rotor, record: Record) -> list[int]:
-    """Return the places in `recordable` of the signals to record; `ValueError` for an unknown
+    """Return the indices in `recordable` of the signals to record; `ValueError` for an unknown
     one."""
     if not 0.0 <= record.angle < math.inf:
         raise ValueError(f"record: angle = {record.angle} rad: must be >= 0 and finite")
@@ -86,7 +86,7 @@ def channels_of(rotor: Rotor, record: Record) -> list[int]:
 @jit
 def is_due(structure, record, head):
     """Return whether the step just taken is to be recorded. The angle counted is that of the
-    rotation, or of the lowest mode where this is faster: a rotor at rest still vibrates."""
+    rotation, or of the lowest mode if this is faster: a rotor at rest still vibrates."""
     fastest = max(abs(record[0].omega), structure.numbers[0].lowest_omega)
     passed = fastest * record[0].h_last
     head[0].since += passed
@@ -96,8 +96,8 @@ def is_due(structure, record, head):
 
 @jit
 def rows_within(structure, record, head):
-    """Return the number of equal parts of the step just taken at whose ends a row is due: 1 of a
-    step that turns by no more than the angle between rows."""
+    """Return the number of equal parts of the step just taken at whose ends a row is due: 1 if the
+    step turns by no more than the angle between rows."""
     spacing = head[0].spacing
     if spacing <= 0.0:
         return 1

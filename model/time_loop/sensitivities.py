@@ -1,8 +1,8 @@
-"""Sensitivities over a communication step: how the motion at its end changes with the inputs during
-it, by tangents that go through the solver's own steps (`step.tangent`).
+"""Sensitivities over a communication step: the derivative of the motion at its end with respect to
+the inputs during it, by tangents that pass through the solver's own steps (`step.tangent`).
 
-An input is the value that a host sets at the beginning of the communication step, with all that
-follows from it: a speed that goes on by its last change changes its rate too.
+An input is the value that a host sets at the beginning of the communication step, with all its
+consequences: a speed that continues linearly also changes its rate.
 """
 
 from __future__ import annotations
@@ -14,39 +14,40 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..parts.base import PORT_OUTPUTS
 from ..quantities import places
 from ..step.excitation import at_load, spin_of
+from ..step.step import rescale_carried
 from ..step.tangent import instant_row, linearize_step, load_of, row_of, step_row
 from .energy import powers
 from .memory import spin_now
 from .observe import PARTS_AT, SHAFT
 
 _SHAFT, _PORT = places(SHAFT), places(PORT_OUTPUTS)
-# Of a motion's size, by how much it is moved along a derivative: less leaves more rounding of
-# powers that cancel, more the curvature of films and contacts.
+# Displacement along a derivative, as a share of the motion's size: a smaller one suffers from
+# rounding of powers that cancel, a larger one from the curvature of films and contacts.
 _SHARE = 1e-5
 
 
 @jit
-def moved_spin(spin, d_spin, by):
-    """Return the rotation moved along a derivative."""
+def moved_spin(spin, d_spin, step):
+    """Return the rotation displaced by a step along a derivative."""
     return spin_of(
-        spin.omega + by * d_spin[0], spin.alpha + by * d_spin[1], spin.theta + by * d_spin[2]
+        spin.omega + step * d_spin[0], spin.alpha + step * d_spin[1], spin.theta + step * d_spin[2]
     )
 
 
 @jit
-def move(motion, row, by, out):
-    """Fill `out` with a motion moved along a row of a tangent."""
+def move(motion, row, step, out):
+    """Fill `out` with a motion displaced by a step along a row of a tangent."""
     for i in range(len(motion.q)):
-        out.q[i] = motion.q[i] + by * row.q[i]
-        out.v[i] = motion.v[i] + by * row.v[i]
-        out.v_dot[i] = motion.v_dot[i] + by * row.v_dot[i]
+        out.q[i] = motion.q[i] + step * row.q[i]
+        out.v[i] = motion.v[i] + step * row.v[i]
+        out.v_dot[i] = motion.v_dot[i] + step * row.v_dot[i]
     for i in range(len(motion.internal_state)):
-        out.internal_state[i] = motion.internal_state[i] + by * row.internal_state[i]
+        out.internal_state[i] = motion.internal_state[i] + step * row.internal_state[i]
 
 
 @jit
-def step_along(structure, spin, row, d_spin):
-    """Return by how much to move a motion along a row; 0 where there is nothing to move."""
+def difference_step(structure, spin, row, d_spin):
+    """Return the step of a central difference along a row of a tangent; 0 if the row is 0."""
     length = structure.numbers[0].clearance
     frequency = max(abs(spin.omega), structure.numbers[0].slowest)
     size = max(abs(d_spin[0]) / frequency, abs(d_spin[2]))
@@ -59,14 +60,15 @@ def step_along(structure, spin, row, d_spin):
 
 
 @jit
-def torque_at(structure, spin, i, row, d_spin, by, motion, memory, work, tangents):
-    """Move the motion along row i into tangents.moved; returns the torque that it needs [N.m]."""
+def torque_at(structure, spin, i, row, d_spin, step, motion, memory, work, tangents):
+    """Displace the motion along row i into tangents.moved; return the torque that it needs
+    [N.m]."""
     for k in range(len(memory.loads)):
-        tangents.work.loads[k] = memory.loads[k] + by * load_of(i, k)
-    move(motion, row, by, tangents.moved)
+        tangents.work.loads[k] = memory.loads[k] + step * load_of(i, k)
+    move(motion, row, step, tangents.moved)
     return powers(
         structure,
-        moved_spin(spin, d_spin, by),
+        moved_spin(spin, d_spin, step),
         tangents.work.loads,
         tangents.moved,
         work.losses,
@@ -76,27 +78,31 @@ def torque_at(structure, spin, i, row, d_spin, by, motion, memory, work, tangent
 
 @jit_not_inlined
 def torque_along(structure, spin, i, row, d_spin, motion, memory, work, tangents):
-    """Return the change of the torque that the motion needs [N.m] along row i."""
-    by = step_along(structure, spin, row, d_spin)
-    if by == 0.0:
+    """Return the derivative of the torque that the motion needs [N.m] along row i."""
+    step = difference_step(structure, spin, row, d_spin)
+    if step == 0.0:
         return 0.0
     # linear in the rate, whose share of the torque is the largest: the others are lost in it
-    still = spin_of(spin.omega, 0.0, spin.theta)
-    ahead = torque_at(structure, still, i, row, d_spin, by, motion, memory, work, tangents)
-    behind = torque_at(structure, still, i, row, d_spin, -by, motion, memory, work, tangents)
-    return (ahead - behind) * (0.5 / by)
+    at_constant_speed = spin_of(spin.omega, 0.0, spin.theta)
+    ahead = torque_at(
+        structure, at_constant_speed, i, row, d_spin, step, motion, memory, work, tangents
+    )
+    behind = torque_at(
+        structure, at_constant_speed, i, row, d_spin, -step, motion, memory, work, tangents
+    )
+    return (ahead - behind) * (0.5 / step)
 
 
 @jit
 def drive_along(record, d_drive, d_spin):
-    """Return the change of the torque that a drive gives a free rotor [N.m]."""
+    """Return the derivative of the drive's torque on a free rotor [N.m]."""
     return d_drive - record[0].drive_impedance * d_spin[0]
 
 
 @jit
 def rotation_along(structure, record, d_drive, d_spin, out):
-    """Fill in the derivatives of angle, speed and rate and, of a free rotor, of its torques: in a
-    difference of two speeds what a force does to them is lost in their rounding."""
+    """Fill in the derivatives of angle, speed and rate and, for a free rotor, of its torques: in a
+    difference of two speeds the effect of a force is lost in rounding."""
     out[_SHAFT.phi], out[_SHAFT.w], out[_SHAFT.a] = d_spin[2], d_spin[0], d_spin[1]
     if record[0].is_free == 1:
         torque = drive_along(record, d_drive, d_spin)
@@ -106,8 +112,8 @@ def rotation_along(structure, record, d_drive, d_spin, out):
 
 
 @jit
-def _take(out, base, unit, d_spin, unit_spin, d_alpha):
-    """Add to a row d_alpha times that of a unit rate."""
+def _add_scaled(out, base, unit, d_spin, unit_spin, d_alpha):
+    """Set a row to `base` plus d_alpha times the row of a unit rate."""
     for i in range(len(out.q)):
         out.q[i] = base.q[i] + d_alpha * unit.q[i]
         out.v[i] = base.v[i] + d_alpha * unit.v[i]
@@ -123,8 +129,8 @@ def _take(out, base, unit, d_spin, unit_spin, d_alpha):
 
 
 @jit
-def _rate_along(structure, record, i, d_torque, d_torque_by_rate, d_omega, d_omega_by_rate):
-    """Return the change of a free rotor's rate [rad/s2] that keeps its torques in balance."""
+def _rate_along(record, i, d_torque, d_torque_by_rate, d_omega, d_omega_by_rate):
+    """Return the derivative of a free rotor's rate [rad/s2] that keeps its torques in balance."""
     damping = record[0].drive_impedance
     d_drive = (1.0 if i == 0 else 0.0) - damping * d_omega
     return (d_drive - d_torque) / (d_torque_by_rate + damping * d_omega_by_rate)
@@ -133,7 +139,7 @@ def _rate_along(structure, record, i, d_torque, d_torque_by_rate, d_omega, d_ome
 @jit_not_inlined
 def begin_tangents(structure, spin, rate_by_drive, motion, memory, work, tangents):
     """Fill in the tangents at the beginning of a communication step. rate_by_drive: derivative of
-    the speed's rate by the speed given [1/s]."""
+    the speed's rate with respect to the speed [1/s]."""
     now = tangents.now
     is_free = memory.record[0].is_free == 1
     inputs = len(now.q) - 1
@@ -157,29 +163,19 @@ def begin_tangents(structure, spin, rate_by_drive, motion, memory, work, tangent
     for i in range(inputs):
         row = row_of(now, i)
         torque = torque_along(structure, spin, i, row, now.spin[i], motion, memory, work, tangents)
-        d_alpha = _rate_along(structure, memory.record, i, torque, along, 0.0, 0.0)
-        _take(row, row, unit, now.spin[i], now.spin[inputs], d_alpha)
-
-
-@jit
-def _rescale(row, ratio):
-    """Scale what a row's accelerations lack, as `time_loop` does with the motion's."""
-    for i in range(len(row.a)):
-        row.a[i] = row.v_dot[i] + ratio * (row.a[i] - row.v_dot[i])
-    for i in range(len(row.internal_rate)):
-        change = row.internal_rate_carried[i] - row.internal_rate[i]
-        row.internal_rate_carried[i] = row.internal_rate[i] + ratio * change
+        d_alpha = _rate_along(memory.record, i, torque, along, 0.0, 0.0)
+        _add_scaled(row, row, unit, now.spin[i], now.spin[inputs], d_alpha)
 
 
 @jit_not_inlined
 def propagate(structure, scheme, fit, spin, h, ratio, t, new, memory, work, problem, tangents):
-    """Take the tangents over a step of length h [s] that ends at `new`, at time t [s]; ratio: by
-    which the carried accelerations were rescaled."""
-    now, after, of = tangents.now, tangents.after, tangents.work
+    """Propagate the tangents over a step of length h [s] that ends at `new`, at time t [s]; ratio:
+    factor with which the carried accelerations were rescaled."""
+    now, after, tangent_work = tangents.now, tangents.after, tangents.work
     is_free = memory.record[0].is_free == 1
-    since = t - memory.record[0].t_ref
+    elapsed = t - memory.record[0].t_ref
     inputs = len(now.q) - 1
-    linearize_step(structure, scheme, spin, h, new, problem, of)
+    linearize_step(structure, scheme, spin, h, new, problem, tangent_work)
     for i in range(inputs + (1 if is_free else 0)):
         old, out, d_spin = row_of(now, i), row_of(after, i), after.spin[i]
         if i == inputs:
@@ -192,23 +188,25 @@ def propagate(structure, scheme, fit, spin, h, ratio, t, new, memory, work, prob
         else:
             d_spin[1] = now.spin[i, 1]
             first = 1.0 if i == 0 else 0.0
-            d_spin[0] = first + d_spin[1] * since
-            d_spin[2] = since * (first + 0.5 * d_spin[1] * since)
+            d_spin[0] = first + d_spin[1] * elapsed
+            d_spin[2] = elapsed * (first + 0.5 * d_spin[1] * elapsed)
         if ratio != 1.0:
-            _rescale(old, ratio)
-        step_row(structure, scheme, fit, spin, h, i, old, out, d_spin, new, work, problem, of)
+            rescale_carried(old, ratio)
+        step_row(
+            structure, scheme, fit, spin, h, i, old, out, d_spin, new, work, problem, tangent_work
+        )
     if is_free:
         unit, unit_spin = row_of(after, inputs), after.spin[inputs]
         along = torque_along(structure, spin, inputs, unit, unit_spin, new, memory, work, tangents)
         for i in range(inputs):
             row, d_spin = row_of(after, i), after.spin[i]
             torque = torque_along(structure, spin, i, row, d_spin, new, memory, work, tangents)
-            d_alpha = _rate_along(
-                structure, memory.record, i, torque, along, d_spin[0], unit_spin[0]
-            )
-            _take(row, row, unit, d_spin, unit_spin, d_alpha)
+            d_alpha = _rate_along(memory.record, i, torque, along, d_spin[0], unit_spin[0])
+            _add_scaled(row, row, unit, d_spin, unit_spin, d_alpha)
     for i in range(inputs):
-        _take(row_of(now, i), row_of(after, i), row_of(after, i), now.spin[i], after.spin[i], 0.0)
+        _add_scaled(
+            row_of(now, i), row_of(after, i), row_of(after, i), now.spin[i], after.spin[i], 0.0
+        )
         for k in range(3):
             now.spin[i, k] = after.spin[i, k]
 
@@ -228,9 +226,9 @@ def _clear(row):
 
 @jit_not_inlined
 def observe_sensitivities(structure, motion, memory, work, tangents, out):
-    """Fill in what can be read of the sensitivities."""
+    """Fill in the outputs that are sensitivities."""
     now, spin = tangents.now, spin_now(memory.record)
-    drive = np.int64(0)  # for a literal there would be machine code of its own
+    drive = np.int64(0)  # a literal would be compiled separately
     row, d_spin = row_of(now, drive), now.spin[drive]
     if memory.record[0].is_free == 1:
         torque = drive_along(memory.record, 1.0, d_spin)
@@ -247,7 +245,7 @@ def observe_sensitivities(structure, motion, memory, work, tangents, out):
 
 @jit
 def _observe_port(structure, i, now, out):
-    """Fill in the change of displacement and velocity at a load by this load."""
+    """Fill in the derivatives of displacement and velocity at a load with respect to this load."""
     by_x, by_y = 1 + 2 * i, 2 + 2 * i
     x, y = at_load(structure, i, now.q[by_x]), at_load(structure, i, now.q[by_y])
     out[_PORT.dx_dfx], out[_PORT.dx_dfy] = x.real, y.real

@@ -1,5 +1,5 @@
-"""A step of Radau IIA in the time loop: rotation and loads at its stages, its local error, what the
-ledger and the amplitudes take of it."""
+"""A step of Radau IIA in the time loop: rotation and loads at its stages, its local error, ledger,
+monitors and recorder."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ from .monitors import monitor_revolution
 from .recorder import is_due, rows_within, write
 from .step_with_rotation import SPIN_ITERATIONS, SPIN_TOLERANCE
 
-# Of the tolerance, to which the interfaces' displacements are solved for in a step of a radian, and
-# the bounds of that.
+# Accuracy of the interfaces' displacements in a step of one radian, as a share of the tolerance,
+# and its bounds.
 OF_TOLERANCE, FINEST, COARSEST = 2e-2, 1e-10, 1e-5
-# Newton's iterations after which no longer step follows.
+# A step with more of Newton's iterations is not followed by a longer one.
 HARD = 3
-# How much larger the error of a step is than it seems in which two smooth motions meet.
+# Factor on the estimated error of a step in which two smooth motions meet.
 AT_JOINT = 60.0
-SEEN = 0.1  # of the rotation or the lowest mode, between looks at an amplitude, at most [rad]
+# Largest angle of the rotation or of the lowest mode between two checks of an amplitude [rad].
+MONITOR_ANGLE = 0.1
 
 
 @jit
 def _motion_at(motion, stages, i):
-    """Return the `Motion` of stage i, as far as energies and powers ask for it."""
+    """Return the `Motion` of stage i, as far as energies and powers need it."""
     return Motion(
         stages.q[i],
         stages.v[i],
@@ -47,9 +48,9 @@ def _motion_at(motion, stages, i):
 
 
 @jit
-def turn_in_stages(structure, control, t, h, motion, trial, memory, work, stages):
-    """Take a step in stages to time t [s] with the rotation that goes with it; see
-    `rotation.turn`, whose results these are."""
+def step_in_stages_with_rotation(structure, control, t, h, motion, trial, memory, work, stages):
+    """Take a step in stages to time t [s] with the rotation that belongs to it; the results are
+    those of `step_with_rotation`, without the fit."""
     r = memory.record[0]
     last = STAGES - 1
     for i in range(STAGES):
@@ -88,14 +89,14 @@ def turn_in_stages(structure, control, t, h, motion, trial, memory, work, stages
         is_small = largest <= SPIN_TOLERANCE * (1.0 + abs(stages.omega[last]))
         if r.is_free == 0 or (is_small and correction > 0):
             break
-        _follow(r, h, stages)
+        _integrate_rotation(r, h, stages)
         status = NOT_CONVERGED
     return status, total, spin_of_stage(stages, last), torque
 
 
 @jit
-def _follow(r, h, stages):
-    """Make speeds and angles of a free rotor those of its rates at the stages."""
+def _integrate_rotation(r, h, stages):
+    """Set speeds and angles of a free rotor from its rates at the stages."""
     for i in range(STAGES):
         omega = r.omega
         for k in range(STAGES):
@@ -110,9 +111,9 @@ def _follow(r, h, stages):
 
 @jit
 def stage_error(structure, control, size, frequency, h, motion, stages):
-    """Return what `error_control.local_error` does, of a step in stages: by the mean square over
-    the masses of its last acceleration less that which its start and its first two stages lead one
-    to expect."""
+    """Return the local error of a step in stages, as `error_control.local_error`: the mass-weighted
+    root mean square of its last acceleration less that extrapolated from its start and its first
+    two stages."""
     weights, difference = structure.weights, stages.scratch[0]
     for i in range(len(difference)):
         difference[i] = (
@@ -132,32 +133,32 @@ def stage_error(structure, control, size, frequency, h, motion, stages):
 
 @jit
 def has_joint(structure, old, stages):
-    """Return whether two motions meet within the step, each of them smooth: where a wall's force
-    begins, ceases, or reverses its friction."""
+    """Return whether two smooth motions meet within the step: where a wall's force begins, ceases,
+    or reverses its friction."""
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         if interface.has_wall == 0:
             continue
         force = old.force[j]
-        before = _across(force, relative(interface, old.q))
+        before = _torque_about_centre(force, relative(interface, old.q))
         for i in range(STAGES):
             if (stages.force[i, j] != 0.0) != (force != 0.0):
                 return True
-            after = _across(stages.force[i, j], stages.d[i, j])
+            after = _torque_about_centre(stages.force[i, j], stages.d[i, j])
             if before * after < 0.0:
                 return True
     return False
 
 
 @jit
-def _across(force, displacement):
-    """Return the torque of a wall's force about its middle [N.m]."""
+def _torque_about_centre(force, displacement):
+    """Return the torque of a wall's force about its centre [N.m]."""
     return displacement.real * force.imag - displacement.imag * force.real
 
 
 @jit
 def add_stage_work(h, memory, stages):
-    """Add to the ledger what flowed in the step."""
+    """Add the flows of the step to the ledger."""
     for i in range(len(memory.power)):
         flow = 0.0
         for k in range(STAGES):
@@ -167,12 +168,12 @@ def add_stage_work(h, memory, stages):
 
 
 @jit
-def pass_stages(structure, h, motion, trial, memory, stages):
-    """Let the amplitudes see the motion within an accepted step, at even distances of `SEEN` at
-    most; trial is overwritten."""
+def update_monitors_within_step(structure, h, motion, trial, memory, stages):
+    """Update the amplitude monitors at intermediate points of an accepted step, at even distances
+    of at most `MONITOR_ANGLE`; trial is overwritten."""
     last = STAGES - 1
     fastest = max(abs(stages.omega[last]), structure.numbers[0].lowest_omega)
-    parts = max(1, math.ceil(h * fastest / SEEN))
+    parts = max(1, math.ceil(h * fastest / MONITOR_ANGLE))
     for k in range(1, parts):
         x = k / parts
         omega, theta = _turned_within(h, x, stages)
@@ -185,13 +186,14 @@ def pass_stages(structure, h, motion, trial, memory, stages):
 
 @jit
 def _back(h, x, k):
-    """Return the weight of stage k in an integral from the end of a step back to x of it [s]."""
+    """Return the weight of stage k in an integral from the end of a step back to the fraction x of
+    it [s]."""
     return h * (weight_until(k, x) - A[STAGES - 1, k])
 
 
 @jit
 def _turned_within(h, x, stages):
-    """Return speed and angle at a share x of the step."""
+    """Return speed and angle at a fraction x of the step."""
     omega, theta = stages.omega[STAGES - 1], stages.theta[STAGES - 1]
     for k in range(STAGES):
         omega += _back(h, x, k) * stages.alpha[k]
@@ -201,7 +203,7 @@ def _turned_within(h, x, stages):
 
 @jit
 def _displace(h, x, i, motion, trial, stages):
-    """Do what `_displace_within` does for one dof."""
+    """Do `_displace_within` for one dof."""
     trial.q[i] = motion.q[i]
     for k in range(STAGES):
         trial.q[i] += scaled(_back(h, x, k), stages.v[k, i])
@@ -209,16 +211,16 @@ def _displace(h, x, i, motion, trial, stages):
 
 @jit
 def _displace_within(h, x, motion, trial, stages):
-    """Make the displacements of `trial` those at a share x of the step that led to `motion`: the
-    polynomials through the velocities at the stages."""
+    """Set the displacements of `trial` to those at a fraction x of the step that led to `motion`:
+    the polynomials through the velocities at the stages."""
     for i in range(len(motion.q)):
         _displace(h, x, i, motion, trial, stages)
 
 
 @jit_not_inlined
 def record_stages(structure, h, motion, trial, memory, work, stages, recorder, out):
-    """Record an accepted step, whose end is the present state, and in between what is due there;
-    trial is overwritten. The state is as it was."""
+    """Record an accepted step, whose end is the present state, and rows within it that are due;
+    trial is overwritten, the state is not changed."""
     r = memory.record[0]
     parts = rows_within(structure, memory.record, recorder.head)
     r.h_last = h / parts
@@ -242,8 +244,8 @@ def record_stages(structure, h, motion, trial, memory, work, stages, recorder, o
 
 @jit
 def _move_within(h, x, motion, trial, memory, stages):
-    """Make `trial`, the rotation and the ledger those at a share x of the step: the polynomials
-    through the rates at the stages."""
+    """Set `trial`, the rotation and the ledger to those at a fraction x of the step: the
+    polynomials through the rates at the stages."""
     r = memory.record[0]
     _displace_within(h, x, motion, trial, stages)
     for i in range(len(motion.q)):

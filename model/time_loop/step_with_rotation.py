@@ -1,4 +1,4 @@
-"""The rotation that goes with a step: prescribed, or such that a free rotor's torques balance."""
+"""The rotation in a step: prescribed, or such that a free rotor's torques balance."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from ..step.step_status import DONE, NOT_CONVERGED
 from .energy import powers
 from .memory import move_loads, spin_at
 
-# A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
+# The rate of a free rotor is found by repeating the step, at least once, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 
 
 @jit
 def imbalance(structure, record, omega, torque, h):
-    """Return the change of a free rotor's rate [rad/s2], at the end of a step of length h [s], that
-    makes its drive less the share of its line's impedance `torque`; of another rotor not at all."""
+    """Return the change of a free rotor's rate [rad/s2], at the end of a step of length h [s], with
+    which its drive less the torque of its line's impedance equals `torque`; 0 for another rotor."""
     r = record[0]
     if r.is_free == 0:
         return 0.0
@@ -28,12 +28,12 @@ def imbalance(structure, record, omega, torque, h):
 
 
 @jit_inlined
-def turn(structure, scheme, control, t, h, motion, trial, memory, work, problem):
-    """Take a step to time t [s] with the rotation that goes with it: prescribed, or such that a
-    free rotor's torques balance at its end. Fills work.powers.
+def step_with_rotation(structure, scheme, control, t, h, motion, trial, memory, work, problem):
+    """Take a step to time t [s] with the rotation that belongs to it: prescribed, or such that a
+    free rotor's torques balance at its end. Fill work.powers.
 
-    Returns the status, the Newton iterations, what the scheme was fitted with, the rotation, and
-    the drive's torque [N.m].
+    Return the status, the Newton iterations, the fit of the scheme, the rotation, and the drive's
+    torque [N.m].
     """
     r, loads = memory.record[0], memory.loads
     move_loads(memory, t)

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.functions import direction, scaled
+from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_inlined
 from ..step.fitting import characteristic_frequency_after, unfitted
+from ..step.step import rescale_carried
 from ..step.step_status import DONE, ENDED_EARLY, UNFINISHED
 from .communication_interval import begin_interval
 from .control import CONTROLLED, propose_step, retry_step, step_error, varies
-from .early_return import CLOSED, GOES_ON, is_watched, what_ends
+from .early_return import CLOSED, GOES_ON, early_return_cause, is_watched
 from .energy import has_power, port_power
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
 from .memory import PEAK, move_loads, spin_now
@@ -25,12 +26,12 @@ from .sensitivities import begin_tangents, propagate
 from .stage_loop import (
     HARD,
     add_stage_work,
-    pass_stages,
     record_stages,
     stage_error,
-    turn_in_stages,
+    step_in_stages_with_rotation,
+    update_monitors_within_step,
 )
-from .step_with_rotation import turn
+from .step_with_rotation import step_with_rotation
 
 _ROUNDING = 4.0 * 2.0**-52  # of a host's time
 _MOST = 1e15  # steps of an interval: more would be no whole number
@@ -70,7 +71,7 @@ def _commit(run, control, h, spin, torque):
     r.steps += 1
     r.h_last = h
     if control.stages > 0:
-        pass_stages(structure, h, motion, trial, memory, run.stages)
+        update_monitors_within_step(structure, h, motion, trial, memory, run.stages)
     r.omega = spin.omega
     r.theta = spin.theta
     r.alpha = spin.alpha
@@ -91,36 +92,31 @@ def _commit(run, control, h, spin, torque):
 
 @jit
 def _rescale(record, h, motion):
-    """Make the accelerations that generalized-alpha carries along those of steps of length h [s].
+    """Rescale the accelerations carried by generalized-alpha to steps of length h [s].
 
-    They belong to an instant (alpha_m - alpha_f) h away: left as they were, a step would be of
-    first order in the change of h.
+    They belong to an instant (alpha_m - alpha_f) h away: unchanged, a step would be of first order
+    in the change of h.
     """
     r = record[0]
     if r.h_carried > 0.0 and h != r.h_carried:
-        ratio = h / r.h_carried
-        for i in range(len(motion.a)):
-            motion.a[i] = motion.v_dot[i] + scaled(ratio, motion.a[i] - motion.v_dot[i])
-        for i in range(len(motion.internal_state)):
-            change = motion.internal_rate_carried[i] - motion.internal_rate[i]
-            motion.internal_rate_carried[i] = motion.internal_rate[i] + ratio * change
+        rescale_carried(motion, h / r.h_carried)
     r.h_carried = h
 
 
 @jit_inlined
 def _attempt(run, scheme, control, t, h):
-    """Take a step to time t [s], and judge it: returns its status, its Newton iterations, what the
-    scheme was fitted with, the rotation, the drive's torque [N.m], and, of a step that is done, the
-    measures of its local error, that error and what the step is judged by."""
+    """Take a step to time t [s], and judge it: return its status, its Newton iterations, the fit of
+    the scheme, the rotation, the drive's torque [N.m], and, if it is done, the measures of its
+    local error, that error, and the error in the measure of the mode."""
     structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
     r = memory.record[0]
     fit = unfitted()
     if control.stages > 0:
-        status, iterations, spin, torque = turn_in_stages(
+        status, iterations, spin, torque = step_in_stages_with_rotation(
             structure, control, t, h, motion, trial, memory, run.work, run.stages
         )
     else:
-        status, iterations, fit, spin, torque = turn(
+        status, iterations, fit, spin, torque = step_with_rotation(
             structure, scheme, control, t, h, motion, trial, memory, run.work, run.problem
         )
     measures, local, error = NOTHING, 0.0, 0.0
@@ -138,17 +134,18 @@ def _attempt(run, scheme, control, t, h):
 
 @jit
 def _parts(r, t_end, h):
-    """Return in how many equal steps, of about h [s], what remains until t_end [s] is cut, so that
-    none is a sliver, also where the host's time is so late that its rounding is a part of h."""
+    """Return the number of equal steps, of about h [s], into which the time until t_end [s] is
+    divided, so that the last one is not tiny, also where the host's time is so late that its
+    rounding is a part of h."""
     rounding = _ROUNDING * (abs(r.t_of_host) + abs(t_end)) / h
     return max(1.0, math.ceil(min(_MOST, (t_end - r.t) / h - min(0.1, max(1e-6, rounding)))))
 
 
 @jit_inlined
 def _record(run, control, h):
-    """Let the recorder write a row where one is due."""
+    """Let the recorder write a row if one is due."""
     structure, motion, memory = run.structure, run.motion, run.memory
-    recorder, observed = run.recorder, run.reading.observed
+    recorder, observed = run.recorder, run.outputs.observed
     if len(recorder.rows) == 0:
         return
     if control.stages > 0:
@@ -160,13 +157,77 @@ def _record(run, control, h):
 
 
 @jit_inlined
+def _accepted_step(run, scheme, control, t_end, parts, taken):
+    """Take one of `parts` steps until t_end [s], repeated until it is accepted; `taken` iterations
+    went before.
+
+    Return both numbers now, end [s], length [s] and proposed length [s] of the step, whether it was
+    repeated, and what `_attempt` returns; a status other than DONE is that of a failure.
+    """
+    structure, motion, memory = run.structure, run.motion, run.memory
+    r = memory.record[0]
+    is_varied = varies(control.mode)
+    shortest = control.h_min * (1.0 + 1e-5)
+    h, t, proposed, was_rejected = (t_end - r.t) / parts, r.t, r.h, False
+    status, iterations, fit, spin = UNFINISHED, 0, unfitted(), spin_now(memory.record)
+    torque, measures, local, error = 0.0, NOTHING, 0.0, 0.0
+    while True:
+        if is_varied:
+            monitor_work(structure, memory)
+        if taken >= r.max_iterations:
+            status = UNFINISHED
+            break
+        t = t_end if parts == 1.0 else r.t + h
+        if control.mode == CONTROLLED:
+            _rescale(memory.record, h, motion)
+        status, iterations, fit, spin, torque, measures, local, error = _attempt(
+            run, scheme, control, t, h
+        )
+        r.newton += iterations
+        taken += max(1, iterations)
+        if status == DONE:
+            if not is_varied or error <= control.eps_max:
+                break
+            if h <= shortest:
+                if control.mode == CONTROLLED and math.isnan(r.coarse_at):
+                    r.coarse_at = r.t
+                break
+        elif not is_varied or h <= shortest:
+            break
+        r.rejected += 1
+        was_rejected = True
+        proposed = retry_step(structure, control, h, error, status == DONE, motion, run.trial)
+        parts = _parts(r, t_end, proposed)
+        h = (t_end - r.t) / parts
+    step = status, iterations, fit, spin, torque, measures, local, error
+    return parts, taken, t, h, proposed, was_rejected, step
+
+
+@jit_inlined
+def _propose_next(run, control, is_steady, is_sliver, step, proposed, h, was_rejected):
+    """Choose the length of the next step, and update the records of lengths and errors."""
+    memory = run.memory
+    r = memory.record[0]
+    _, iterations, _, spin, _, _, _, error = step
+    if is_steady and r.error_touched == 0 and not was_rejected:
+        r.h = steady_length(run.structure, control, spin.omega, proposed, h, error, memory)
+    else:
+        is_hard = control.stages > 0 and iterations > HARD
+        r.h = propose_step(control, proposed, h, error, r.error, was_rejected or is_hard)
+    if not is_sliver:
+        r.error = error
+        r.carried_since = r.t
+    r.residual = max(r.residual, run.problem.residual[0])
+    r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
+    r.h_largest = max(r.h_largest, proposed)
+
+
+@jit_inlined
 def _time_loop(run, scheme, control, tangents, t_end):
-    """Take steps until t_end [s]; returns DONE or why not."""
+    """Take steps until t_end [s]; return DONE or why not."""
     structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
     r = memory.record[0]
     memory.peaks[PEAK.since_communication, :, :] = 0.0
-    is_varied = varies(control.mode)
-    shortest = control.h_min * (1.0 + 1e-5)
     # of a machine that is unstable with its contacts open
     is_steady = control.mode == CONTROLLED and control.h_in_the_open < math.inf
     if is_steady:
@@ -174,42 +235,16 @@ def _time_loop(run, scheme, control, tangents, t_end):
     taken = 0
     parts = _parts(r, t_end, r.h) if t_end > r.t else 0.0
     while parts >= 1.0:
-        h = (t_end - r.t) / parts
-        proposed = r.h
-        was_rejected = False
         h_before = r.h_carried
-        while True:
-            if is_varied:
-                monitor_work(structure, memory)
-            if taken >= r.max_iterations:
-                r.failed_at = r.t
-                r.failed_h = h
-                return UNFINISHED
-            t = t_end if parts == 1.0 else r.t + h
-            if control.mode == CONTROLLED:
-                _rescale(memory.record, h, motion)
-            status, iterations, fit, spin, torque, measures, local, error = _attempt(
-                run, scheme, control, t, h
-            )
-            r.newton += iterations
-            taken += max(1, iterations)
-            if status == DONE:
-                if not is_varied or error <= control.eps_max:
-                    break
-                if h <= shortest:
-                    if control.mode == CONTROLLED and math.isnan(r.coarse_at):
-                        r.coarse_at = r.t
-                    break
-            elif not is_varied or h <= shortest:
-                r.failed_at = r.t
-                r.failed_h = h
-                return status
-            r.rejected += 1
-            was_rejected = True
-            proposed = retry_step(structure, control, h, error, status == DONE, motion, trial)
-            parts = _parts(r, t_end, proposed)
-            h = (t_end - r.t) / parts
-        ends = what_ends(structure, motion, trial, r) if is_watched(r) else GOES_ON
+        parts, taken, t, h, proposed, was_rejected, step = _accepted_step(
+            run, scheme, control, t_end, parts, taken
+        )
+        status, _, fit, spin, torque, measures, local, _ = step
+        if status != DONE:
+            r.failed_at = r.t
+            r.failed_h = h
+            return status
+        ends = early_return_cause(structure, motion, trial, r) if is_watched(r) else GOES_ON
         if GOES_ON < ends < CLOSED:
             r.failed_at = r.t
             return ENDED_EARLY + ends
@@ -227,18 +262,8 @@ def _time_loop(run, scheme, control, tangents, t_end):
         r.t = t
         r.h_carried = h
         r.damping = fit.damping
-        if is_steady and r.error_touched == 0 and not was_rejected:
-            r.h = steady_length(structure, control, spin.omega, proposed, h, error, memory)
-        else:
-            is_hard = control.stages > 0 and iterations > HARD
-            r.h = propose_step(control, proposed, h, error, r.error, was_rejected or is_hard)
         is_sliver = control.mode == CONTROLLED and t - r.carried_since < _SLIVER * proposed
-        if not is_sliver:
-            r.error = error
-            r.carried_since = t
-        r.residual = max(r.residual, run.problem.residual[0])
-        r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
-        r.h_largest = max(r.h_largest, proposed)
+        _propose_next(run, control, is_steady, is_sliver, step, proposed, h, was_rejected)
         if is_sliver:
             _keep_carried(motion, trial)
         _commit(run, control, h, spin, torque)
@@ -247,19 +272,19 @@ def _time_loop(run, scheme, control, tangents, t_end):
         if ends >= CLOSED and parts >= 1.0:
             r.failed_at = r.t
             return ENDED_EARLY + ends
-        if is_varied and parts >= 1.0:
+        if varies(control.mode) and parts >= 1.0:
             parts = _parts(r, t_end, r.h)
     return DONE
 
 
 @jit_inlined
 def advance(run, scheme, control, tangents, t_end, drive, rate, d_rate):
-    """Advance to t_end [s]; returns DONE or why not.
+    """Advance to t_end [s]; return DONE or why not.
 
-    drive: the speed now [rad/s], of a free rotor the torque [N.m]; rate: of either [rad/s2, N.m/s],
-    and its derivative by the speed [1/s]; memory.loads: now [N], with memory.load_rates
-    [N/s]. All are linear in time until t_end.
-    On failure the state is that after the last accepted step.
+    drive: the speed now [rad/s], of a free rotor the torque [N.m]; rate: of either [rad/s2, N.m/s];
+    d_rate: its derivative with respect to the speed [1/s]; memory.loads: now [N], with
+    memory.load_rates [N/s]. All are linear in time until t_end. On failure the state is that after
+    the last accepted step.
     """
     structure, motion, memory, work = run.structure, run.motion, run.memory, run.work
     begin_interval(structure, drive, rate, False, motion, memory, work)

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import polynomial
-from rotor_fmu.model.schemes.family import LARGEST, SchemeError
-from rotor_fmu.model.schemes.spectral import Coefficients, balance
+
+from papers.integrators.members import LARGEST, SchemeError
+from papers.integrators.spectral import Coefficients, balance
 
 
 @dataclass(frozen=True)

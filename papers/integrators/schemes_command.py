@@ -13,10 +13,10 @@ import typer
 from rich import box
 from rich.console import Console
 from rich.table import Table
-from rotor_fmu.model.schemes import family, spectral
-from rotor_fmu.model.schemes.family import Scheme, SchemeError
-from rotor_fmu.model.schemes.spectral import Method, Survey
 
+from papers.integrators import members, spectral
+from papers.integrators.members import Scheme, SchemeError
+from papers.integrators.spectral import Method, Survey
 from rotor_fmu.cells import cell
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.files import unfinished
@@ -62,22 +62,22 @@ def _family(
 ) -> Scheme:
     """Generalized-alpha with its own beta and gamma (paper B, eqs 8 and 9) where none is given."""
     if beta is None or gamma is None:
-        own = family.generalized_alpha(alpha_f, alpha_m)
+        own = members.generalized_alpha(alpha_f, alpha_m)
         beta = own.beta if beta is None else beta
         gamma = own.gamma if gamma is None else gamma
-    return family.general(alpha_f, alpha_m, beta, gamma)
+    return members.general(alpha_f, alpha_m, beta, gamma)
 
 
 KINDS = {
-    "newmark": Kind(family.newmark, ("beta", "gamma")),
+    "newmark": Kind(members.newmark, ("beta", "gamma")),
     "hht": Kind(_family, ("alpha_f", "beta", "gamma"), 1),
     "wbz": Kind(_family, ("alpha_m", "beta", "gamma"), 1),
     "generalized-alpha": Kind(_family, ("alpha_f", "alpha_m", "beta", "gamma"), 2),
-    "chung-hulbert": Kind(family.chung_hulbert, ("rho",), 1),
-    "moderate-dissipation": Kind(lambda: family.MODERATE_DISSIPATION),
-    "transient-fidelity": Kind(lambda: family.TRANSIENT_FIDELITY),
-    "average-acceleration": Kind(family.newmark),
-    "linear-acceleration": Kind(lambda: family.newmark(1 / 6)),
+    "chung-hulbert": Kind(members.chung_hulbert, ("rho",), 1),
+    "moderate-dissipation": Kind(lambda: members.MODERATE_DISSIPATION),
+    "transient-fidelity": Kind(lambda: members.TRANSIENT_FIDELITY),
+    "average-acceleration": Kind(members.newmark),
+    "linear-acceleration": Kind(lambda: members.newmark(1 / 6)),
     "central-difference": Kind(classical.CentralDifference),
     "houbolt": Kind(classical.Houbolt),
     "wilson": Kind(classical.WilsonTheta, ("theta",)),
@@ -141,8 +141,8 @@ class Row:
 
     @property
     def rebound(self) -> float | None:
-        """See `schemes.rebound`; None outside the family."""
-        return family.rebound(self.method) if isinstance(self.method, Scheme) else None
+        """See `schemes.rebound`; None outside the members."""
+        return members.rebound(self.method) if isinstance(self.method, Scheme) else None
 
     def rho(self, ratio: float) -> float:
         """Spectral radius [1] at dt/T = ratio."""
@@ -167,7 +167,7 @@ def remarks(row: Row) -> list[str]:
             result.append("alpha_f has the opposite sign of Abaqus' ALPHA")
         if abs(scheme.gamma - 0.5 + scheme.alpha_m - scheme.alpha_f) > 1e-9:
             result.append("first order: gamma is not 1/2 - alpha_m + alpha_f")
-        if abs(family.rebound(scheme) - 1) < 1e-4:
+        if abs(members.rebound(scheme) - 1) < 1e-4:
             result.append("meets the energy-momentum criterion, paper B (12)")
     return result
 

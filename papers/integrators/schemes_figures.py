@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from rotor_fmu.model.schemes import spectral
-from rotor_fmu.model.schemes.spectral import Method
 
+from papers.integrators import spectral
+from papers.integrators.spectral import Method
 from rotor_fmu.plotting.figure_style import new_figure, save
 
 # Okabe and Ito with a grey in the place of the yellow, which is too faint for a line.

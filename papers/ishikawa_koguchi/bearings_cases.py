@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
-from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION
 
+from papers.integrators.members import MODERATE_DISSIPATION
 from rotor_fmu.cells import markdown_table
 from rotor_fmu.errors import writable_folder
 from rotor_fmu.files import write_text

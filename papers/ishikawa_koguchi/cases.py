@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rotor_fmu.model.schemes import family, spectral
-from rotor_fmu.model.schemes.family import Scheme
 
+from papers.integrators import members, spectral
+from papers.integrators.members import Scheme
 from rotor_fmu.errors import InputError
 
 from ..integrators.schemes_command import Row, parse_scheme, remarks
@@ -70,7 +70,7 @@ def cases(names: Sequence[str], impact: str | None) -> list[ImpactCase]:
 def flags(case: ImpactCase) -> list[str]:
     """What a user should know of these parameters before believing a run."""
     result = remarks(Row(case.name, case.scheme, 0.0, spectral.survey(case.scheme)))
-    rebound = abs(family.rebound(case.scheme))
+    rebound = abs(members.rebound(case.scheme))
     if case.impact == "no" and rebound > 1.001:
         result.append(
             f"a contact point that touches for one step leaves {rebound:.3g} times faster"

@@ -129,9 +129,8 @@ def core(platforms: Platforms = None) -> dict[str, Any]:
 def _step(text: str) -> float:
     step, setting = in_si("--realtime", text, "s"), BY_NAME["h"]
     assert isinstance(setting, Number)
-    allowed = setting.range
-    if not allowed.low < step <= allowed.high:
-        raise InputError(f"--realtime {text}: {allowed.words(' s')}")
+    if not setting.rule.allows(step):
+        raise InputError(f"--realtime {text}: {setting.rule.words}")
     return step
 
 

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ..about import RELEASED, __version__
 from ..model.machine.rotor import Rotor
-from ..model.parts.base import Release
+from ..model.parts.base import ReleaseElement
 from ..model.quantities import ALL, SPEED
 from ..model.settings import Settings
 from ..model.structure.assembly import assemble
@@ -91,7 +91,7 @@ def summary(rotor: Rotor, is_free: bool) -> str:
     counted = Counter(
         part.KIND
         for part in rotor.parts
-        if not any(isinstance(e, Release) for e in part.elements("", rotor.material.density))
+        if not any(isinstance(e, ReleaseElement) for e in part.elements("", rotor.material.density))
     )
     parts = ", ".join(_counted(kind.replace("_", " "), n) for kind, n in counted.items())
     drive = "a torque" if is_free else "its speed"

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..model.machine.rotor import Name, Rotor
 from ..model.parts import PARTS
-from ..model.parts.base import BASE, Port
+from ..model.parts.base import BASE, PortElement
 from ..model.quantities import ANY, Quantity
 from ..model.time_loop.observe import observed
 from ..operating_speeds import operating_speeds
@@ -52,19 +52,13 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
     return [drive, *(load for port in ports(rotor) for load in _loads(rotor, *port))]
 
 
-def ports(rotor: Rotor) -> list[tuple[str, Port]]:
+def ports(rotor: Rotor) -> list[tuple[str, PortElement]]:
     """Return where external forces act, with their parts' names, in the order of
     `Structure.load_dof`."""
-    density = rotor.material.density
-    return [
-        (where, element)
-        for where, part in rotor.named_parts()
-        for element in part.elements(where, density)
-        if isinstance(element, Port)
-    ]
+    return rotor.elements_of_kind(PortElement)
 
 
-def _loads(rotor: Rotor, name: str, port: Port) -> list[Variable]:
+def _loads(rotor: Rotor, name: str, port: PortElement) -> list[Variable]:
     """Return the external forces on a port along both axes [N], or the acceleration of the base
     [m/s2]."""
     if port.node == BASE:

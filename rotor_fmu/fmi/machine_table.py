@@ -15,7 +15,7 @@ import numpy as np
 from ..model.machine.rotor import HYSTERETIC_AT_REST, Rotor
 from ..model.message_templates import choice
 from ..model.messages import CODES, SENTENCES, closed_at
-from ..model.quantities import ANY, LARGEST, Quantity, Rule
+from ..model.quantities import ANY, LARGEST, Quantity
 from ..model.settings import settings_messages as of_settings
 from ..model.settings.table import NAMES, SETTINGS, Number
 from ..model.structure.assembly import interface_names
@@ -59,7 +59,7 @@ _ROLES = {
 }
 _SETTINGS = {variable.name: at for at, variable in enumerate(GIVEN)}
 _SETTING_RULES = {
-    variable.name: Rule(of.range.low, of.range.is_above, of.rule, of.range.high)
+    variable.name: of.rule
     for variable, of in zip(GIVEN[1:], SETTINGS, strict=True)
     if isinstance(of, Number)
 }
@@ -167,7 +167,7 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
             )
         ),
         *(where[f"memory.{name}"] for name in ("loads", "load_rates")),
-        *(where["reading.observed"], where["reading.derivatives"]),
+        *(where["outputs.observed"], where["outputs.derivatives"]),
         *(
             record + _field(RECORD, name)[1]
             for name in (

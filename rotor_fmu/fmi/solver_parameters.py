@@ -47,7 +47,7 @@ def _variable(setting: Choice | Number) -> Variable:
     if isinstance(setting, Number):
         text = f"{setting.text}; {setting.unset:g}: {AS_PRESET}"
         kind, unit, start = "Real", setting.unit, setting.unset
-        low, high = min(setting.range.low, start), max(setting.range.high, start)
+        low, high = min(setting.rule.least, start), max(setting.rule.most, start)
         if setting.is_whole:
             kind, start, low, high = "Integer", int(start), int(low), int(high)
     else:

@@ -23,6 +23,7 @@ from ..errors import RunFailed
 from ..model.kernels.cache import private_folder
 from ..model.kernels.digest import CARRIED, imported, made_here, record, syntax_digest
 from ..model.kernels.library import file_name, find, here
+from ..model.kernels.signatures import ANALYSES, RUN
 from .platforms import PLATFORMS, WASM, Platform
 
 _HERE = Path(__file__).parent
@@ -32,17 +33,12 @@ C_SOURCES = _FMI / "c"
 _TABLE = _FMI / "machine_table.py"
 _KEPT_VERSIONS = 8
 # Python's alone: no FMU gives linear answers or computes periodic motions.
-_OF_ANALYSES = (
-    *("rotor_call_laws", "rotor_vibrate_laws", "rotor_find_openings", "rotor_step_through"),
-)
+_OF_ANALYSES = tuple(f"rotor_{name}" for name in ANALYSES)
 # What is emitted in one process: two, of about the same work.
 _EMITTED_TOGETHER = (
     ("rotor_advance", "rotor_refresh_outputs", "rotor_resolve_settings", "rotor_settings_warning"),
     (
-        "rotor_start",
-        "rotor_survey",
-        "rotor_retune",
-        "rotor_differentiate",
+        *(f"rotor_{name}" for name in RUN if name not in ("advance", "refresh_outputs")),
         "rotor_no_rest",
         "rotor_growth",
         "rotor_unstable",

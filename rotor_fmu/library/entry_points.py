@@ -10,13 +10,14 @@ settings (`settings.resolver`); arguments: the numbers of the message, at most `
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from numba import literal_unroll, types
 
 from ..model import messages, outcomes
 from ..model.kernels.jit import jit
+from ..model.kernels.signatures import INTEGER, LAWS, PERIODIC, REAL, RUN
 from ..model.periodic import entry_points as periodic
 from ..model.settings import resolver
 from ..model.step import laws_along_motion
@@ -26,7 +27,7 @@ from ..model.time_loop.block import LAYOUT
 from ..model.warnings import RUN_WARNINGS
 
 _BLOCK, _NUMBERS = types.CPointer(types.uint8), types.CPointer(types.float64)
-_REAL = types.float64
+_TYPES = {REAL: types.float64, INTEGER: types.int64}
 _view = LAYOUT.view
 
 
@@ -98,25 +99,26 @@ def _source(kernel: Any) -> Callable[..., Any]:
     return function
 
 
+def _exported(module: Any, signatures: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
+    """Return the entry points of a module with the types of their arguments."""
+    return {
+        f"rotor_{name}": (_source(getattr(module, name)), (_BLOCK, *(_TYPES[n] for n in numbers)))
+        for name, numbers in signatures.items()
+    }
+
+
 FUNCTIONS = {
     "rotor_resolve_settings": (rotor_resolve_settings, (_BLOCK, _NUMBERS, _NUMBERS)),
     "rotor_settings_warning": (
         rotor_settings_warning,
         (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64),
     ),
-    "rotor_start": (_source(entry_points.start), (_BLOCK, _REAL, _REAL, _REAL)),
-    "rotor_advance": (_source(entry_points.advance), (_BLOCK, _REAL, _REAL, _REAL)),
-    "rotor_survey": (_source(entry_points.survey), (_BLOCK, _REAL, types.int64)),
-    "rotor_refresh_outputs": (_source(entry_points.refresh_outputs), (_BLOCK,)),
-    "rotor_retune": (_source(entry_points.retune), (_BLOCK, types.int64)),
-    "rotor_differentiate": (_source(entry_points.differentiate), (_BLOCK, types.int64)),
     "rotor_no_rest": (rotor_no_rest, (_BLOCK, types.int64, _NUMBERS)),
     "rotor_growth": (rotor_growth, (_BLOCK, _NUMBERS)),
     "rotor_unstable": (rotor_unstable, (_BLOCK, _NUMBERS)),
     "rotor_hidden": (rotor_hidden, (_BLOCK, _NUMBERS)),
     "rotor_outcome": (rotor_outcome, (_BLOCK, types.int64, _NUMBERS)),
-    "rotor_call_laws": (_source(laws_along_motion.call_laws), (_BLOCK, *4 * (_REAL,))),
-    "rotor_vibrate_laws": (_source(laws_along_motion.vibrate_laws), (_BLOCK, _REAL, _REAL, _REAL)),
-    "rotor_find_openings": (_source(laws_along_motion.find_openings), (_BLOCK,)),
-    "rotor_step_through": (_source(periodic.step_through), (_BLOCK, _REAL)),
+    **_exported(entry_points, RUN),
+    **_exported(laws_along_motion, LAWS),
+    **_exported(periodic, PERIODIC),
 }

@@ -6,7 +6,7 @@ from ..model.linear.linear_machine import OPEN, LinearError, LinearMachine
 from ..model.linear.modes import modes
 from ..model.machine.rotor import Rotor
 from ..model.outcomes import grows_at_rest
-from ..model.parts.base import Release
+from ..model.parts.base import ReleaseElement
 
 # Least Re lambda / |lambda| of what is called growing; share of the machine's lowest frequency
 # below which a root is a motion as a rigid body: rounding.
@@ -37,8 +37,4 @@ def machine_warnings(rotor: Rotor) -> list[str]:
 
 
 def _is_released(rotor: Rotor) -> bool:
-    return any(
-        isinstance(element, Release)
-        for where, part in rotor.named_parts()
-        for element in part.elements(where, rotor.material.density)
-    )
+    return bool(rotor.elements_of_kind(ReleaseElement))

@@ -12,8 +12,9 @@ from ..fmi.packing.machine_files import Machine
 from ..fmi.solver_parameters import PREFIX, REDUCTION
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
-from ..model.quantities import ANY, Rule
+from ..model.quantities import ANY, GRAVITY, Rule
 from ..model.structure.assembly import assemble
+from ..model.structure.structure import total_mass
 from ..operating_speeds import operating_speeds
 from ..runs.measuring_points import display_name
 
@@ -103,9 +104,9 @@ def _largest(table: Sequence[Variable]) -> Mapping[tuple[str, str], float]:
 
 def _weight(machine: Machine) -> float:
     """Return the rotor's weight on earth, rounded up to one digit: what loads compare with [N]."""
-    mass = float(assemble(machine.rotor).mass_sum[::2].sum())
-    decade = 10.0 ** math.floor(math.log10(mass * 9.81))
-    return math.ceil(mass * 9.81 / decade) * decade
+    mass = total_mass(assemble(machine.rotor))
+    decade = 10.0 ** math.floor(math.log10(mass * GRAVITY))
+    return math.ceil(mass * GRAVITY / decade) * decade
 
 
 def _control(v: Variable, reference: int) -> dict[str, Any]:

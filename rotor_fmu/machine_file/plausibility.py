@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from ..model.machine.rotor import Rotor
-from ..model.parts.base import Body
+from ..model.parts.base import BodyElement
 from ..model.quantities import quantities
 from ..operating_speeds import operating_speeds
 
@@ -112,7 +112,7 @@ def _relations(rotor: Rotor) -> Iterator[str]:
             )
         for element in part.elements(where, density):
             is_asked = getattr(part, "mass", None) == getattr(element, "mass", 0.0)
-            if isinstance(element, Body) and element.mass > _HEAVY and not is_asked:
+            if isinstance(element, BodyElement) and element.mass > _HEAVY and not is_asked:
                 yield f"{where}: has a mass of {element.mass / 1e3:.4g} t; are its lengths in m?"
     yield from _speed(rotor)
 

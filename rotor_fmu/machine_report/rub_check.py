@@ -18,7 +18,7 @@ from ..display import current
 from ..linear.answers import UnbalanceResponse, static, unbalance_response
 from ..model.linear.linear_machine import OPEN
 from ..model.machine.rotor import Rotor
-from ..model.parts.base import Interface, Part, Probe
+from ..model.parts.base import InterfaceElement, Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
 
 _TURNS = 1200.0  # of a run up or down
@@ -175,17 +175,16 @@ def _node(rotor: Rotor, name: str) -> int:
 
 def _is_probe(part: Part, name: str, rotor: Rotor) -> bool:
     """Return whether the motion of a part is an output with an amplitude."""
-    return any(isinstance(e, Probe) for e in part.elements(name, rotor.material.density))
+    return any(isinstance(e, ProbeElement) for e in part.elements(name, rotor.material.density))
 
 
 def _contacts(rotor: Rotor) -> dict[str, tuple[int, str, float]]:
     """Return node, housing and clearance of each contact by its name."""
     result = {}
-    for name, part in rotor.named_parts():
-        for element in part.elements(name, rotor.material.density):
-            if isinstance(element, Interface) and element.law.has_wall:
-                gap = float(getattr(part, "clearance", math.nan))
-                result[name] = (element.node, element.housing, gap)
+    for name, interface in rotor.elements_of_kind(InterfaceElement):
+        if interface.law.has_wall:
+            gap = float(getattr(interface.source, "clearance", math.nan))
+            result[name] = (interface.node, interface.housing, gap)
     return result
 
 

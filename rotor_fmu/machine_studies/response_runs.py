@@ -103,9 +103,9 @@ class ResponseRuns(MachineRuns):
 
     def warm(self) -> None:
         """Load the laws' tangents, by a machine that is condensed to them."""
-        from ..model.periodic.linear_structure import Condensed
+        from ..model.periodic.linear_structure import CondensedMachine
 
-        Condensed(self.machine.rotor)
+        CondensedMachine(self.machine.rotor)
 
     def run(self, values: Mapping[str, float]) -> Result:
         """Compute one response; a failure in it, impossible values included, is its status."""

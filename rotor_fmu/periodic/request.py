@@ -16,10 +16,10 @@ from ..fmi.interface import ports
 from ..linear.answers import rotor_of
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
-from ..model.periodic.arclength import Steps
+from ..model.periodic.arclength import ContinuationSteps
 from ..model.periodic.branch import Solution
-from ..model.periodic.checkpoint import Journal
-from ..model.periodic.continuation import Tell
+from ..model.periodic.checkpoint import EventLog
+from ..model.periodic.continuation import ReportPoint
 from ..model.periodic.harmonic_count import Accuracy
 from ..model.periodic.problem import SPEED, Task, check
 from ..model.periodic.response import response
@@ -54,8 +54,8 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
 def answer(
     machine: Rotor | Path | str,
     *,
-    tell: Tell = lambda _, __: None,
-    journal: Journal | None = None,
+    tell: ReportPoint = lambda _, __: None,
+    journal: EventLog | None = None,
     **options: Any,
 ) -> ResponseResult:
     """Periodic motions of a machine over its speed, or over another parameter.
@@ -82,7 +82,7 @@ class Question(NamedTuple):
 
 
 def found(
-    asked: Question, tell: Tell = lambda _, __: None, journal: Journal | None = None
+    asked: Question, tell: ReportPoint = lambda _, __: None, journal: EventLog | None = None
 ) -> ResponseResult:
     """The answer to a question; see `answer`."""
     try:
@@ -156,7 +156,7 @@ def question(
         period,
         constant_loads(rotor, loads or {}),
         Accuracy(share, min(3, harmonics), harmonics * period, stability),
-        Steps(most=step),
+        ContinuationSteps(longest=step),
         tuple(float(s) for s in seeds),
         whirl,
         None if start is None else start.orbit,

@@ -17,13 +17,13 @@ from ..errors import InputError
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
-from ..model.parts.base import Probe
-from ..model.periodic.arclength import Lost
+from ..model.parts.base import ProbeElement
+from ..model.periodic.arclength import NotConverged
 from ..model.periodic.branch import FOLD, Bifurcation, Solution
 from ..model.periodic.folds import FoldCurve
 from ..model.periodic.problem import Note, Response
-from ..model.periodic.queries import at, folds_over, stays
-from ..model.periodic.starting_points import Stay
+from ..model.periodic.queries import folds_over, motions_at, persists_in_time
+from ..model.periodic.starting_points import Persistence
 from ..model.quantities import QuantityError
 
 if TYPE_CHECKING:
@@ -183,12 +183,12 @@ class ResponseResult:
 
     def at(self, value: float) -> list[Solution]:
         """All motions at a value of the parameter, exact, stable ones and others."""
-        return at(self._found, value)
+        return motions_at(self._found, value)
 
-    def check(self, point: Solution, turns: int = 50) -> Stay:
+    def check(self, point: Solution, turns: int = 50) -> Persistence:
         """Start the integrator on a motion: whether it stays there for so many turns."""
         try:
-            return stays(self._found, point, turns)
+            return persists_in_time(self._found, point, turns)
         except QuantityError as error:
             raise InputError(str(error)) from error
 
@@ -209,7 +209,7 @@ class ResponseResult:
             return folds_over(self._found, folds[i], name, low, high)
         except QuantityError as error:
             raise InputError(str(error)) from error
-        except Lost as error:
+        except NotConverged as error:
             raise InputError(f"{name}: no curve of folds begins there: {error}") from error
 
     def dataframe(self) -> Any:
@@ -329,11 +329,9 @@ def pieces(stable: Sequence[bool]) -> list[tuple[slice, bool]]:
 def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
     """Names of the places that are observed, with dof, slope and offset [m]."""
     result = {}
-    for where, part in rotor.named_parts():
-        for element in part.elements(where, rotor.material.density):
-            if isinstance(element, Probe):
-                dof = 2 * (element.node - 1)
-                result[where] = (dof, dof + 1, element.offset)
+    for where, probe in rotor.elements_of_kind(ProbeElement):
+        dof = 2 * (probe.node - 1)
+        result[where] = (dof, dof + 1, probe.offset)
     return result
 
 

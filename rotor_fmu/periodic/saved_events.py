@@ -18,23 +18,33 @@ import numpy as np
 from ..about import __version__
 from ..files import only_call
 from ..model.message_templates import Message
-from ..model.periodic.arclength import Point
+from ..model.periodic.arclength import CurvePoint
 from ..model.periodic.balance import Orbit
-from ..model.periodic.branch import Bifurcation, Passed, Place, Solution
-from ..model.periodic.checkpoint import Ended, Event, Journal, Start, Started
+from ..model.periodic.branch import Bifurcation, Solution, TracedPoint, TracerState
+from ..model.periodic.checkpoint import BranchStart, EndEvent, Event, EventLog, StartEvent
 from ..model.periodic.problem import Note
 
 FILE, LOCK = "points.jsonl", "points.lock"
 _KINDS: Mapping[str, Callable[..., Any]] = {
     kind.__name__: kind
-    for kind in (Orbit, Point, Place, Solution, Bifurcation, Passed, Start, Started, Ended)
+    for kind in (
+        Orbit,
+        CurvePoint,
+        TracerState,
+        Solution,
+        Bifurcation,
+        TracedPoint,
+        BranchStart,
+        StartEvent,
+        EndEvent,
+    )
 }
 
 
 class Saved(NamedTuple):
     """A journal that is saved, and how many points an earlier call had come to."""
 
-    journal: Journal
+    journal: EventLog
     before: int
 
 
@@ -70,8 +80,8 @@ def _journal(path: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Save
             file.write(json.dumps(_encoded(event)) + "\n")
             file.flush()
 
-        before = sum(isinstance(event, Passed) for event in events)
-        yield Saved(Journal(events, write), before)
+        before = sum(isinstance(event, TracedPoint) for event in events)
+        yield Saved(EventLog(events, write), before)
 
 
 def _encoded(thing: Any) -> Any:

@@ -328,7 +328,7 @@ def test_one_of_them_alone_is_refused_by_its_name_and_can_be_mended(new):
         ("solver.tolerance", -1e-3, r"^solver\.tolerance = -0\.001: must be at least 1e-09 and"),
         ("solver.h_max", 5.0, r"^solver\.h_max = 5 s: must be > 0 and at most 1 s$"),
         ("solver.rho", 2.0, r"^solver\.rho = 2"),
-        ("solver.alpha_f", 0.1, r"^solver\.alpha_f = 0\.1: chung-hulbert does not take it"),
+        ("solver.alpha_f", 0.1, r"^solver\.alpha_f = 0\.1: not a parameter of chung-hulbert"),
     ],
 )
 def test_a_setting_that_cannot_be_is_refused_by_its_parameters_name(new, name, value, sentence):

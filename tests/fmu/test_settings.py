@@ -5,7 +5,7 @@ import random
 import pytest
 from rotor_fmu.model import messages
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.message_templates import choice, spell
+from rotor_fmu.model.message_templates import choice, fill_template
 from rotor_fmu.model.settings import SettingsError
 
 from rotor_fmu.fmi.binding import build_simulation
@@ -89,6 +89,6 @@ def test_every_sentence_has_its_places_and_none_too_many():
     for text in messages.SENTENCES:
         places = choice(("here", "there"))
         spoken = text.replace("{where}", places).replace("{names}", places)
-        shown = spell(spoken, [1.0] * text.count("{"))
+        shown = fill_template(spoken, [1.0] * text.count("{"))
         assert "{" not in shown
         assert "}" not in shown

@@ -17,7 +17,7 @@ MACHINES = {
     "beyond": (f"{rig_toml()}[start]\ny = -0.05\n", "[start]: node 1 lies 0.05 m from the axis"),
     "hump": (
         rig_toml().replace("[[bearing]]", "[[bearing]]\nwear = 0.3\nwear_angle = 1.5707963"),
-        "a journal lies on a hump of its worn bore",
+        "a journal rests on the ridge of its worn bore",
     ),
     "stiff": (
         STIFF + BEARING.format(1) + BEARING.format(61),

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from ..kernels.jit import jit
 from ..quantities import NOT_NEGATIVE, Output, places, quantity
-from .base import Element, Interface, Part
+from .base import Element, InterfaceElement, Part
 from .law import Law
 
 
@@ -84,4 +84,4 @@ class CubicSpring(CubicQuantities, _OnNode, Part):
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One interface."""
-        yield Interface(self.node, CUBIC, self)
+        yield InterfaceElement(self.node, CUBIC, self)

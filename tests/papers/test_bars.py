@@ -5,14 +5,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from rotor_fmu.model.schemes.family import (
+
+from papers.integrators.members import (
     MODERATE_DISSIPATION,
     TRANSIENT_FIDELITY,
     Scheme,
     hht,
     newmark,
 )
-
 from papers.ishikawa_koguchi.impact.bars import Bars, run_bars
 from papers.ishikawa_koguchi.impact.stepping.failures import ImpactError
 

@@ -5,7 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.schemes.family import (
+from scipy.optimize import minimize, nnls
+
+from papers.integrators.members import (
     MODERATE_DISSIPATION,
     TRANSIENT_FIDELITY,
     amplification,
@@ -15,8 +17,6 @@ from rotor_fmu.model.schemes.family import (
     rebound,
     wbz,
 )
-from scipy.optimize import minimize, nnls
-
 from papers.ishikawa_koguchi.impact.stepping.contacts import FlatStops, RoundStops
 from papers.ishikawa_koguchi.impact.stepping.hard_stop import complementarity, held, unilateral
 from papers.ishikawa_koguchi.impact.stepping.march import march

@@ -9,7 +9,6 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.support import Support
-from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark, wbz
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
@@ -17,6 +16,7 @@ from rotor_fmu.model.structure.assembly import assemble
 from papers.integrators.false_state import bouncing, one_axis
 from papers.integrators.false_state import cycles as false_state
 from papers.integrators.false_state.planting import plant, put
+from papers.integrators.members import chung_hulbert, generalized_alpha, hht, newmark, wbz
 from papers.integrators.survey.planted import lasting_cycles
 
 from ..machines import overhung

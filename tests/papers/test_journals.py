@@ -8,11 +8,11 @@ import pytest
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.disc import Disc
-from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
+from papers.integrators.members import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
 from papers.ishikawa_koguchi.impact.journals import JournalStructure, RunDown, run_journals
 from papers.ishikawa_koguchi.impact.stepping.failures import ImpactError
 from tests.dense import dense_matrices

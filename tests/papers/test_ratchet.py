@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
 
+from papers.integrators.members import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
 from papers.ishikawa_koguchi.impact.ratchet import build, parse_ratchet, ratchet_toml, run_ratchet
 from papers.ishikawa_koguchi.impact.stepping.failures import ImpactError
 

@@ -8,11 +8,10 @@ import pytest
 import typer
 from matplotlib.image import imread
 from rotor_fmu.model import settings
-from rotor_fmu.model.schemes import family, spectral
 from rotor_fmu.model.settings.table import IN_STAGES
 from typer.testing import CliRunner
 
-from papers.integrators import schemes_command
+from papers.integrators import members, schemes_command, spectral
 from papers.integrators import schemes_figures as spectral_figures
 
 app = typer.Typer(rich_markup_mode=None, add_completion=False)
@@ -92,12 +91,12 @@ def test_both_papers_signs_and_abaqus_name_the_same_scheme():
         return schemes_command.parse_scheme(text)[1]
 
     paper_a = parse("generalized-alpha=0.1,0.08")
-    assert paper_a == family.generalized_alpha(alpha_f=0.1, alpha_m=0.08)
+    assert paper_a == members.generalized_alpha(alpha_f=0.1, alpha_m=0.08)
     assert parse("generalized-alpha=alpha_B=0.08,alpha_H=0.1") == paper_a
     assert parse("hht=alpha=-0.05") == parse("hht=0.05") == parse("transient-fidelity")
-    assert parse("hht=alpha=-0.5,beta=0.5625,gamma=1.0") == family.hht(0.5)
-    assert parse("newmark=gamma=0.52") == family.newmark(0.25, 0.52)
-    assert parse("moderate-dissipation") == family.hht(math.sqrt(2) - 1)
+    assert parse("hht=alpha=-0.5,beta=0.5625,gamma=1.0") == members.hht(0.5)
+    assert parse("newmark=gamma=0.52") == members.newmark(0.25, 0.52)
+    assert parse("moderate-dissipation") == members.hht(math.sqrt(2) - 1)
 
 
 @pytest.mark.usefixtures("undrawn")

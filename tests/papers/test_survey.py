@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION, chung_hulbert, hht, newmark, wbz
 
 from papers.integrators.__main__ import app
+from papers.integrators.members import MODERATE_DISSIPATION, chung_hulbert, hht, newmark, wbz
 from papers.integrators.survey import planted, rotor, survey_command
 from papers.integrators.survey.findings import Findings, safe_schemes
 from papers.integrators.survey.grid import (

@@ -2,10 +2,9 @@
 
 import numpy as np
 from rotor_fmu.model.backend import bound_unless_compiled
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.parts import LAWS
-from rotor_fmu.model.step.laws_along_motion import alone as one_alone
-from rotor_fmu.model.step.laws_along_motion import block_of, call_laws
+from rotor_fmu.model.step.laws_along_motion import block_of, call_laws, single_law
 
 
 class StatedLaw:
@@ -14,7 +13,7 @@ class StatedLaw:
     def __init__(self, alone):
         self.alone, self.law, self.speed = alone, alone._law, alone.speed
         self.count = len(alone._states)
-        one = one_alone(self.law, alone._record, alone._tables, self.count)
+        one = single_law(self.law, alone._record, alone._tables, self.count)
         block, data = block_of(*one, samples=1)
         # where the law that is called puts its pads
         laws = data.machine.laws
@@ -28,7 +27,7 @@ class StatedLaw:
     def _at(self, d, v, weights, own):
         at = self._sample
         at.d[0, 0], at.v[0, 0] = d, v
-        at.own[0] = at.solved[0] = own
+        at.states[0] = at.solved[0] = own
         self._call_laws(*map(float, weights), self.speed)
         return at
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts import clearance_contact, touchdown_bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact

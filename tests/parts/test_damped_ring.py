@@ -128,8 +128,8 @@ def test_linear_answers_of_a_full_film():
     s, D = 140.0, math.pi * FILM
     held = CAGE - RING * s**2 + 1j * s * D + BEARING - BEARING**2 / (BEARING - MASS * s**2)
     ring = BEARING * MASS * U * s**2 / (BEARING - MASS * s**2) / held
-    answer = unbalance_response(free, [s])
-    assert np.abs(answer.housing_x) == pytest.approx(abs(ring), rel=1e-5)
+    ring_response = unbalance_response(free, [s])
+    assert np.abs(ring_response.housing_x) == pytest.approx(abs(ring), rel=1e-5)
     both = np.polymul([MASS, 0.0, BEARING], [RING, D, CAGE + BEARING])
     roots = np.roots(np.polysub(both, [BEARING**2]))
     known = modes(free, 0.0).eigenvalues
@@ -186,7 +186,7 @@ CROSS = {"kxx": 1.0, "kyy": 1.0, "cxx": 0.0, "cyy": 0.0}
     [
         ({"ring": "lft"}, ".ring = 'lft': no housing of that name; there is left, right; did you"),
         ({"ring": "right"}, ".ring = 'right': must be the housing of a bearing at node 1"),
-        ({"housing": "left"}, ".ring = 'left': must be another one than squeeze_film_damper[1].ho"),
+        ({"housing": "left"}, ".ring = 'left': must differ from squeeze_film_damper[1].ho"),
     ],
 )
 def test_a_ring_that_cannot_be_is_refused(change, message):

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
 from rotor_fmu.model.parts.law import Weights
-from rotor_fmu.model.parts.law_probe import LawAlone
+from rotor_fmu.model.parts.law_probe import LawProbe
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
@@ -30,7 +30,7 @@ def _ring(**more):
 
 def _alone(part, gravity=0j):
     """A bearing's law by itself; gravity to the right and downwards [m/s2]."""
-    law = StatedLaw(LawAlone(part, SPEED, "floating_ring_bearing"))
+    law = StatedLaw(LawProbe(part, SPEED, "floating_ring_bearing"))
     interpreted(law.law.weigh)(law.record, law.tables, gravity)
     return law
 
@@ -39,7 +39,7 @@ def _alone(part, gravity=0j):
 
 
 def test_a_concentric_ring_turns_as_the_friction_of_both_films_says():
-    film = LawAlone(_ring(), SPEED, "")
+    film = LawProbe(_ring(), SPEED, "")
     seen = film.outputs(0j)
     (R_i, L_i, c_i, mu_i), (R_o, L_o, c_o, mu_o) = of_side("inner"), of_side("outer")
     ratio = 1.0 / (1.0 + c_i / c_o * L_o / L_i * (R_o / R_i) ** 3 * mu_o / mu_i)
@@ -291,8 +291,8 @@ def test_a_film_that_is_loaded_ever_harder_ends_the_run():
 
 def test_each_film_has_its_own_numbers():
     """Films of finite length are weaker than Ocvirk's, the more the longer they are."""
-    film = LawAlone(_ring(short=False), SPEED, "")
-    short = LawAlone(_ring(), SPEED, "")
+    film = LawProbe(_ring(short=False), SPEED, "")
+    short = LawProbe(_ring(), SPEED, "")
     assert abs(film.force(8e-6 + 0j)) < abs(short.force(8e-6 + 0j))
-    thick = LawAlone(replace(_ring(), outer_viscosity=0.1), SPEED, "").outputs(0j)
+    thick = LawProbe(replace(_ring(), outer_viscosity=0.1), SPEED, "").outputs(0j)
     assert thick["ratio"] < 0.2 * short.outputs(0j)["ratio"]

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.heated_contact import HEATED_CONTACT, HeatedContact
@@ -254,7 +254,7 @@ def test_linear_answers_are_those_of_a_contact():
 
 
 def test_a_periodic_motion_is_refused():
-    with pytest.raises(InputError, match=r"^heated_contact\[1\]: its heat bows the shaft"):
+    with pytest.raises(InputError, match=r"^heated_contact\[1\]: its thermal bow is slower"):
         rf.response(rf.parse(_HOT), speed=(50.0, 120.0))
 
 

@@ -179,7 +179,7 @@ def _machine(more):
         ("preload = 1.0\npads = [0.0]\narc = 1.0", "preload = 1: must be from 0 to 0.99"),
         ("pads = [0.0, 1.0]\narc = 1.5", "pads: pads 1 and 2 overlap"),
         ("pads = [0.0, 6.0]\narc = 0.6", "pads: pads 1 and 2 overlap"),
-        ("arc = 1.0", "pads: none is given for an arc or a preload"),
+        ("arc = 1.0", "pads: is missing; arc and preload need pads"),
         ("pads = [0.0, 3.0]\narc = [1.0]", "arc: 1 given, 2 needed, as many as"),
         ("pads = 1.0\narc = 1.0", "pads = 1.0: must be a list of numbers"),
         ("roughness = 6e-5", "roughness = 6e-05 m: must be below half the clearance, 5e-05 m"),

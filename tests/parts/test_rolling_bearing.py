@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.law import Kinematics, Weights

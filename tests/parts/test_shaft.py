@@ -130,12 +130,16 @@ def test_a_disc_with_a_bore_and_a_metal_of_its_own():
 WRONG = [
     ("outer = 0.03", "", "section[1].outer is missing"),
     ("outer = 0.03", "outer = 0.03\nbore = 0.04", "section[1].bore_left = 0.04 m: must be below"),
-    ("outer = 0.03", "outer = 0.03\nouter_left = 0.04", "section[1].outer: is given beside"),
+    (
+        "outer = 0.03",
+        "outer = 0.03\nouter_left = 0.04",
+        "section[1].outer: cannot be combined with",
+    ),
     ("outer = 0.03", "outer = 0.03\nelements = 0", "section[1].elements = 0: must be an integer"),
     ("outer = 0.03", 'outer = 0.03\nmaterial = "bras"', "section[1].material = 'bras'"),
     ("outer = 0.03", "outer = 0.03\nlenght = 1", "section[1].lenght: unknown key; did you mean"),
     ("z = 0.6", "z = 0.61", "body[1].z = 0.61 m: must lie on the shaft, from 0 to 0.6 m"),
-    ("z = 0.6", "z = 0.6\nnode = 4", "body[1].z: is given beside body[1].node"),
+    ("z = 0.6", "z = 0.6\nnode = 4", "body[1].z: cannot be combined with body[1].node"),
     ("z = 0.6", "node = 9", "body[1].node = 9: must be an integer from 1 to 4"),
 ]
 

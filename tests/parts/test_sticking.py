@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig
-from rotor_fmu.model.parts.base import Interface
+from rotor_fmu.model.parts.base import InterfaceElement
 from rotor_fmu.model.parts.clearance_contact import (
     CLEARANCE_CONTACT,
     STICKING_CONTACT,
@@ -273,10 +273,12 @@ def test_the_elongation_is_gone_once_the_journal_is_in_the_air():
 
 
 def test_it_is_off_unless_asked_for():
-    laws = [e.law for e in machine_elements(rig()) if isinstance(e, Interface)]
+    laws = [e.law for e in machine_elements(rig()) if isinstance(e, InterfaceElement)]
     assert laws == [CLEARANCE_CONTACT] * 2
     (law,) = (
-        e.law for e in machine_elements(lying()) if isinstance(e, Interface) and e.law.has_wall
+        e.law
+        for e in machine_elements(lying())
+        if isinstance(e, InterfaceElement) and e.law.has_wall
     )
     assert law is STICKING_CONTACT
 

@@ -30,19 +30,19 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("is_autonomous", [False, True])
 def test_the_jacobian_is_the_derivative(kind, is_autonomous):
-    from rotor_fmu.model.periodic.balance import Parameter, Problem
-    from rotor_fmu.model.periodic.linear_structure import Condensed
+    from rotor_fmu.model.periodic.balance import HarmonicBalance, Parameter
+    from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
     text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS[kind] + MORE, gravity=9.81)
-    machine = Condensed(rf.parse(text).rotor)
-    problem = Problem(
+    machine = CondensedMachine(rf.parse(text).rotor)
+    problem = HarmonicBalance(
         lambda value: machine,
         Parameter("speed", 100.0),
         120.0,
         4,
         is_autonomous=is_autonomous,
         omega=90.0,
-        own_scale=np.array([50.0, 1e-3])[-machine.laws.states :] if machine.laws.states else None,
+        state_scale=np.array([50.0, 1e-3])[-machine.laws.states :] if machine.laws.states else None,
     )
     random = np.random.default_rng(7)
     x = 0.2 * random.standard_normal(problem.size)
@@ -50,7 +50,7 @@ def test_the_jacobian_is_the_derivative(kind, is_autonomous):
     if is_autonomous:
         x[-1] = 1.0
         problem.fix_phase(x)
-    residual, jacobian, by_speed = problem.evaluate(x, 120.0)
+    residual, jacobian, by_speed = problem.linearized_with_parameter(x, 120.0)
     assert residual == pytest.approx(problem.residual(x, 120.0), rel=1e-12, abs=1e-12)
     size = 1e-7
     for i in range(problem.size):
@@ -69,4 +69,4 @@ def test_a_race_turns_as_fast_as_friction_and_drag_let_it():
     rubbing = max(points, key=lambda p: result.amplitude(p, "disc"))
     assert result.amplitude(rubbing, "disc") > 1e-3
     assert result.check(rubbing, 100).stays == rubbing.is_stable
-    assert 0 < rubbing.orbit.own[0, 0] < 120.0
+    assert 0 < rubbing.orbit.states[0, 0] < 120.0

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 import scipy.integrate
 from rotor_fmu.model.periodic.floquet import multipliers
-from rotor_fmu.model.periodic.force_corners import Samples
+from rotor_fmu.model.periodic.force_corners import SampledOrbit
 from rotor_fmu.model.periodic.fourier import derivative
-from rotor_fmu.model.periodic.linear_structure import Condensed
+from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
 import rotor_fmu as rf
 
@@ -21,13 +21,13 @@ STIFFNESS = BETA * OMEGA**2  # of the contact
 def test_coefficients_of_a_force_with_corners_are_its_integrals(offset):
     """Of a journal that goes to and fro through its clearance, wherever a corner lies between two
     samples."""
-    laws = Condensed(jeffcott(mu=0.0).rotor).laws
+    laws = CondensedMachine(jeffcott(mu=0.0).rotor).laws
     n, H, amplitude = 256, 10, 1.5 * CLEARANCE
     phase = offset * 2 * np.pi / n
     d = np.zeros((2 * H + 1, 2))
     d[1:3, 0] = amplitude * np.cos(phase), amplitude * np.sin(phase)
-    at = Samples(laws, d, np.zeros((2 * H + 1, 0)), 100.0, n, derivative(d))
-    seen = at.spectrum(laws.forces(at.d, at.v, at.own, 100.0).force[:, 0], H)
+    at = SampledOrbit(laws, d, np.zeros((2 * H + 1, 0)), 100.0, n, derivative(d))
+    seen = at.spectrum(laws.forces(at.d, at.v, at.states, 100.0).force[:, 0], H)
     edge = np.arccos(CLEARANCE / amplitude)
 
     def press(t, k):
@@ -45,7 +45,7 @@ def doubled():
 
 
 def test_multipliers_do_not_depend_on_the_steps_although_a_contact_opens_and_closes(doubled):
-    machine = Condensed(sagging().rotor)
+    machine = CondensedMachine(sagging().rotor)
     for point in doubled.branches[0].points[::4]:
         few, many = (
             np.sort(np.abs(multipliers(machine, point.orbit, steps).values)) for steps in (0, 1000)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.periodic.fourier import basis
-from rotor_fmu.model.periodic.linear_structure import Condensed
+from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
@@ -75,11 +75,11 @@ def test_where_a_journal_lifts_off_the_curve_goes_on(whole):
     assert branch.ends == ("start", "end of the range")
     assert (branch.points[0].value, branch.points[-1].value) == (100.0, 400.0)
     assert all(point.is_stable for point in branch.points)
-    machine = Condensed(rf.load().rotor)
+    machine = CondensedMachine(rf.load().rotor)
     for speed in LIFTING:
         (point,) = whole.at(speed)
         value, _ = basis(point.orbit.H, np.linspace(0, 2 * math.pi, 2000))
-        gap = machine.laws.openings(value @ point.orbit.b @ machine.B.T)
+        gap = machine.laws.gaps(value @ point.orbit.b @ machine.B.T)
         assert gap.max() > 1e-3 * machine.laws.length.min()
 
 

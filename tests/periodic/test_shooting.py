@@ -7,12 +7,12 @@ import scipy.integrate
 from rotor_fmu.model.periodic import mesh
 from rotor_fmu.model.periodic.arclength import solve
 from rotor_fmu.model.periodic.branch_switching import follow_switched
-from rotor_fmu.model.periodic.checkpoint import Journal
-from rotor_fmu.model.periodic.continuation import Search, follow, start_at
+from rotor_fmu.model.periodic.checkpoint import EventLog
+from rotor_fmu.model.periodic.continuation import BranchSearch, follow, start_at
 from rotor_fmu.model.periodic.fourier import shifted
 from rotor_fmu.model.periodic.harmonic_count import Accuracy
 from rotor_fmu.model.periodic.problem import PeriodicError, Response, Task, machines_of
-from rotor_fmu.model.periodic.queries import at, folds_over
+from rotor_fmu.model.periodic.queries import folds_over, motions_at
 from rotor_fmu.model.periodic.shooting import Shooting
 
 import rotor_fmu as rf
@@ -103,7 +103,7 @@ def test_newtons_method_converges_quadratically_although_contacts_open(shot):
 def test_steps_are_shorter_where_forces_change_and_end_in_their_corners(shot):
     equations, x, _ = shot
     equations.linearized(x, SPEED)
-    flight = equations._flown(x, SPEED)
+    flight = equations._integrated(x, SPEED)
     h = np.diff(flight.ends)
     assert h.sum() == pytest.approx(1.0)
     at = mesh.interpolated(flight.y[..., :2], flight.ends, flight.ends)
@@ -137,9 +137,9 @@ def by_shooting():
     """A branch with what begins on it, all followed by shooting, and the same by its harmonics."""
     balanced = rf.response(sagging(), speed=(244.0, 254.0), branches=True, harmonics=40, share=1e-6)
     (point,) = balanced.at(244.5)
-    task = Task(244.0, 254.0, accuracy=Accuracy(share=1e-12, most=12), has_branches=True)
+    task = Task(244.0, 254.0, accuracy=Accuracy(share=1e-12, most=12), follows_bifurcations=True)
     machines = machines_of(sagging().rotor, task)
-    search = Search(Response(sagging().rotor, task), machines, Journal(), lambda *_: None)
+    search = BranchSearch(Response(sagging().rotor, task), machines, EventLog(), lambda *_: None)
     equations = Shooting(task.problem(machines, 244.5, 12), point.orbit)
     x = solve(equations, equations.join(point.orbit), 244.5)
     follow(search, start_at(equations, x, 244.5, 1.0))
@@ -156,7 +156,7 @@ def test_a_doubled_period_that_begins_on_a_branch_by_shooting_is_that_of_its_har
     assert doubling.kind == other.kind == "period doubling"
     assert doubling.value == pytest.approx(other.value, rel=2e-4)
     for speed in (250.0, 252.0):
-        for one, same in zip(at(result, speed), balanced.at(speed), strict=True):
+        for one, same in zip(motions_at(result, speed), balanced.at(speed), strict=True):
             rows = 2 * same.orbit.H + 1
             size = np.abs(same.orbit.b).max()
             assert one.orbit.turns == same.orbit.turns

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from rotor_fmu.model.periodic.fourier import basis
-from rotor_fmu.model.periodic.linear_structure import Condensed
+from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
 import rotor_fmu as rf
 
@@ -23,7 +23,11 @@ def shooting(machine, orbit, steps=800):
     angles = (h * (np.arange(steps)[:, None] + _GAUSS)).ravel()
     value, slope = basis(orbit.H, angles)
     along = machine.laws.tangents(
-        value @ orbit.b, orbit.omega * slope @ orbit.b, value @ orbit.own, np.ones(0), orbit.speed
+        value @ orbit.b,
+        orbit.omega * slope @ orbit.b,
+        value @ orbit.states,
+        np.ones(0),
+        orbit.speed,
     )
     inverse = np.linalg.inv(M)
     passed = np.eye(2 * N)
@@ -50,7 +54,7 @@ def test_multipliers_are_those_of_a_fine_integration():
     """At 20 points of the curve, of both signs of stability."""
     machine = jeffcott()
     result = rf.response(machine, speed=(60.0, 240.0))
-    linear = Condensed(machine.rotor)
+    linear = CondensedMachine(machine.rotor)
     points = result.points[:: len(result.points) // 20][:20]
     assert len(points) == 20
     assert {p.is_stable for p in points} == {True, False}
@@ -68,9 +72,15 @@ def hill(machine, orbit, H=20):
     angles = 2 * math.pi * np.arange(n) / n
     value, slope = basis(orbit.H, angles)
     along = machine.laws.tangents(
-        value @ orbit.b, orbit.omega * slope @ orbit.b, value @ orbit.own, np.ones(0), orbit.speed
+        value @ orbit.b,
+        orbit.omega * slope @ orbit.b,
+        value @ orbit.states,
+        np.ones(0),
+        orbit.speed,
     )
-    of_d, of_v = (np.fft.fft(machine.of_b(by), axis=0) / n for by in (along.by_d, along.by_v))
+    of_d, of_v = (
+        np.fft.fft(machine.tangents_in_b(by), axis=0) / n for by in (along.by_d, along.by_v)
+    )
     k = np.arange(-H, H + 1)
     size = N * len(k)
     stiff, damping = np.zeros((2, size, size), complex)
@@ -100,7 +110,7 @@ def test_multipliers_are_those_of_hills_method():
     """Of the rub, whose tangents turn with twice the speed."""
     machine = jeffcott()
     result = rf.response(machine, speed=(60.0, 240.0))
-    linear = Condensed(machine.rotor)
+    linear = CondensedMachine(machine.rotor)
     rubbing = [p for p in result.points if result.amplitude(p, "disc") > 1.01e-3]
     for point in rubbing[:: len(rubbing) // 5]:
         sizes = -np.sort(-np.abs(hill(linear, point.orbit, 6)))

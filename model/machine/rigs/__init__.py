@@ -1,1 +1,1 @@
-"""Rotors as data."""
+"""Machine files of rigs that come with the package."""

@@ -10,7 +10,8 @@ so that many impacts, of all speeds and at all instants of a step, are followed 
 from __future__ import annotations
 
 import numpy as np
-from rotor_fmu.model.schemes.family import Scheme
+
+from papers.integrators.members import Scheme
 
 from .one_axis import Axis, step_matrices
 

@@ -29,7 +29,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from rotor_fmu.model.schemes.family import Scheme
+
+from papers.integrators.members import Scheme
 
 from .one_axis import Axis, response, step_matrices
 

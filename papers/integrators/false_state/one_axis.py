@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.machine.rotor import Rotor
-from rotor_fmu.model.rest import rest
-from rotor_fmu.model.schemes.family import Scheme
 from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.dense import X, Y, clearance_contacts, contact_picks, in_plane
 from rotor_fmu.model.structure.structure import Structure
+
+from papers.dense_machine import X, Y, clearance_contacts, contact_picks, in_plane, rest
+from papers.integrators.members import Scheme
 
 _SOFTNESS = 1e-13  # of the stiffness's diagonal, that a free rotor has a static shape
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 from rotor_fmu.model.machine.toml import rig, rig_toml
-from rotor_fmu.model.schemes.family import Scheme
+
+from papers.integrators.members import Scheme
 
 from ..false_state import bouncing, one_axis
 from .grid import Experiment, Row

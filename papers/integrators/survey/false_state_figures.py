@@ -9,7 +9,9 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.figure import Figure
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.schemes.family import (
+
+from papers.dense_machine import clearance_contacts
+from papers.integrators.members import (
     Scheme,
     chung_hulbert,
     generalized_alpha,
@@ -17,8 +19,6 @@ from rotor_fmu.model.schemes.family import (
     newmark,
     wbz,
 )
-from rotor_fmu.model.structure.dense import clearance_contacts
-
 from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
 
 from ..false_state import bouncing, one_axis

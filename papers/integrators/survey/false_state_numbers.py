@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.schemes.family import chung_hulbert, wbz
 from rotor_fmu.model.structure.assembly import assemble
 
+from papers.integrators.members import chung_hulbert, wbz
 from rotor_fmu.cells import markdown_table
 
 from ..false_state import cycles as false_state

@@ -7,8 +7,8 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
-from rotor_fmu.model.schemes import family
-from rotor_fmu.model.schemes.family import Scheme
+from papers.integrators import members
+from papers.integrators.members import Scheme
 
 from .grid import Row
 
@@ -128,7 +128,7 @@ def false_state_power(row: Row) -> float:
 
 def rebound_of(row: Row) -> float:
     """Paper B's (12) as a restitution; see `schemes.rebound`."""
-    return family.rebound(scheme_of(row))
+    return members.rebound(scheme_of(row))
 
 
 def safe_schemes(findings: Findings) -> list[str]:

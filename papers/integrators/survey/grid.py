@@ -16,8 +16,8 @@ from typing import Any
 
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
-from rotor_fmu.model.schemes.family import Scheme
 
+from papers.integrators.members import Scheme
 from rotor_fmu.errors import InputError
 from rotor_fmu.files import unfinished
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rotor_fmu.model.kernels.jit import interpreted
-from rotor_fmu.model.schemes.family import (
+from rotor_fmu.model.kernels.kernel import interpreted
+from rotor_fmu.model.stability import resolution
+from rotor_fmu.model.stability.resolution import COARSEST
+from rotor_fmu.model.stability.whirls import HIDDEN, RESOLVED
+
+from papers.integrators.members import (
     MODERATE_DISSIPATION,
     Scheme,
     chung_hulbert,
     generalized_alpha,
 )
-from rotor_fmu.model.stability import resolution
-from rotor_fmu.model.stability.resolution import COARSEST
-from rotor_fmu.model.stability.whirls import HIDDEN, RESOLVED
 
 GROWTHS = (1e-4, 1e-3, 1e-2, 0.1)  # Re lambda over |lambda| [1]
 SCHEMES: tuple[tuple[str, Scheme], ...] = (

@@ -8,8 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rotor_fmu.model.schemes.family import Scheme
-
+from papers.integrators.members import Scheme
 from papers.ishikawa_koguchi import impact as impact_package
 
 from .grid import Experiment, Row

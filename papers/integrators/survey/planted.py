@@ -7,8 +7,9 @@ from functools import cache
 from pathlib import Path
 
 from rotor_fmu.model.machine.toml import rig, rig_toml
-from rotor_fmu.model.schemes.family import Scheme
 from rotor_fmu.model.simulation import StepFailure
+
+from papers.integrators.members import Scheme
 
 from ..false_state import cycles as false_state
 from ..false_state import one_axis

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 from rotor_fmu.model.machine.toml import rig, rig_toml
-from rotor_fmu.model.schemes.family import Scheme, chung_hulbert, generalized_alpha
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import Simulation, StepFailure
-from rotor_fmu.model.structure.dense import clearance_contacts
 
+from papers.dense_machine import clearance_contacts
+from papers.integrators.members import Scheme, chung_hulbert, generalized_alpha
 from rotor_fmu.files import unfinished
 from rotor_fmu.runs.summary import PEAKS_AFTER
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rotor_fmu.model.schemes.family import Scheme
 
+from papers.integrators.members import Scheme
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.output_options import with_output_options
 

@@ -14,11 +14,11 @@ import numpy as np
 from rotor_fmu.model.contact.wall import ContactQuantities
 from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.machine.rotor import Rotor
-from rotor_fmu.model.rest import rest
 from rotor_fmu.model.schemes.family import Scheme
 from rotor_fmu.model.step.excitation import Spin, add_applied, spin_of
 from rotor_fmu.model.structure import assembly
-from rotor_fmu.model.structure.dense import X, Y, clearance_contacts, contact_picks, in_plane
+
+from papers.dense_machine import X, Y, clearance_contacts, contact_picks, in_plane, rest
 
 from .stepping.contacts import RoundStops
 from .stepping.failures import ImpactError

@@ -5,7 +5,7 @@
 
 int32_t rotor_call_laws_kernel(int64_t *, void **, uint8_t *, double, double, double, double);
 int32_t rotor_vibrate_laws_kernel(int64_t *, void **, uint8_t *, double, double, double);
-int32_t rotor_find_openings_kernel(int64_t *, void **, uint8_t *);
+int32_t rotor_find_gaps_kernel(int64_t *, void **, uint8_t *);
 int32_t rotor_step_through_kernel(int64_t *, void **, uint8_t *, double);
 
 EXPORT int rotor_call_laws(
@@ -18,9 +18,9 @@ EXPORT int rotor_vibrate_laws(uint8_t *block, double speed, double sliding, doub
 {
     CALL(rotor_vibrate_laws, block, speed, sliding, frequency);
 }
-EXPORT int rotor_find_openings(uint8_t *block)
+EXPORT int rotor_find_gaps(uint8_t *block)
 {
-    CALL(rotor_find_openings, block);
+    CALL(rotor_find_gaps, block);
 }
 EXPORT int rotor_step_through(uint8_t *block, double speed)
 {

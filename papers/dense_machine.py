@@ -1,16 +1,17 @@
-"""The machine in dense matrices, and its clearance contacts: for analyses beside a run."""
+"""A machine in dense matrices, its clearance contacts and its static equilibrium."""
 
 from __future__ import annotations
 
 import numpy as np
-
-from ..kernels.band import to_dense
-from ..kernels.jit import interpreted
-from ..parts import LAWS
-from ..parts.clearance_contact import CLEARANCE_CONTACT
-from ..parts.housing import masses
-from ..quantities import quantities
-from .structure import Structure
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.kernels.kernel import interpreted
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.parts import LAWS
+from rotor_fmu.model.parts.clearance_contact import CLEARANCE_CONTACT
+from rotor_fmu.model.parts.housing import masses
+from rotor_fmu.model.quantities import quantities
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.structure import Structure
 
 X, Y = 0, 1
 # `dof`: of the node; `end`: of its housing behind the dofs, or of ground, the last.
@@ -18,7 +19,7 @@ CONTACT = np.dtype([("dof", "i8"), ("end", "i8"), *CLEARANCE_CONTACT.dtype.descr
 
 
 def clearance_contacts(structure: Structure) -> np.recarray:
-    """The clearance contacts in their order, shape (contacts,) of dtype `CONTACT`; a copy."""
+    """Return a copy of the clearance contacts, in their order, dtype `CONTACT`, shape (m,)."""
     code = LAWS.index(CLEARANCE_CONTACT)
     interfaces = structure.interfaces[structure.interfaces.law == code]
     contacts = np.zeros(len(interfaces), CONTACT).view(np.recarray)
@@ -29,7 +30,7 @@ def clearance_contacts(structure: Structure) -> np.recarray:
 
 
 def contact_picks(structure: Structure) -> np.ndarray:
-    """Of each clearance contact the node less its housing, in one plane, shape
+    """Return the rows that pick each clearance contact's node less its housing, in one plane, shape
     (contacts, n + housings)."""
     contacts = clearance_contacts(structure)
     rows = np.arange(len(contacts))
@@ -40,7 +41,8 @@ def contact_picks(structure: Structure) -> np.ndarray:
 
 
 def in_plane(structure: Structure, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """M, C, K along `X` or `Y`, the housings behind the dofs, shape (n + housings,) squared."""
+    """Return M, C, K along `X` or `Y`, the housings behind the dofs, shape (n + housings, n +
+    housings)."""
     housings = structure.housings
     m_x, m_y = interpreted(masses)(housings)
     own = ((m_x, housings.cx, housings.kx), (m_y, housings.cy, housings.ky))[axis]
@@ -52,3 +54,9 @@ def in_plane(structure: Structure, axis: int) -> tuple[np.ndarray, np.ndarray, n
         matrix[range(n, len(matrix)), range(n, len(matrix))] = diagonal
         result.append(matrix)
     return result[0], result[1], result[2]
+
+
+def rest(rotor: Rotor) -> np.ndarray:
+    """Return the static displacements under the weight, without spin and friction, complex, shape
+    (n + housings + 1,) as in `Motion` [m]. Raises `EquilibriumError`."""
+    return Simulation(rotor).motion.q.copy()
