@@ -30,8 +30,9 @@ are shown.
 
 ## Names and places
 
-Every part may have a `name`, which its variables and pictures then have. A part at `z` between two
-nodes puts a node there; `node` counts those of the shaft as it is written.
+Every part may have a `name`, which its variables and pictures then have; the variables of a
+`[[housing]]` are those of `housing[1]`, `housing[2]` and so on. A part at `z` between two nodes
+puts a node there; `node` counts those of the shaft as it is written.
 
 ## How it is run
 

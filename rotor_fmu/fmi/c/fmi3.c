@@ -31,7 +31,7 @@ typedef void (*Callback)(void); /* those that are never called */
 
 static void emit(Instance *m, Status status, const char *category, const char *message)
 {
-    fmi3LogMessageCallback log = (fmi3LogMessageCallback)m->host;
+    fmi3LogMessageCallback log = (fmi3LogMessageCallback)(uintptr_t)m->host;
     if (log)
         log(m->environment, status, category, message);
 }
@@ -43,14 +43,15 @@ EXPORT const char *fmi3GetVersion(void)
 }
 
 EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token,
-                                                fmi3String resources, fmi3Boolean,
+                                                fmi3String resources, fmi3Boolean visible,
                                                 fmi3Boolean logging, fmi3Boolean has_events,
                                                 fmi3Boolean may_return_early,
-                                                const fmi3ValueReference[], size_t,
+                                                const fmi3ValueReference required[],
+                                                size_t required_count,
                                                 fmi3InstanceEnvironment environment,
-                                                fmi3LogMessageCallback log, Callback)
+                                                fmi3LogMessageCallback log, Callback update)
 {
-    Instance *m = create(name, token, resources, logging, &SKIN, (void *)log, environment);
+    Instance *m = create(name, token, resources, logging, &SKIN, (void *)(uintptr_t)log, environment);
     if (m && has_events) {
         refuse(m, "instantiate: the event mode is asked for, and there is none");
         destroy(m);
@@ -60,18 +61,19 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
         m->is_whole = !may_return_early; /* what is discarded then has to have changed nothing */
     return m;
 }
-EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean,
-                                                 fmi3Boolean, fmi3InstanceEnvironment,
-                                                 fmi3LogMessageCallback)
+EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token,
+                                                 fmi3String resources, fmi3Boolean visible,
+                                                 fmi3Boolean logging,
+                                                 fmi3InstanceEnvironment environment,
+                                                 fmi3LogMessageCallback log)
 {
     fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
     return NULL;
 }
-EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3String,
-                                                      fmi3Boolean, fmi3Boolean,
-                                                      fmi3InstanceEnvironment,
-                                                      fmi3LogMessageCallback, Callback, Callback,
-                                                      Callback)
+EXPORT fmi3Instance fmi3InstantiateScheduledExecution(
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
+    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+    Callback update, Callback lock, Callback unlock)
 {
     fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
     return NULL;
@@ -110,9 +112,9 @@ EXPORT fmi3Status fmi3Reset(fmi3Instance c)
     begin_anew(c);
     return OK;
 }
-EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 size, fmi3Boolean,
-                             fmi3Boolean *needs_event, fmi3Boolean *terminates, fmi3Boolean *early,
-                             fmi3Float64 *reached)
+EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 size,
+                             fmi3Boolean keeps_state, fmi3Boolean *needs_event,
+                             fmi3Boolean *terminates, fmi3Boolean *early, fmi3Float64 *reached)
 {
     NEEDED(c);
     const Instance *m = c;
@@ -163,13 +165,13 @@ VALUES(AN_ENUMERATION, Int64)
 
 #define NO_VALUES(NAME)                                                                          \
     EXPORT fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
-                                    fmi3##NAME values[], size_t)                                 \
+                                    fmi3##NAME values[], size_t count)                           \
     {                                                                                            \
         NEEDED(c);                                                                               \
         return get_values(c, NO_KIND, #NAME, vr, n, values, NULL);                               \
     }                                                                                            \
     EXPORT fmi3Status fmi3Set##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
-                                    const fmi3##NAME values[], size_t)                           \
+                                    const fmi3##NAME values[], size_t count)                     \
     {                                                                                            \
         NEEDED(c);                                                                               \
         return set_values(c, NO_KIND, #NAME, vr, n, values, NULL);                               \
@@ -183,14 +185,14 @@ NO_VALUES(UInt32)
 NO_VALUES(UInt64)
 NO_VALUES(String)
 
-EXPORT fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n, size_t[],
-                                fmi3Binary values[], size_t)
+EXPORT fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+                                size_t sizes[], fmi3Binary values[], size_t count)
 {
     NEEDED(c);
     return get_values(c, NO_KIND, "Binary", vr, n, values, NULL);
 }
 EXPORT fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
-                                const size_t[], const fmi3Binary values[], size_t)
+                                const size_t sizes[], const fmi3Binary values[], size_t count)
 {
     NEEDED(c);
     return set_values(c, NO_KIND, "Binary", vr, n, values, NULL);
@@ -272,42 +274,55 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueRe
 
 /* --- what an FMU may leave out, and this one does -------------------------------------------- */
 
-#define NOT_OFFERED(NAME, ...)                                                                   \
-    EXPORT fmi3Status fmi3##NAME(fmi3Instance c __VA_OPT__(, ) __VA_ARGS__)                      \
+#define NOT_OFFERED(NAME, PARAMETERS)                                                            \
+    EXPORT fmi3Status fmi3##NAME PARAMETERS                                                      \
     {                                                                                            \
         NEEDED(c);                                                                               \
         return refuse(c, #NAME ": is not offered");                                              \
     }
-typedef const fmi3ValueReference *References;
-NOT_OFFERED(EnterEventMode)
-NOT_OFFERED(EnterStepMode)
-NOT_OFFERED(EnterConfigurationMode)
-NOT_OFFERED(ExitConfigurationMode)
-NOT_OFFERED(EnterContinuousTimeMode)
-NOT_OFFERED(EvaluateDiscreteStates)
-NOT_OFFERED(UpdateDiscreteStates, fmi3Boolean *, fmi3Boolean *, fmi3Boolean *, fmi3Boolean *,
-            fmi3Boolean *, fmi3Float64 *)
-NOT_OFFERED(GetNumberOfVariableDependencies, fmi3ValueReference, size_t *)
-NOT_OFFERED(GetVariableDependencies, fmi3ValueReference, size_t *, fmi3ValueReference *, size_t *,
-            fmi3DependencyKind *, size_t)
-NOT_OFFERED(GetAdjointDerivative, References, size_t, References, size_t, const fmi3Float64 *,
-            size_t, fmi3Float64 *, size_t)
-NOT_OFFERED(GetIntervalDecimal, References, size_t, fmi3Float64 *, fmi3IntervalQualifier *)
-NOT_OFFERED(GetIntervalFraction, References, size_t, fmi3UInt64 *, fmi3UInt64 *,
-            fmi3IntervalQualifier *)
-NOT_OFFERED(GetShiftDecimal, References, size_t, fmi3Float64 *)
-NOT_OFFERED(GetShiftFraction, References, size_t, fmi3UInt64 *, fmi3UInt64 *)
-NOT_OFFERED(SetIntervalDecimal, References, size_t, const fmi3Float64 *)
-NOT_OFFERED(SetIntervalFraction, References, size_t, const fmi3UInt64 *, const fmi3UInt64 *)
-NOT_OFFERED(SetShiftDecimal, References, size_t, const fmi3Float64 *)
-NOT_OFFERED(SetShiftFraction, References, size_t, const fmi3UInt64 *, const fmi3UInt64 *)
-NOT_OFFERED(CompletedIntegratorStep, fmi3Boolean, fmi3Boolean *, fmi3Boolean *)
-NOT_OFFERED(SetTime, fmi3Float64)
-NOT_OFFERED(SetContinuousStates, const fmi3Float64 *, size_t)
-NOT_OFFERED(GetContinuousStates, fmi3Float64 *, size_t)
-NOT_OFFERED(GetContinuousStateDerivatives, fmi3Float64 *, size_t)
-NOT_OFFERED(GetNominalsOfContinuousStates, fmi3Float64 *, size_t)
-NOT_OFFERED(GetNumberOfContinuousStates, size_t *)
-NOT_OFFERED(GetEventIndicators, fmi3Float64 *, size_t)
-NOT_OFFERED(GetNumberOfEventIndicators, size_t *)
-NOT_OFFERED(ActivateModelPartition, fmi3ValueReference, fmi3Float64)
+#define ALONE (fmi3Instance c)
+#define OF_CLOCKS(...) (fmi3Instance c, const fmi3ValueReference vr[], size_t n, __VA_ARGS__)
+NOT_OFFERED(EnterEventMode, ALONE)
+NOT_OFFERED(EnterStepMode, ALONE)
+NOT_OFFERED(EnterConfigurationMode, ALONE)
+NOT_OFFERED(ExitConfigurationMode, ALONE)
+NOT_OFFERED(EnterContinuousTimeMode, ALONE)
+NOT_OFFERED(EvaluateDiscreteStates, ALONE)
+NOT_OFFERED(UpdateDiscreteStates,
+            (fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminates, fmi3Boolean *nominals,
+             fmi3Boolean *values, fmi3Boolean *has_next, fmi3Float64 *next))
+NOT_OFFERED(GetNumberOfVariableDependencies,
+            (fmi3Instance c, fmi3ValueReference variable, size_t *count))
+NOT_OFFERED(GetVariableDependencies,
+            (fmi3Instance c, fmi3ValueReference dependent, size_t elements[],
+             fmi3ValueReference independents[], size_t of_independents[],
+             fmi3DependencyKind kinds[], size_t count))
+NOT_OFFERED(GetAdjointDerivative,
+            (fmi3Instance c, const fmi3ValueReference unknown[], size_t unknowns,
+             const fmi3ValueReference known[], size_t knowns, const fmi3Float64 seeds[],
+             size_t seed_count, fmi3Float64 values[], size_t count))
+NOT_OFFERED(GetIntervalDecimal,
+            OF_CLOCKS(fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]))
+NOT_OFFERED(GetIntervalFraction, OF_CLOCKS(fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+                                           fmi3IntervalQualifier qualifiers[]))
+NOT_OFFERED(GetShiftDecimal, OF_CLOCKS(fmi3Float64 shifts[]))
+NOT_OFFERED(GetShiftFraction, OF_CLOCKS(fmi3UInt64 counters[], fmi3UInt64 resolutions[]))
+NOT_OFFERED(SetIntervalDecimal, OF_CLOCKS(const fmi3Float64 intervals[]))
+NOT_OFFERED(SetIntervalFraction,
+            OF_CLOCKS(const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]))
+NOT_OFFERED(SetShiftDecimal, OF_CLOCKS(const fmi3Float64 shifts[]))
+NOT_OFFERED(SetShiftFraction,
+            OF_CLOCKS(const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]))
+NOT_OFFERED(CompletedIntegratorStep,
+            (fmi3Instance c, fmi3Boolean keeps_state, fmi3Boolean *needs_event,
+             fmi3Boolean *terminates))
+NOT_OFFERED(SetTime, (fmi3Instance c, fmi3Float64 time))
+NOT_OFFERED(SetContinuousStates, (fmi3Instance c, const fmi3Float64 states[], size_t n))
+NOT_OFFERED(GetContinuousStates, (fmi3Instance c, fmi3Float64 states[], size_t n))
+NOT_OFFERED(GetContinuousStateDerivatives, (fmi3Instance c, fmi3Float64 rates[], size_t n))
+NOT_OFFERED(GetNominalsOfContinuousStates, (fmi3Instance c, fmi3Float64 nominals[], size_t n))
+NOT_OFFERED(GetNumberOfContinuousStates, (fmi3Instance c, size_t *n))
+NOT_OFFERED(GetEventIndicators, (fmi3Instance c, fmi3Float64 indicators[], size_t n))
+NOT_OFFERED(GetNumberOfEventIndicators, (fmi3Instance c, size_t *n))
+NOT_OFFERED(ActivateModelPartition,
+            (fmi3Instance c, fmi3ValueReference clock, fmi3Float64 time))

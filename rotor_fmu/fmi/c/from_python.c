@@ -32,12 +32,12 @@ typedef void (*Receive)(void *environment, int status, const char *message);
 static void receive(Instance *m, Status status, const char *category, const char *message)
 {
     (void)category;
-    ((Receive)m->host)(m->environment, status, message);
+    ((Receive)(uintptr_t)m->host)(m->environment, status, message);
 }
 static const Skin SKIN = {receive, {"Real", "Integer", "Boolean", "Enumeration"}};
 /* An instance that tells all to `told`; the rest of its life is FMI 2.0's functions. */
 EXPORT Instance *rotor_instantiate(const char *name, const void *table, size_t size, Receive receiver,
                                    void *environment)
 {
-    return create_of_table(name, table, size, 1, &SKIN, (void *)receiver, environment);
+    return create_of_table(name, table, size, 1, &SKIN, (void *)(uintptr_t)receiver, environment);
 }
