@@ -1,21 +1,23 @@
-"""The mode whose logarithmic decrement stability by API 617 is about, at both levels.
+"""The modes that stability by API 617 is about, at both levels: the first forward one, and of all
+forward ones that of the least logarithmic decrement, which the verdict is about.
 
 The standard asks for the first forward mode. What that is where modes are nearly planar, as on
 bearings that differ in x and y, their sense of whirl does not say: a little cross coupling turns
-it. And a machine is not stable because one of its modes is. So:
+it. And a rotor is not stable because one of its modes is. So:
 
-1. Of the rotor on its bearings alone it is the lowest mode that does not whirl backward. Where that
-   and its neighbour are nearly planar, it is the one of both that cross coupling makes grow first.
+1. The first forward mode of the rotor on its bearings alone is the lowest mode that does not whirl
+   backward and is not heavily damped. Where that and its neighbour are nearly planar, it is the one
+   of both that cross coupling makes grow first.
 2. It is followed by its eigenvalue while seals and cross coupling are added.
-3. Where another of the lowest modes grows, and this one does not, the one that grows is it: already
-   of the rotor alone.
+3. The verdict is about the least logarithmic decrement of it, of the modes up to twice the speed
+   that do not clearly whirl backward, and of all of the lowest modes that grow.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -31,12 +33,22 @@ from .modes import BACKWARD, FORWARD, Modes, modes_of
 from .system_at_speed import Linear, LinearError
 
 SPAN = 10.0  # of the cross coupling that is expected: as far as a growing mode is looked for
-_COUNT = 8
+_COUNT = 12  # modes looked at: those that are heavily damped are among the lowest
+_HEAVY = 0.5  # damping ratio from which a mode is not the first forward one while there are others
+_HIGHEST = 2.0  # of the speed: modes above are not driven by what turns more slowly than the rotor
 _HALVINGS = 6
 _IN_DOUBT = 0.5  # of forwardness: what whirls less clearly, a little cross coupling may turn
 _LITTLE = 1e-6  # of the rotor's mass times its frequency squared
 _LITTLE_SHARE = 1e-3  # of parts, whose cross coupling may be a small part of what they are
 _ROUNDING = 1e-9  # of an eigenvalue, beside its residual: a real part that says nothing
+
+
+class Pair(NamedTuple):
+    """Eigenvalues [1/s] of the first forward mode, and of the mode of the least logarithmic
+    decrement."""
+
+    first: complex
+    least: complex
 
 
 class _Followed:
@@ -86,7 +98,8 @@ class _Followed:
 
 
 class FirstForward:
-    """The first forward mode of a rotor on its bearings at a speed, and with what is added to it.
+    """The first forward mode of a rotor on its bearings at a speed, and that of the least
+    logarithmic decrement, alone and with what is added.
 
     Cross coupling acts about the equilibrium without it: it is none of a part that would carry.
 
@@ -123,13 +136,12 @@ class FirstForward:
         if self.threshold and _is_other_of_pair(first, at, driven(0.0)):
             self._coupled = driven
 
-    def coupled(self, q: float) -> complex:
-        """Return the eigenvalue [1/s] with a cross coupling [N/m]."""
-        return _or_growing(self._coupled(q), self._coupled.modes(q))
+    def coupled(self, q: float) -> Pair:
+        """Return the two modes with a cross coupling [N/m]."""
+        return _pair(self._coupled, q)
 
-    def with_parts(self, parts: Sequence[LinearBearing], q: float = 0.0) -> complex:
-        """Return the eigenvalue [1/s] with further bearings and seals, and a cross coupling
-        [N/m]."""
+    def with_parts(self, parts: Sequence[LinearBearing], q: float = 0.0) -> Pair:
+        """Return the two modes with further bearings and seals, and a cross coupling [N/m]."""
         if not parts:
             return self.coupled(q)
 
@@ -142,7 +154,7 @@ class FirstForward:
         followed = _Followed(find, {0.0: self._coupled(0.0)})
         if self._is_double:
             followed.split(_LITTLE_SHARE)
-        return _or_growing(followed(1.0), followed.modes(1.0))
+        return _pair(followed, 1.0)
 
     def _with_coupling(self, q: float) -> Modes:
         return self._modes(self._machine, self._alone, q)
@@ -158,21 +170,20 @@ class FirstForward:
 
     def _threshold(self, expected: float) -> tuple[_Followed, float | None]:
         """Return the first mode that grows over the cross coupling, and from where on."""
-        if self._coupled(0.0).real >= 0:
+        if self.coupled(0.0).least.real >= 0:
             return self._coupled, 0.0
         high = expected or 1e-3 * self.scale
         limit = max(SPAN * expected, 10 * self.scale)
         low = 0.0
-        while not self.coupled(high).real > 0:
+        while not self.coupled(high).least.real > 0:
             if high >= limit:
                 return self._coupled, None
             low, high = high, 1.5 * high
-        driven = self._coupled
-        if not driven(high).real > 0:
-            driven = _Followed(self._with_coupling, {high: self.coupled(high)})
-            for smaller in sorted((k for k in self._coupled.known if k < high), reverse=True):
-                driven(smaller)
-        return driven, float(brentq(lambda q: -driven(q).real, low, high, rtol=1e-10))
+        driven = _Followed(self._with_coupling, {high: self.coupled(high).least})
+        for smaller in sorted((k for k in self._coupled.known if k < high), reverse=True):
+            driven(smaller)
+        at = brentq(lambda q: -self.coupled(q).least.real, low, high, rtol=1e-10)
+        return driven, float(at)
 
 
 def _is_other_of_pair(found: Modes, place: int, root: complex) -> bool:
@@ -186,34 +197,25 @@ def _is_other_of_pair(found: Modes, place: int, root: complex) -> bool:
     return int(np.argmin(np.abs(found.eigenvalues - root))) == near
 
 
-def _or_growing(root: complex, found: Modes) -> complex:
-    """Return the eigenvalue, or, where it does not grow and others do, that of the least
-    logarithmic decrement."""
-    growing = _growing(found)
-    return root if root.real > 0 or growing is None else complex(found.eigenvalues[growing])
-
-
-def _growing(found: Modes) -> int | None:
-    """Return the place of the mode of the least logarithmic decrement, if that is below 0."""
+def _pair(followed: _Followed, amount: float) -> Pair:
+    """Return the first forward mode, which is followed, and that of the least decrement."""
+    first, found = followed(amount), followed.modes(amount)
     roots = found.eigenvalues
-    rates = np.where(
-        roots.real > (_ROUNDING + found.residuals) * np.abs(roots), roots.real / roots.imag, 0.0
-    )
-    return int(np.argmax(rates)) if rates.any() else None
+    grows = roots.real > (_ROUNDING + found.residuals) * np.abs(roots)
+    is_low = roots.imag <= _HIGHEST * abs(found.speed)
+    counts = grows | (is_low & (found.forwardness > -_IN_DOUBT))
+    return Pair(first, max((first, *roots[counts].tolist()), key=lambda r: r.real / r.imag))
 
 
 def _place(found: Modes) -> int:
     """Return the place of the mode of the rotor alone, before cross coupling is tried: without
     gyroscopic moments both circles of a mode are one, and neither is backward."""
-    growing = _growing(found)
-    if growing is not None:
-        return growing
     places = [i for i, word in enumerate(found.whirl) if word != BACKWARD]
     if not places:
         raise LinearError(
             f"all of the {len(found.whirl)} lowest modes at {found.speed:g} rad/s whirl backward"
         )
-    return places[0]
+    return next((i for i in places if found.damping_ratio[i] < _HEAVY), places[0])
 
 
 def _times(part: LinearBearing, share: float) -> LinearBearing:

@@ -1,4 +1,4 @@
-"""Stability by API 617 and 684: level 1, the logarithmic decrement of the first forward mode over a
+"""Stability by API 617 and 684: level 1, the least logarithmic decrement of the forward modes over a
 cross-coupled stiffness, and level 2, what each seal and the cross coupling do to it.
 
 The cross coupling q that a stage brings follows from Alford's formula as API 617 changed it (7th
@@ -10,8 +10,8 @@ with the power P [W], the speed Omega [rad/s], the impeller's diameter D and its
 [m], and the densities at discharge and suction. It acts as F_x = -q y, F_y = q x. Level 1 puts the
 sum QA of all stages at one node, midway between the bearings or, of an overhung rotor, at its
 stage, and asks for a level 2 where the rotor becomes unstable at Q0 < 2 QA, or where its
-logarithmic decrement with QA is below 0.1. Level 2 asks for 0.1. Both are of one mode: see
-`first_forward`.
+logarithmic decrement with QA is below 0.1. Level 2 asks for 0.1. The standard means the first
+forward mode; both levels judge by the least of all forward ones, and give both: see `first_forward`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ..machine.rotor import Rotor
 from ..parts.base import BodyElement
 from ..parts.linear_bearing import LinearBearing, Seal
 from .critical_map import first_rigid_critical
-from .first_forward import SPAN, FirstForward
+from .first_forward import SPAN, FirstForward, Pair
 from .linear_machine import LinearError
 from .undamped import UndampedMachine, without_seals
 
@@ -55,11 +55,13 @@ class Stage(NamedTuple):
 
 @dataclass(frozen=True)
 class StabilityLevel1:
-    """The logarithmic decrement of the first forward mode over the cross coupling at one node.
+    """The least logarithmic decrement of the forward modes over the cross coupling at one node.
 
     speed [rad/s]; node: from 1; anticipated: QA [N/m], 0 where none was given; stiffness, log_dec,
-    frequency: shape (s,) [N/m], [1], [rad/s]; threshold: Q0, where the mode becomes unstable
-    [N/m], None where it does not; log_dec_alone, log_dec_anticipated: without and with QA;
+    frequency: shape (s,) [N/m], [1], [rad/s], of the mode of the least one; first_log_dec,
+    first_frequency: alike, of the first forward mode; threshold: Q0, where the rotor becomes
+    unstable [N/m], None where it does not; log_dec_alone, log_dec_anticipated: without and with QA;
+    first_alone, first_anticipated: alike, of the first forward mode;
     sensitivity: of the logarithmic decrement to the cross coupling, at none [m/N];
     critical_speed_ratio: the speed over the first undamped critical speed on rigid bearings [1].
     """
@@ -70,9 +72,13 @@ class StabilityLevel1:
     stiffness: np.ndarray
     log_dec: np.ndarray
     frequency: np.ndarray
+    first_log_dec: np.ndarray
+    first_frequency: np.ndarray
     threshold: float | None
     log_dec_alone: float
     log_dec_anticipated: float
+    first_alone: float
+    first_anticipated: float
     sensitivity: float
     critical_speed_ratio: float
 
@@ -90,18 +96,20 @@ class StabilityLevel1:
 
 
 class StabilityCase(NamedTuple):
-    """What is on the rotor, and its first forward mode: logarithmic decrement [1] and damped
-    frequency [rad/s]."""
+    """What is on the rotor, logarithmic decrement [1] and damped frequency [rad/s] of the forward
+    mode that has the least, and of the first forward mode."""
 
     name: str
     log_dec: float
     frequency: float
+    first_log_dec: float
+    first_frequency: float
 
 
 @dataclass(frozen=True)
 class StabilityLevel2:
-    """The first forward mode at a speed [rad/s] with what acts on the rotor added: its cases, the
-    last one with all."""
+    """The forward modes at a speed [rad/s] with what acts on the rotor added: its cases, the last
+    one with all."""
 
     speed: float
     cases: tuple[StabilityCase, ...]
@@ -122,7 +130,7 @@ def level_1(
     seals: bool = False,
     contacts: str | None = None,
 ) -> StabilityLevel1:
-    """Return the first forward mode over the cross-coupled stiffness.
+    """Return the forward modes over the cross-coupled stiffness.
 
     Parameters
     ----------
@@ -169,7 +177,7 @@ def level_1(
         raise LinearError("stiffness: all cross-coupled stiffnesses must be finite")
     seen = [_case(f"{q:g} N/m", mode.coupled(float(q))) for q in values]
     step = _STEP * (expected or threshold or mode.scale)
-    alone, little, with_qa = (log_dec(mode.coupled(q)) for q in (0.0, step, expected))
+    alone, little, with_qa = (_case("", mode.coupled(q)) for q in (0.0, step, expected))
     return StabilityLevel1(
         speed=speed,
         node=at,
@@ -177,10 +185,14 @@ def level_1(
         stiffness=values,
         log_dec=np.array([case.log_dec for case in seen]),
         frequency=np.array([case.frequency for case in seen]),
+        first_log_dec=np.array([case.first_log_dec for case in seen]),
+        first_frequency=np.array([case.first_frequency for case in seen]),
         threshold=threshold,
-        log_dec_alone=alone,
-        log_dec_anticipated=with_qa,
-        sensitivity=(little - alone) / step,
+        log_dec_alone=alone.log_dec,
+        log_dec_anticipated=with_qa.log_dec,
+        first_alone=alone.first_log_dec,
+        first_anticipated=with_qa.first_log_dec,
+        sensitivity=(little.log_dec - alone.log_dec) / step,
         critical_speed_ratio=speed / first_rigid_critical(rotor, contacts),
     )
 
@@ -192,11 +204,11 @@ def level_2(
     cross_couplings: Mapping[int, float] | None = None,
     contacts: str | None = None,
 ) -> StabilityLevel2:
-    """Return the first forward mode of the rotor on its bearings, with each of its seals, with all
-    of them, with the cross coupling of its stages, and with all together.
+    """Return the forward modes of the rotor on its bearings, with each of its seals, with all of
+    them, with the cross coupling of its stages, and with all together.
 
     cross_couplings: stiffness [N/m] by node (from 1), each at its own; speed, contacts: see
-    `level_1`, whose mode this is. Raises `LinearError`.
+    `level_1`, whose modes these are. Raises `LinearError`.
     """
     bare = without_seals(rotor)
     seals = {where: part for where, part in rotor.named_parts() if isinstance(part, Seal)}
@@ -225,8 +237,9 @@ def log_dec(root: complex) -> float:
     return -2 * math.pi * root.real / root.imag
 
 
-def _case(name: str, root: complex) -> StabilityCase:
-    return StabilityCase(name, log_dec(root), root.imag)
+def _case(name: str, pair: Pair) -> StabilityCase:
+    least, first = pair.least, pair.first
+    return StabilityCase(name, log_dec(least), least.imag, log_dec(first), first.imag)
 
 
 def _check_nodes(rotor: Rotor, nodes: Iterable[int]) -> None:

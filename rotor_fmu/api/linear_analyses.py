@@ -191,7 +191,7 @@ class LinearAnalyses:
     def stability(
         self, speed: float, level: int = 1, **options: Any
     ) -> StabilityLevel1 | StabilityLevel2:
-        """Stability of the first forward mode by API 617 and 684.
+        """Stability of the forward modes by API 617 and 684.
 
         Parameters
         ----------

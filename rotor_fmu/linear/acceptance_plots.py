@@ -167,7 +167,10 @@ def level_1_figure(result: StabilityLevel1) -> Figure:
     """Draw the logarithmic decrement over the cross coupling, with QA and Q0."""
     figure, grid = new_figure(6.8, 4.0, 1)
     axes, d = grid[0, 0], current()
-    axes.plot(result.stiffness * d.stiffness, result.log_dec, color=BLUE, lw=1.8)
+    over = result.stiffness * d.stiffness
+    if not np.allclose(result.log_dec, result.first_log_dec, rtol=1e-6):
+        axes.plot(over, result.first_log_dec, color=GREY, lw=1.2, label="first forward mode")
+    axes.plot(over, result.log_dec, color=BLUE, lw=1.8)
     axes.axhline(0, color="black", lw=1.0)
     axes.axhline(
         LEAST_LOG_DEC, color=GREY, lw=1.0, ls=(0, (4, 3)), label=f"least, {LEAST_LOG_DEC:g}"
@@ -182,7 +185,7 @@ def level_1_figure(result: StabilityLevel1) -> Figure:
     axes.set_xlabel(f"Cross-coupled stiffness at node {result.node} [{d.stiffness_unit}]")
     axes.set_ylabel("Logarithmic decrement [1]")
     axes.set_title(
-        _named(result, f"First forward mode at {speed_with_unit(result.speed)}"),
+        _named(result, f"Least of the forward modes at {speed_with_unit(result.speed)}"),
         loc="left",
         fontsize=10,
     )
@@ -212,7 +215,7 @@ def level_2_figure(result: StabilityLevel2) -> Figure:
         )
     axes.margins(x=0.12)
     axes.set_xlabel(
-        f"Logarithmic decrement of the first forward mode [1]; dashed: {LEAST_LOG_DEC:g}"
+        f"Least logarithmic decrement of the forward modes [1]; dashed: {LEAST_LOG_DEC:g}"
     )
     title = f"Stability level 2 at {speed_with_unit(result.speed)}"
     axes.set_title(_named(result, title), loc="left", fontsize=10)

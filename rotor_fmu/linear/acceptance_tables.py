@@ -123,16 +123,18 @@ def level_1_table(result: StabilityLevel1) -> Table:
     none = "unstable nowhere"
     threshold = none if result.threshold is None else result.threshold * q
     rows: list[tuple[object, ...]] = [
-        ("log dec without cross coupling [1]", result.log_dec_alone, ""),
+        ("least log dec without cross coupling [1]", result.log_dec_alone, ""),
+        ("that of the first forward mode [1]", result.first_alone, ""),
         (f"QA, anticipated cross coupling [{unit}]", result.anticipated * q, ""),
-        ("log dec with QA [1]", result.log_dec_anticipated, f">= {LEAST_LOG_DEC:g}"),
+        ("least log dec with QA [1]", result.log_dec_anticipated, f">= {LEAST_LOG_DEC:g}"),
+        ("that of the first forward mode [1]", result.first_anticipated, ""),
         (f"Q0, where the rotor becomes unstable [{unit}]", threshold, ""),
         (
             "Q0 / QA [1]",
             result.ratio if math.isfinite(result.ratio) else "-",
             f">= {LEAST_RATIO:g}",
         ),
-        (f"sensitivity of the log dec [1/({unit})]", result.sensitivity / q, ""),
+        (f"sensitivity of the least log dec [1/({unit})]", result.sensitivity / q, ""),
         ("critical speed ratio [1]", result.critical_speed_ratio, ""),
     ]
     return Table(title, ("", "value", "API 617"), rows)
@@ -142,9 +144,16 @@ def level_2_table(result: StabilityLevel2) -> Table:
     """Return a table with one row for each case."""
     verdict = "met" if result.is_met else "NOT met"
     title = (
-        f"Stability level 2 at {speed_with_unit(result.speed)}: log dec >= {LEAST_LOG_DEC:g} "
-        f"{verdict}"
+        f"Stability level 2 at {speed_with_unit(result.speed)}: least log dec of the forward modes "
+        f">= {LEAST_LOG_DEC:g} {verdict}"
     )
     d = current()
-    rows = [(c.name, float(c.log_dec), c.frequency * d.speed) for c in result.cases]
-    return Table(title, ("what acts", "log dec", f"f_d [{d.frequency_unit}]"), rows)
+    rows = [
+        (
+            *(c.name, float(c.log_dec), c.frequency * d.speed),
+            *(float(c.first_log_dec), c.first_frequency * d.speed),
+        )
+        for c in result.cases
+    ]
+    unit = f"f_d [{d.frequency_unit}]"
+    return Table(title, ("what acts", "least log dec", unit, "first forward", unit), rows)

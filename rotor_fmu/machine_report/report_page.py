@@ -221,7 +221,7 @@ def _conclusions(
             if check.clearances
             else "No clearance was checked: no open contact and no --clearance is there."
         ),
-        f"Stability: log dec {level_2.cases[-1].log_dec:.3g} with all that acts"
+        f"Stability: least log dec {level_2.cases[-1].log_dec:.3g} with all that acts"
         + (", which is enough." if level_2.is_met else "; at least 0.1 is required.")
         + (" Level 1 asks for level 2." if level_1.is_level_2_required else ""),
         rub.conclusion,
