@@ -1,5 +1,5 @@
-"""Stability by API 617 and 684: level 1, the least logarithmic decrement of the forward modes over a
-cross-coupled stiffness, and level 2, what each seal and the cross coupling do to it.
+"""Stability by API 617 and 684: level 1, the least logarithmic decrement of the forward modes over
+a cross-coupled stiffness, and level 2, what each seal and the cross coupling do to it.
 
 The cross coupling q that a stage brings follows from Alford's formula as API 617 changed it (7th
 edition, part 1, 2.6.5; API 684, 2nd edition, chapter 3), in SI units
@@ -11,7 +11,8 @@ with the power P [W], the speed Omega [rad/s], the impeller's diameter D and its
 sum QA of all stages at one node, midway between the bearings or, of an overhung rotor, at its
 stage, and asks for a level 2 where the rotor becomes unstable at Q0 < 2 QA, or where its
 logarithmic decrement with QA is below 0.1. Level 2 asks for 0.1. The standard means the first
-forward mode; both levels judge by the least of all forward ones, and give both: see `first_forward`.
+forward mode; both levels judge by the least of all forward ones and give both: see
+`first_forward`.
 """
 
 from __future__ import annotations
