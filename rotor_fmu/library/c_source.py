@@ -40,6 +40,7 @@ _LICENCE = "LICENSE-wabt.txt"
 _LEFT_OUT = ("memory.c", "from_page.c", "analyses.c")
 # No system but Linux is sure to have it, and nothing of it is used.
 _UNUSED = "#include <alloca.h>\n"
+_RETURN = "return w2c__initialize(instance);"  # of a function without a result: no C17
 # IEEE 754 is kept: no product is fused into a sum.
 _BEFORE = """\
 #if defined(__clang__)
@@ -93,6 +94,7 @@ def _write_kernels(folder: Path) -> None:
         if done.returncode:
             raise CoreError(f"{_TOOL} cannot make C of the kernels: {done.stderr.strip()[-200:]}")
         text = source.read_text(encoding="utf-8").replace(_UNUSED, "", 1)
+        text = text.replace(_RETURN, _RETURN.replace("return ", ""), 1)
         (folder / source.name).write_text(f"{_BEFORE}{_BEFORE_KERNELS}{text}", encoding="utf-8")
         shutil.copyfile(work / f"{_NAME}.h", folder / f"{_NAME}.h")
         (folder / _LICENCE).write_text(licence, encoding="utf-8")

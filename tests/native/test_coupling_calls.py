@@ -180,9 +180,9 @@ def test_a_limit_discards_a_step_at_the_last_successful_time(extracted, name):
     [
         (
             {"limit.displacement": 1e-6},
-            r"limit\.displacement = 1e-06 m: must be above .* m, that of",
+            r"limit\.displacement = 1e-06 m: must be above .* m, the value at",
         ),
-        ({"limit.force": 1e-3}, r"limit\.force = 0\.001 N: must be above .* N, that of the rest"),
+        ({"limit.force": 1e-3}, r"limit\.force = 0\.001 N: must be above .* N, the value at"),
         ({"limit.force": -1.0}, r"limit\.force = -1 N: must be >= 0"),
     ],
 )
