@@ -72,11 +72,11 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
 @jit
 def continued_rate(record, drive, duration):
     """Return the rate [rad/s2] at which a speed that is `drive` [rad/s] now is continued over an
-    interval of this duration [s], and the derivative of that rate by the speed [1/s].
+    interval of this duration [s], and the derivative of that rate with respect to the speed [1/s].
 
-    The rate is that over the interval before, or over half the duration where that is longer: so a
-    jump is overshot by at most twice its size, however unequal the intervals are. 0 of a speed that
-    is held, and of a torque.
+    The rate is the mean over the interval before, or over half the duration if that is longer, so
+    that a jump is overshot by at most twice its size, however unequal the intervals are. Both are 0
+    if the speed is held, and for a torque.
     """
     r = record[0]
     if r.is_free == 1 or r.continues == 0:

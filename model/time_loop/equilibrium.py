@@ -85,8 +85,8 @@ def _copy_state(motion, trial):
 
 @jit_not_inlined
 def _step(structure, spin, tau, loads, motion, trial, work, problem):
-    """Take a step of length tau [s] without velocity, to `trial`; returns its status and how many
-    iterations it took."""
+    """Take a step of length tau [s] without velocity, to `trial`; return its status and number of
+    iterations."""
     scheme = Scheme(0.0, 0.0, 1.0, 0.0)
     return try_step(
         structure, scheme, unfitted(), spin, tau, loads, motion, trial, work, problem, 0

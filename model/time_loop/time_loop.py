@@ -33,17 +33,17 @@ from .stage_loop import (
 )
 from .step_with_rotation import step_with_rotation
 
-_ROUNDING = 4.0 * 2.0**-52  # of a host's time
-_MOST = 1e15  # steps of an interval: more would be no whole number
-# Of the length proposed: steps that communication points cut shorter change accelerations by no
-# more than their rounding, which longer steps after them would magnify.
+_ROUNDING = 4.0 * 2.0**-52  # share of the host's time
+_MOST = 1e15  # steps of an interval: a larger number would not be exact
+# Share of the proposed length: steps that communication points cut shorter change accelerations by
+# no more than their rounding, which longer steps after them would magnify.
 _SLIVER = 1e-2
 
 
 @jit
 def _keep_carried(motion, trial):
-    """Let the carried accelerations differ from those at the end of a step by what they differed
-    at its beginning."""
+    """Carry accelerations that differ from those at the end of a step by the same amount as at its
+    beginning."""
     for i in range(len(motion.a)):
         trial.a[i] = trial.v_dot[i] + (motion.a[i] - motion.v_dot[i])
     for i in range(len(motion.internal_state)):
