@@ -224,3 +224,13 @@ def test_the_setting_that_it_does_not_look_at_is_named():
     assert said[0].code == "idle-setting"
     chosen = _given(list(PRESETS).index("controlled"), {"method": "radau5"})
     assert settings_of_given(chosen, 0)[1] == []
+
+
+def test_a_rotor_that_a_torque_drives_takes_no_more_steps_than_one_of_given_speed():
+    rotor = parse_rotor(machine_text("--rotor", EXAMPLES / "turbocharger/rotor.toml"))
+    settings, end = choose(method="radau5", tolerance=1e-6), 0.01
+    driven = Simulation(rotor, settings, speed=380.0)
+    free = Simulation(rotor, settings, speed=380.0, drive_torque=0.0)
+    driven.advance(end, 380.0)
+    free.advance(end, 0.0)
+    assert free.read("solver.steps") < 1.5 * driven.read("solver.steps")

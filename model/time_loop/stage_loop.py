@@ -23,7 +23,7 @@ from .step_with_rotation import SPIN_ITERATIONS, SPIN_TOLERANCE
 # Accuracy of the interfaces' displacements in a step of one radian, as a share of the tolerance,
 # and its bounds.
 OF_TOLERANCE, FINEST, COARSEST = 2e-2, 1e-10, 1e-5
-# A step with more of Newton's iterations is not followed by a longer one.
+# A step with more of Newton's iterations for one rotation is not followed by a longer one.
 HARD = 3
 # Factor on the estimated error of a step in which two smooth motions meet.
 AT_JOINT = 60.0
@@ -50,7 +50,8 @@ def _motion_at(motion, stages, i):
 @jit
 def step_in_stages_with_rotation(structure, control, t, h, motion, trial, memory, work, stages):
     """Take a step in stages to time t [s] with the rotation that belongs to it; the results are
-    those of `step_with_rotation`, without the fit."""
+    those of `step_with_rotation`, without the fit, and with the most iterations for one rotation
+    after their sum."""
     r = memory.record[0]
     last = STAGES - 1
     for i in range(STAGES):
@@ -64,10 +65,11 @@ def step_in_stages_with_rotation(structure, control, t, h, motion, trial, memory
     middle = spin_at(memory.record, r.t + 0.5 * h, r.alpha)
     radians = radians_of(structure, math.sqrt(r.characteristic_frequency_squared), h)
     accuracy = min(COARSEST, max(FINEST, OF_TOLERANCE * radians * control.tolerance))
-    status, total, torque = NOT_CONVERGED, 0, 0.0
+    status, total, hardest, torque = NOT_CONVERGED, 0, 0, 0.0
     for correction in range(SPIN_ITERATIONS):
         status, iterations = try_stages(structure, middle, h, accuracy, motion, trial, stages)
         total += iterations
+        hardest = max(hardest, iterations)
         if status != DONE:
             break
         largest = 0.0
@@ -91,7 +93,7 @@ def step_in_stages_with_rotation(structure, control, t, h, motion, trial, memory
             break
         _integrate_rotation(r, h, stages)
         status = NOT_CONVERGED
-    return status, total, spin_of_stage(stages, last), torque
+    return status, total, hardest, spin_of_stage(stages, last), torque
 
 
 @jit

@@ -8,17 +8,19 @@ integrator.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_inlined
-from ..step.fitting import characteristic_frequency_after, unfitted
+from ..step.excitation import Spin
+from ..step.fitting import Fit, characteristic_frequency_after, unfitted
 from ..step.step import rescale_carried
 from ..step.step_status import DONE, ENDED_EARLY, UNFINISHED
 from .communication_interval import begin_interval
 from .control import CONTROLLED, propose_step, retry_step, step_error, varies
 from .early_return import CLOSED, GOES_ON, early_return_cause, is_watched
 from .energy import has_power, port_power
-from .error_control import NOTHING, local_error, measure, steady_length, update_size
+from .error_control import NOTHING, Measures, local_error, measure, steady_length, update_size
 from .memory import PEAK, move_loads, spin_now
 from .monitors import monitor_errors, monitor_step, monitor_work
 from .recorder import is_due, write
@@ -103,22 +105,37 @@ def _rescale(record, h, motion):
     r.h_carried = h
 
 
+class Attempt(NamedTuple):
+    """A step that was tried: its status, its Newton iterations, the most of them for one rotation,
+    the fit of the scheme, the rotation, the drive's torque [N.m], and, if it is done, the measures
+    of its local error, that error, and the error in the measure of the mode."""
+
+    status: int
+    iterations: int
+    hardest: int
+    fit: Fit
+    spin: Spin
+    torque: float
+    measures: Measures
+    local: float
+    error: float
+
+
 @jit_inlined
 def _attempt(run, scheme, control, t, h):
-    """Take a step to time t [s], and judge it: return its status, its Newton iterations, the fit of
-    the scheme, the rotation, the drive's torque [N.m], and, if it is done, the measures of its
-    local error, that error, and the error in the measure of the mode."""
+    """Take a step to time t [s], and judge it."""
     structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
     r = memory.record[0]
     fit = unfitted()
     if control.stages > 0:
-        status, iterations, spin, torque = step_in_stages_with_rotation(
+        status, iterations, hardest, spin, torque = step_in_stages_with_rotation(
             structure, control, t, h, motion, trial, memory, run.work, run.stages
         )
     else:
         status, iterations, fit, spin, torque = step_with_rotation(
             structure, scheme, control, t, h, motion, trial, memory, run.work, run.problem
         )
+        hardest = iterations
     measures, local, error = NOTHING, 0.0, 0.0
     if status == DONE:
         frequency = math.copysign(math.sqrt(r.characteristic_frequency_squared), spin.omega)
@@ -129,7 +146,7 @@ def _attempt(run, scheme, control, t, h):
         else:
             local = local_error(structure, control, size, frequency, h, measures)
         error = step_error(structure, control, local, h, r.steps == 0, motion, trial)
-    return status, iterations, fit, spin, torque, measures, local, error
+    return Attempt(status, iterations, hardest, fit, spin, torque, measures, local, error)
 
 
 @jit
@@ -162,31 +179,30 @@ def _accepted_step(run, scheme, control, t_end, parts, taken):
     went before.
 
     Return both numbers now, end [s], length [s] and proposed length [s] of the step, whether it was
-    repeated, and what `_attempt` returns; a status other than DONE is that of a failure.
+    repeated, and the last `Attempt`; a status other than DONE is that of a failure.
     """
     structure, motion, memory = run.structure, run.motion, run.memory
     r = memory.record[0]
     is_varied = varies(control.mode)
     shortest = control.h_min * (1.0 + 1e-5)
     h, t, proposed, was_rejected = (t_end - r.t) / parts, r.t, r.h, False
-    status, iterations, fit, spin = UNFINISHED, 0, unfitted(), spin_now(memory.record)
-    torque, measures, local, error = 0.0, NOTHING, 0.0, 0.0
+    spin = spin_now(memory.record)
+    none = Attempt(UNFINISHED, 0, 0, unfitted(), spin, 0.0, NOTHING, 0.0, 0.0)
     while True:
         if is_varied:
             monitor_work(structure, memory)
         if taken >= r.max_iterations:
-            status = UNFINISHED
+            step = none
             break
         t = t_end if parts == 1.0 else r.t + h
         if control.mode == CONTROLLED:
             _rescale(memory.record, h, motion)
-        status, iterations, fit, spin, torque, measures, local, error = _attempt(
-            run, scheme, control, t, h
-        )
-        r.newton += iterations
-        taken += max(1, iterations)
-        if status == DONE:
-            if not is_varied or error <= control.eps_max:
+        step = _attempt(run, scheme, control, t, h)
+        r.newton += step.iterations
+        taken += max(1, step.iterations)
+        is_done = step.status == DONE
+        if is_done:
+            if not is_varied or step.error <= control.eps_max:
                 break
             if h <= shortest:
                 if control.mode == CONTROLLED and math.isnan(r.coarse_at):
@@ -196,10 +212,9 @@ def _accepted_step(run, scheme, control, t_end, parts, taken):
             break
         r.rejected += 1
         was_rejected = True
-        proposed = retry_step(structure, control, h, error, status == DONE, motion, run.trial)
+        proposed = retry_step(structure, control, h, step.error, is_done, motion, run.trial)
         parts = _parts(r, t_end, proposed)
         h = (t_end - r.t) / parts
-    step = status, iterations, fit, spin, torque, measures, local, error
     return parts, taken, t, h, proposed, was_rejected, step
 
 
@@ -208,11 +223,11 @@ def _propose_next(run, control, is_steady, is_sliver, step, proposed, h, was_rej
     """Choose the length of the next step, and update the records of lengths and errors."""
     memory = run.memory
     r = memory.record[0]
-    _, iterations, _, spin, _, _, _, error = step
+    error = step.error
     if is_steady and r.error_touched == 0 and not was_rejected:
-        r.h = steady_length(run.structure, control, spin.omega, proposed, h, error, memory)
+        r.h = steady_length(run.structure, control, step.spin.omega, proposed, h, error, memory)
     else:
-        is_hard = control.stages > 0 and iterations > HARD
+        is_hard = control.stages > 0 and step.hardest > HARD
         r.h = propose_step(control, proposed, h, error, r.error, was_rejected or is_hard)
     if not is_sliver:
         r.error = error
@@ -239,11 +254,11 @@ def _time_loop(run, scheme, control, tangents, t_end):
         parts, taken, t, h, proposed, was_rejected, step = _accepted_step(
             run, scheme, control, t_end, parts, taken
         )
-        status, _, fit, spin, torque, measures, local, _ = step
-        if status != DONE:
+        if step.status != DONE:
             r.failed_at = r.t
             r.failed_h = h
-            return status
+            return step.status
+        fit, spin = step.fit, step.spin
         ends = early_return_cause(structure, motion, trial, r) if is_watched(r) else GOES_ON
         if GOES_ON < ends < CLOSED:
             r.failed_at = r.t
@@ -255,9 +270,9 @@ def _time_loop(run, scheme, control, tangents, t_end):
                 *(trial, memory, run.work, run.problem, tangents),
             )
         r.characteristic_frequency_squared = characteristic_frequency_after(
-            structure, spin.omega, h, measures, r.characteristic_frequency_squared
+            structure, spin.omega, h, step.measures, r.characteristic_frequency_squared
         )
-        monitor_errors(structure, control, local, spin, motion, trial, memory)
+        monitor_errors(structure, control, step.local, spin, motion, trial, memory)
         update_size(structure, spin.omega, h, trial, memory)
         r.t = t
         r.h_carried = h
@@ -266,7 +281,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
         _propose_next(run, control, is_steady, is_sliver, step, proposed, h, was_rejected)
         if is_sliver:
             _keep_carried(motion, trial)
-        _commit(run, control, h, spin, torque)
+        _commit(run, control, h, spin, step.torque)
         _record(run, control, h)
         parts = parts - 1.0
         if ends >= CLOSED and parts >= 1.0:
