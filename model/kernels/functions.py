@@ -122,8 +122,11 @@ _ARCTAN = (
 
 @jit
 def _arctan_of_ratio(a, b):
-    """Return arctan(a / b) of 0 <= a <= b, b > 0."""
-    k = int(16.0 * (a / b) + 0.5)
+    """Return arctan(a / b) of 0 <= a <= b, b > 0; NaN of what is none."""
+    ratio = a / b
+    if not ratio >= 0.0:
+        return math.nan, math.nan
+    k = int(16.0 * ratio + 0.5)
     c = k * 0.0625
     # arctan(a / b) - arctan(c) = arctan((a - c b) / (b + c a))
     product, lost = _product(c, b)

@@ -33,6 +33,10 @@ ATTEMPTS = (
 # Share of an interface's length that bounds Newton's last correction of a displacement. The forces
 # are corrected with it, so their error is of second order in it.
 TOLERANCE = 1e-8
+# Instead of a limit of the iterations, for a step towards rest, which a shorter one may replace:
+# only the attempts without damping, and no correction moves a film or a rolling bearing by more
+# than its length.
+TOWARDS_REST = -1
 
 
 class InterfaceProblem(NamedTuple):
@@ -163,15 +167,19 @@ def _start(problem, laws, interfaces, place, b_d):
 
 
 @jit_inlined
-def _correct(problem, interfaces, relax, b_d):
+def _correct(problem, interfaces, relax, b_d, is_bounded):
     """Apply a share of Newton's correction, all of the last one, so that motion and forces are
-    consistent. Return whether it was the last."""
+    consistent; is_bounded: see `TOWARDS_REST`. Return whether it was the last."""
     is_converged = True
+    longest = 1.0
     for j in range(len(interfaces)):
         change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
-        if not b_d * modulus(change) <= TOLERANCE * interfaces[j].length:
+        moved = b_d * modulus(change)
+        if not moved <= TOLERANCE * interfaces[j].length:
             is_converged = False
-    share = 1.0 if is_converged else relax
+        if is_bounded and interfaces[j].has_wall == 0:
+            longest = max(longest, moved / interfaces[j].length)
+    share = 1.0 if is_converged else relax / longest
     for j in range(len(interfaces)):
         change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
         problem.w[j] += scaled(share, change)
@@ -210,7 +218,7 @@ def _solve_within(problem, laws, interfaces, spin, weights, limit):
         if not _linearize(problem, laws, interfaces, spin, weights):
             _follow_forces(problem)
             break
-        is_converged = _correct(problem, interfaces, 1.0, b_d)
+        is_converged = _correct(problem, interfaces, 1.0, b_d, False)
     problem.residual[0] = _residual(problem, laws, interfaces, spin, weights)
     return iterations
 
@@ -236,19 +244,21 @@ def solve_interfaces(problem, laws, interfaces, spin, weights, limit=0):
     iterations).
 
     interfaces: records, shape (m,); weights: b_d, b_v and b_rate; limit: of the iterations, whose
-    result is then accepted; 0 for none. Plain Newton from the expected sliding cycles between open
-    and closed in some coarse steps; `ATTEMPTS` lists the further attempts. `iterations` counts
-    those of all attempts.
+    result is then accepted; 0 for none, or `TOWARDS_REST`. Plain Newton from the expected sliding
+    cycles between open and closed in some coarse steps; `ATTEMPTS` lists the further attempts.
+    `iterations` counts those of all attempts.
     """
     if limit > 0:
         return True, _solve_within(problem, laws, interfaces, spin, weights, limit)
-    iterations, b_d = 0, weights.displacement
-    for place, relax, limit in ATTEMPTS:
+    iterations, b_d, is_bounded = 0, weights.displacement, limit == TOWARDS_REST
+    for place, relax, most in ATTEMPTS:
+        if is_bounded and relax < 1.0:
+            break
         _start(problem, laws, interfaces, place, b_d)
-        for _ in range(limit):
+        for _ in range(most):
             iterations += 1
             if not _linearize(problem, laws, interfaces, spin, weights):
                 break
-            if _correct(problem, interfaces, relax, b_d):
+            if _correct(problem, interfaces, relax, b_d, is_bounded):
                 return True, iterations
     return False, iterations

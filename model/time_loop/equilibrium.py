@@ -18,6 +18,7 @@ from ..parts.law import Weights
 from ..schemes.family import Scheme
 from ..step.excitation import free_fall_acceleration, static_spin
 from ..step.fitting import unfitted
+from ..step.interface_problem import TOWARDS_REST
 from ..step.laws import at_rest, law_tangent_called, relative
 from ..step.step import try_step
 from ..step.step_status import DONE, NOT_FINITE
@@ -33,6 +34,7 @@ AT_EQUILIBRIUM, NOT_SUPPORTED, NOT_CONVERGED_AT_REST, UNSTABLE, OUT_OF_BOUNDS, M
 _ITERATIONS = 200
 _FIRST = 10.0  # first pseudo-time step, in radians of the lowest mode
 _GROWTH, _LONGEST = 3.0, 1e6
+_AGAIN = 1.5  # growth of the longest step with each step after a failed one
 _FAST = 0.1  # ratio of two changes above which the steps become longer
 _SMALL = 1e-16  # share of the largest displacement below which a change is rounding
 _FAILURES = 12  # failed steps at most
@@ -84,12 +86,12 @@ def _copy_state(motion, trial):
 
 
 @jit_not_inlined
-def _step(structure, spin, tau, loads, motion, trial, work, problem):
-    """Take a step of length tau [s] without velocity, to `trial`; return its status and number of
-    iterations."""
+def _step(structure, spin, tau, loads, motion, trial, work, problem, limit):
+    """Take a step of length tau [s] without velocity, to `trial`; limit: see `solve_interfaces`.
+    Return its status and number of iterations."""
     scheme = Scheme(0.0, 0.0, 1.0, 0.0)
     return try_step(
-        structure, scheme, unfitted(), spin, tau, loads, motion, trial, work, problem, 0
+        structure, scheme, unfitted(), spin, tau, loads, motion, trial, work, problem, limit
     )
 
 
@@ -165,7 +167,7 @@ def _move_off_unstable_equilibrium(
     status = UNSTABLE
     fastest = 0.0
     for _ in range(_STEPS):
-        step_status, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        step_status, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem, 0)
         if step_status == NOT_FINITE:
             break
         change = distance = progress = 0.0
@@ -223,9 +225,37 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
     return UNSTABLE if status == MOVED else status
 
 
-@jit_inlined
+@jit_not_inlined
 def _converge(structure, spin, motion, trial, memory, work, problem):
-    """Find an equilibrium, whether it is stable or not."""
+    """Find an equilibrium, whether it is stable or not: by steps of which none is expensive, and,
+    if these lead nowhere, again from the start by steps that try everything."""
+    start, states = motion.v_dot, motion.internal_rate_carried  # unused until the run begins
+    for i in range(len(start)):
+        start[i] = motion.q[i]
+    for i in range(len(states)):
+        states[i] = motion.internal_state[i]
+    status, iterations = _search(
+        structure, spin, motion, trial, memory, work, problem, TOWARDS_REST, 0
+    )
+    if status != AT_EQUILIBRIUM:
+        for i in range(len(start)):
+            motion.q[i] = start[i]
+        for i in range(len(states)):
+            motion.internal_state[i] = states[i]
+        for j in range(len(motion.force)):
+            motion.force[j] = 0.0
+        status, _ = _search(structure, spin, motion, trial, memory, work, problem, 0, iterations)
+    for i in range(len(start)):
+        start[i] = 0.0
+    for i in range(len(states)):
+        states[i] = 0.0
+    return status
+
+
+@jit_not_inlined
+def _search(structure, spin, motion, trial, memory, work, problem, limit, iterations):
+    """Take steps towards rest; limit: see `solve_interfaces`; `iterations` went before. Return the
+    status, and the number of iterations now."""
     lowest = structure.numbers[0].lowest_omega
     stiffest = mass = 0.0
     for i in range(len(structure.weight)):
@@ -233,16 +263,17 @@ def _converge(structure, spin, motion, trial, memory, work, problem):
         mass += structure.one_body[0, i] * structure.mass_sum[i]
     of_stiffness = _EPSILON * len(structure.weight) * stiffest / (mass * lowest * lowest)
     of_stiffness = min(of_stiffness, _WORST)
-    radians = _FIRST
+    radians, longest = _FIRST, _LONGEST
     before = 0.0
     failures = 0
-    iterations = 0
     status = NOT_CONVERGED_AT_REST
     for _ in range(_ITERATIONS):
         if iterations > memory.record[0].max_iterations:
             break
         tau = radians / lowest
-        step_status, taken = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        step_status, taken = _step(
+            structure, spin, tau, memory.loads, motion, trial, work, problem, limit
+        )
         iterations += taken
         if step_status != DONE:
             # past the bound again and again: nothing holds it
@@ -251,7 +282,11 @@ def _converge(structure, spin, motion, trial, memory, work, problem):
                 status = NOT_SUPPORTED if step_status == NOT_FINITE else NOT_CONVERGED_AT_REST
                 break
             radians /= _GROWTH
+            if limit == TOWARDS_REST:
+                longest = radians
             continue
+        if longest < _LONGEST:
+            longest *= _AGAIN
         change = 0.0
         size = 0.0
         for i in range(len(motion.q)):
@@ -266,9 +301,9 @@ def _converge(structure, spin, motion, trial, memory, work, problem):
             status = AT_EQUILIBRIUM
             break
         if before > 0.0 and change > _FAST * before:
-            radians = min(_GROWTH * radians, _LONGEST)
+            radians = min(_GROWTH * radians, longest)
         before = change
-    return status
+    return status, iterations
 
 
 @jit_inlined
@@ -281,7 +316,7 @@ def _polish(structure, spin, motion, trial, memory, work, problem):
         result[i] = motion.q[i]
     for _ in range(_POLISHES):
         tau = _POLISH / lowest
-        step_status, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        step_status, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem, 0)
         if step_status != DONE:
             break
         _copy_state(motion, trial)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,8 +19,12 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 from sksundae.cvode import CVODE
 
+from rotor_fmu.machine_file.loading import machine_text
+
 from .rings import RING, SPEED, G, drag, in_series, of_side, rigid_in_rings
 from .stated_law import StatedLaw
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def _ring(**more):
@@ -297,3 +302,14 @@ def test_each_film_has_its_own_numbers():
     assert abs(film.force(8e-6 + 0j)) < abs(short.force(8e-6 + 0j))
     thick = LawProbe(replace(_ring(), outer_viscosity=0.1), SPEED, "").outputs(0j)
     assert thick["ratio"] < 0.2 * short.outputs(0j)["ratio"]
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi])
+def test_a_machine_rests_below_its_load_whichever_way_that_points(turned):
+    text = machine_text("--rotor", EXAMPLES / "turbocharger/rotor.toml")
+    sideways = f"gravity = 98.1\ngravity_angle = {turned!r}\n{text}"
+    run = Simulation(parse_rotor(sideways), speed=1000.0)
+    straight = Simulation(parse_rotor(f"gravity = 98.1\n{text}"), speed=1000.0)
+    places = [complex(r.read("body[1].x"), r.read("body[1].y")) for r in (run, straight)]
+    back = places[0] * complex(math.cos(turned), -math.sin(turned))
+    assert back == pytest.approx(places[1], rel=1e-9)
