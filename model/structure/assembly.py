@@ -12,16 +12,14 @@ closed.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ..kernels.band import factorize, product, to_dense
+from ..kernels.band import factorize, product
 from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
-from ..one_thread import on_one_thread
 from ..parts import LAWS
 from ..parts.base import (
     BASE,
@@ -40,12 +38,11 @@ from ..parts.base import (
 )
 from ..parts.housing import HousingQuantities
 from ..parts.law_probe import numbers_of
-from ..quantities import QuantityError
 from .beam import shaft_element
 from .bow import bows_of
 from .ledger import law_entries
+from .lowest_frequency import lowest_omega
 from .parameters import prepare
-from .sparse_modes import LONG, lowest_square_free, lowest_square_supported, sparse
 from .structure import (
     HOUSING,
     INTERFACE,
@@ -60,29 +57,13 @@ from .structure import (
 )
 
 HALF_BANDWIDTH = 3
-_LOST = 1e-11  # of the highest square of a frequency: below it rounding takes digits of one
 
 
 def assemble(rotor: Rotor) -> Structure:
     """Return the matrices and records of a machine (Nelson 1980; Zorzi and Nelson 1977)."""
     n = 2 * len(rotor.nodes)
-    M, G, K_shaft, K_axial = (np.zeros((n, HALF_BANDWIDTH + 1)) for _ in range(4))
-    inertia = 0.0
-    for i, section in enumerate(rotor.sections):
-        element = shaft_element(section)
-        _add(M, 2 * i, element.translation + element.tilting)
-        _add(G, 2 * i, 2 * element.tilting)
-        _add(K_shaft, 2 * i, element.stiffness)
-        _add(K_axial, 2 * i, element.tension)
-        inertia += sum(layer.polar_inertia for layer in section.all_layers)
     elements = list(machine_elements(rotor))
-    for _, body in _of_kind(BodyElement, elements):
-        dof = _dof(body)
-        M[dof, 0] += body.mass
-        M[dof, 1] += body.mass * body.offset
-        M[dof + 1, 0] += body.diametral + body.mass * body.offset**2
-        G[dof + 1, 0] += body.polar
-        inertia += body.polar
+    M, G, K_shaft, K_axial, inertia = _matrices(rotor, elements)
     springs = _rows(
         SPRING,
         [(_dof(s), s.stiffness, s.damping) for _, s in _of_kind(SpringElement, elements)],
@@ -93,20 +74,15 @@ def assemble(rotor: Rotor) -> Structure:
     housings, interfaces, laws = _mechanism(n, elements, outputs)
     bows, bow_forces, bow_stiffness = bows_of(rotor, elements, K_shaft)
     stores, losses = law_entries(rotor)
-    numbers = np.zeros(1, NUMBERS).view(np.recarray)
-    numbers[0].rotating_damping = rotor.rotating_damping
-    numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
-    numbers[0].gravity = rotor.gravity
-    numbers[0].down_x, numbers[0].down_y = rotor.down.real, rotor.down.imag
     placed_ports = _of_kind(PortElement, elements)
     ports = [port for _, port in placed_ports]
-    moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
-    numbers[0].base_load = moved_bases[0] if moved_bases else -1
-    numbers[0].own_inertia = inertia
     held = soft_stiffness(len(M), springs, elements)
+    numbers = _numbers(rotor, ports)
+    numbers[0].own_inertia = inertia
     numbers[0].is_supported = np.count_nonzero(held) >= 2
-    numbers[0].lowest_omega = _lowest_omega(rotor, M, K_shaft, K_axial, held, elements)
-    numbers[0].bound, numbers[0].small = 0.1 * rotor.length, 1e-4 * rotor.length
+    on_shaft = (i for _, i in _of_kind(InterfaceElement, elements) if i.ring == GROUND)
+    walls = [_dof(i) for i in on_shaft if i.law.stiffness is None]
+    numbers[0].lowest_omega = lowest_omega(rotor, M, K_shaft, K_axial, held, walls)
     unbalances = [u for _, u in _of_kind(UnbalanceElement, elements)]
     structure = Structure(
         M=M,
@@ -154,6 +130,45 @@ def assemble(rotor: Rotor) -> Structure:
     )
     interpreted(prepare)(structure)
     return structure
+
+
+def _matrices(
+    rotor: Rotor, elements: list[Element]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return the mass, gyroscopic and stiffness matrices of the shaft with its bodies, the
+    stiffness by its axial force, and the polar inertia [kg.m2]."""
+    M, G, K_shaft, K_axial = (
+        np.zeros((2 * len(rotor.nodes), HALF_BANDWIDTH + 1)) for _ in range(4)
+    )
+    inertia = 0.0
+    for i, section in enumerate(rotor.sections):
+        element = shaft_element(section)
+        _add(M, 2 * i, element.translation + element.tilting)
+        _add(G, 2 * i, 2 * element.tilting)
+        _add(K_shaft, 2 * i, element.stiffness)
+        _add(K_axial, 2 * i, element.tension)
+        inertia += sum(layer.polar_inertia for layer in section.all_layers)
+    for _, body in _of_kind(BodyElement, elements):
+        dof = _dof(body)
+        M[dof, 0] += body.mass
+        M[dof, 1] += body.mass * body.offset
+        M[dof + 1, 0] += body.diametral + body.mass * body.offset**2
+        G[dof + 1, 0] += body.polar
+        inertia += body.polar
+    return M, G, K_shaft, K_axial, inertia
+
+
+def _numbers(rotor: Rotor, ports: list[PortElement]) -> np.recarray:
+    """Return the record of the machine's numbers, with those that need no matrices."""
+    numbers = np.zeros(1, NUMBERS).view(np.recarray)
+    numbers[0].rotating_damping = rotor.rotating_damping
+    numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
+    numbers[0].gravity = rotor.gravity
+    numbers[0].down_x, numbers[0].down_y = rotor.down.real, rotor.down.imag
+    moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
+    numbers[0].base_load = moved_bases[0] if moved_bases else -1
+    numbers[0].bound, numbers[0].small = 0.1 * rotor.length, 1e-4 * rotor.length
+    return numbers
 
 
 def machine_elements(rotor: Rotor) -> list[Element]:
@@ -263,65 +278,6 @@ def soft_stiffness(n: int, springs: np.recarray, elements: list[Element]) -> np.
         if i.law.stiffness is not None and i.ring == GROUND:
             stiffness[_dof(i)] += max(0.0, i.law.stiffness(i.source))
     return stiffness
-
-
-@on_one_thread
-def _lowest_omega(
-    rotor: Rotor,
-    M: np.ndarray,
-    K_shaft: np.ndarray,
-    K_axial: np.ndarray,
-    held: np.ndarray,
-    elements: list[Element],
-) -> float:
-    """Return the lowest elastic natural frequency [rad/s] on springs and soft interfaces; a shaft
-    that these do not support at two nodes is pinned to its walls."""
-    on_shaft = (i for _, i in _of_kind(InterfaceElement, elements) if i.ring == GROUND)
-    walls = [_dof(i) for i in on_shaft if i.law.stiffness is None]
-    pinned = [] if np.count_nonzero(held) >= 2 else walls
-    others = K_axial.copy()
-    others[:, 0] += held
-    free = np.delete(np.arange(len(M)), np.array(pinned, dtype=int))
-    among = np.ix_(free, free)
-    is_supported = np.count_nonzero(held) >= 2 or len(set(walls)) >= 2
-    try:
-        if len(M) > LONG:
-            if is_supported:
-                return math.sqrt(_lowest_square(rotor, M, others, free))
-            K, whole = sparse(K_shaft + others), sparse(M)
-            shift = _bending_square(rotor)
-            return math.sqrt(lowest_square_free(K[free][:, free], whole[free][:, free], shift))
-        inverse = np.linalg.inv(np.linalg.cholesky(to_dense(M)[among]))
-        squares = np.linalg.eigvalsh(inverse @ to_dense(K_shaft + others)[among] @ inverse.T)
-        if is_supported and squares[0] < _LOST * squares[-1]:
-            return math.sqrt(_lowest_square(rotor, M, others, free))
-    except (np.linalg.LinAlgError, RuntimeError):
-        raise QuantityError(
-            "shaft: its masses and stiffnesses differ by too many orders of magnitude; look for a "
-            "length or a diameter of a wrong power of ten"
-        ) from None
-    # smaller eigenvalues are rigid-body motions and rounding
-    return math.sqrt(squares[squares > 1e-13 * squares[-1]][0])
-
-
-def _lowest_square(rotor: Rotor, M: np.ndarray, others: np.ndarray, free: np.ndarray) -> float:
-    """Return the lowest squared natural frequency of a supported shaft [rad2/s2], accurate for any
-    stiffness; others: all stiffness but the shaft's; free: the dofs that may move."""
-    from .strain_solver import factorized, strains
-
-    across, stiffness = strains(rotor)
-    inverse = np.linalg.inv(stiffness)
-    solve = factorized(sparse(others)[free][:, free].tocsc(), across[:, free], inverse)
-    return lowest_square_supported(lambda f: solve(f)[0], sparse(M)[free][:, free])
-
-
-def _bending_square(rotor: Rotor) -> float:
-    """Return an estimate of the lowest squared bending frequency of the free shaft [rad2/s2], used
-    as the shift: pinned at its ends, with the mean stiffness and mass of its elements."""
-    sections = rotor.sections
-    stiffness = np.mean([s.length**3 * shaft_element(s).stiffness[0, 0] / 12 for s in sections])
-    mass = np.mean([2 * shaft_element(s).translation[:1, ::2].sum() / s.length for s in sections])
-    return float((math.pi / rotor.length) ** 4 * stiffness / mass)
 
 
 def with_renumbered_dofs(

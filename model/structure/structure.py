@@ -35,7 +35,7 @@ INTERFACE = _record("law row dof end internal_state states out has_wall slips", 
 # Numbers of a machine. From its parts: whether the internal damping rotates; is_supported: whether
 # springs and soft laws support it, and not its clearances alone; base_load: index of the base's
 # acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and its shares along x
-# and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see `_lowest_omega`
+# and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see `lowest_frequency`
 # [rad/s]; bound: displacement that no machine reaches, small: a length of a machine without
 # clearance [m]. Filled in by `parameters.prepare`: inertia with the eccentric masses; kappa_v [s]
 # and kappa_h [1] of the rotating damping, kappa = Omega kappa_v + sign(Omega) kappa_h; clearance:

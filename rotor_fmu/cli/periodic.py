@@ -123,21 +123,7 @@ def response(
         "whirl": whirl,
         "branches": branches,
     }
-    from ..model.periodic.laws import waits_for_compiler
-    from ..periodic.request import found, question
-
-    task = question(machine, **asked)
-    writable_folder(out)
-    from ..periodic.saved_events import saved_journal
-
-    length = task.task.high - task.task.low
-    axis = current().of_si(unit)
-    with saved_journal(out, toml, asked) as saved, _progress(length, saved.before, axis) as tell:
-        if waits_for_compiler():
-            print(
-                "response: compiling the laws of all parts, once on this machine", file=sys.stderr
-            )
-        result = found(task, tell, saved.journal)
+    result = _found(machine, toml, asked, out, current().of_si(unit))
     summary = dict(result.summary)
     if not result.is_stopped:
         if fold_over is not None:
@@ -146,6 +132,26 @@ def response(
             summary["check"] = _checked(result)
     _show(result, machine.name, summary, out)
     return summary
+
+
+def _found(
+    machine: Rotor, toml: str, asked: dict[str, Any], out: Path, axis: Shown
+) -> ResponseResult:
+    """Compute a response, continuing from the points that are saved in the folder."""
+    from ..model.periodic.laws import waits_for_compiler
+    from ..periodic.request import found, question
+
+    task = question(machine, **asked)
+    writable_folder(out)
+    from ..periodic.saved_events import saved_journal
+
+    length = task.task.high - task.task.low
+    with saved_journal(out, toml, asked) as saved, _progress(length, saved.before, axis) as tell:
+        if waits_for_compiler():
+            print(
+                "response: compiling the laws of all parts, once on this machine", file=sys.stderr
+            )
+        return found(task, tell, saved.journal)
 
 
 def _show(result: ResponseResult, name: str, summary: dict[str, Any], out: Path) -> None:
