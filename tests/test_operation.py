@@ -85,9 +85,12 @@ def test_speeds_rates_and_times_take_units_and_are_held_at_the_highest_speed():
         ({"first": "100", "last": "100"}, "--from 100 rad/s: must differ from --to 100 rad/s"),
         (
             {"last": "500"},
-            "--to 500 rad/s: must be below --from = 400 rad/s; the other way is",
+            "--to 500 rad/s: must be smaller in size than --from = 400 rad/s; the other way is",
         ),
-        ({"is_up": True, "first": "500"}, "--to 400 rad/s: must be above --from = 500 rad/s"),
+        (
+            {"is_up": True, "first": "500"},
+            "--to 400 rad/s: must be larger in size than --from = 500 rad/s",
+        ),
     ],
 )
 def test_a_ramp_that_cannot_be_is_one_line(given, expected):

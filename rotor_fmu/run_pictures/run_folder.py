@@ -16,7 +16,7 @@ from ..display import current, shown_speed, speed_with_unit
 from ..plotting.figure_style import BLUE, GREY, ORANGE, new_figure, new_panels, save
 from ..plotting.thinning import extremes
 from ..runs.measuring_points import display_name
-from ..runs.peaks import PEAKS_AFTER, is_constant, peak_index
+from ..runs.peaks import is_constant, peak_index, start_up
 from ..runs.recording import Recording
 from ..runs.run_down import Run
 from ..runs.summary import last_contact
@@ -50,14 +50,16 @@ def draw_amplitude(
     label: str,
     color: str = BLUE,
     width: float = 1.4,
-    start: str | None = f"start-up, the first {PEAKS_AFTER:g} s",
+    has_start: bool = True,
 ) -> None:
-    """Draw an amplitude over the speed, its peak marked and named; start: name of the curve before
-    `PEAKS_AFTER`."""
+    """Draw an amplitude over the speed, its peak marked and named; has_start: whether the
+    start-up is named."""
     d = current()
     values = run.columns[f"{place}.{axis}_amp"] * d.amplitude
     n = run.columns["w"] * d.speed
-    early, late = run.t <= PEAKS_AFTER, run.t >= PEAKS_AFTER
+    end = start_up(run.t)
+    early, late = run.t <= end, run.t >= end
+    start = f"start-up, the first {end:.3g} s" if has_start else None
     at = peak_index(run.t, run.columns["w"], values)
     if at is not None:
         label += f": {values[at]:.4g} {d.amplitude_unit} at {n[at]:.4g} {d.speed_unit}"
@@ -204,7 +206,7 @@ def write_run_pictures(
 
     figures: its `summary`; name: of the run, in the titles; kind: of the run, in the files' names.
     """
-    if len(recording.t) < 3:
+    if len(recording.t) < 3 or not len(run.t):  # of an FMU that ended in its first step
         return []
     place, end = figures["place"], float(recording.t[-1])
     pictures: dict[str, Figure] = {}

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..vibration.turns import TURN
 
-PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
+# The transient of the start is over by then [s], or after this share of a shorter run.
+PEAKS_AFTER, _START_UP = 2.0, 0.2
 # Relative to the highest speed, how far a constant one may vary: less than the half-power width of
 # any resonance whose amplification factor is below 100, so that no peak lies within.
 _CONSTANT = 0.01
@@ -18,11 +19,16 @@ def is_constant(w: np.ndarray) -> bool:
     return len(w) == 0 or float(np.ptp(w)) <= _CONSTANT * float(np.abs(w).max())
 
 
+def start_up(t: np.ndarray) -> float:
+    """Return the time [s] until which a run is in its start-up."""
+    return min(PEAKS_AFTER, _START_UP * float(t[-1])) if len(t) else PEAKS_AFTER
+
+
 def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | None:
     """Return the row at which an amplitude over the last turn, shape (n,), has a peak after
-    `PEAKS_AFTER`; None where it is largest at an edge of the run or of its speeds: that is no
+    the start-up; None where it is largest at an edge of the run or of its speeds: that is no
     peak."""
-    late = np.flatnonzero(t > PEAKS_AFTER)
+    late = np.flatnonzero(t > start_up(t))
     if not len(late) or is_constant(w):
         return None
     at = int(late[np.argmax(amplitude[late])])
@@ -37,8 +43,8 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | Non
 
 def why_no_peak(t: np.ndarray, w: np.ndarray) -> str:
     """Return why a run, in which `peak_index` finds none, has no peak."""
-    if not len(t) or t[-1] <= PEAKS_AFTER:
-        return f"the run ends within the start-up, {PEAKS_AFTER:g} s"
+    if not len(t) or not t[-1] > start_up(t):
+        return "the run ends where it begins"
     if is_constant(w):
         return "the speed is constant"
     return "the amplitude is largest at an edge of the run"

@@ -48,9 +48,9 @@ class RampGiven:
         if first == last:
             raise InputError(f"--from {first:g} rad/s: must differ from --to {last:g} rad/s")
         if (abs(last) > abs(first)) != self.is_up:
-            way, other = ("above", "run-down") if self.is_up else ("below", "run-up")
+            way, other = ("larger", "run-down") if self.is_up else ("smaller", "run-up")
             raise InputError(
-                f"--to {last:g} rad/s: must be {way} --from = {first:g} rad/s; the other way is "
-                f"{other}"
+                f"--to {last:g} rad/s: must be {way} in size than --from = {first:g} rad/s; the "
+                f"other way is {other}"
             )
         return Ramp(first, last, rate, *((0.0, hold) if self.is_up else (hold, 0.0)))

@@ -10,18 +10,19 @@ import numpy as np
 
 from ..run_status import messages_and_codes
 from .measuring_points import probe_that_moves_most
-from .peaks import PEAKS_AFTER, peak_index, why_no_peak
+from .peaks import peak_index, start_up, why_no_peak
 from .run_down import Run
 
 _NEAR_PEAK = 0.15  # [Hz]
 
 
 def summary(run: Run, place: str | None = None) -> dict[str, Any]:
-    """Return the figures of a run: peaks for t > 2 s of a place, by default the one that moves
-    most, the last bearing's psi there, and what the solver did; None where there is no peak: an
-    amplitude that is largest at an edge of the run, or a run at one speed, has none (no_peak says
-    why). x_largest_um, y_largest_um: the largest for t > 2 s, peak or not; solver_s: time of the
-    run alone [s].
+    """Return the figures of a run: peaks of a place after the start-up, by default of the one that
+    moves most, the last bearing's psi there, and what the solver did.
+
+    Peaks are None where there are none: an amplitude that is largest at an edge of the run, or a
+    run at one speed, has none (no_peak says why). x_largest_um, y_largest_um: the largest after the
+    start-up, peak or not; solver_s: time of the run alone [s].
 
     energy_residual: energy error of the integrator, relative to all energy dissipated [1].
     """
@@ -72,7 +73,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     figures["place"] = place
     if len(hz) and place:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
-    late = np.flatnonzero(run.t > PEAKS_AFTER)
+    late = np.flatnonzero(run.t > start_up(run.t))
     if not len(late):
         return figures | {"no_peak": why_no_peak(run.t, c["w"])}
     for axis in "xy" if place else "":

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..display import current
-from ..run_status import FAILED, OK
+from ..run_status import DOUBTFUL, FAILED, OK
 from .measuring_points import display_name
 from .recording import Recording
 
@@ -81,5 +81,7 @@ def _state(figures: Mapping[str, Any], page: Path) -> str:
         return f"Nothing makes the run doubtful; open {page}."
     if status.startswith(FAILED):
         return f"The run stopped before its end; open {page} for what came before."
-    reasons = list(figures.get("messages") or [status])
-    return f"The run is {status}: {reasons[0]}; open {page}."
+    codes = status.removeprefix(DOUBTFUL).split(", ")
+    told = zip(figures.get("messages", ()), figures.get("codes", ()), strict=True)
+    reasons = [f": {message}" for message, code in told if code in codes]
+    return f"The run is {status}{reasons[0] if reasons else ''}; open {page}."

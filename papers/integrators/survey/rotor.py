@@ -13,7 +13,7 @@ from rotor_fmu.model.simulation import Simulation, StepFailure
 from papers.dense_machine import clearance_contacts
 from papers.integrators.members import Scheme, chung_hulbert, generalized_alpha
 from rotor_fmu.files import unfinished
-from rotor_fmu.runs.summary import PEAKS_AFTER
+from rotor_fmu.runs.peaks import PEAKS_AFTER
 
 from .grid import Experiment, Row
 from .sources import file_digest, source_digest
