@@ -256,6 +256,14 @@ def _has_cc() -> bool:
     return sys.platform == "linux" and shutil.which("cc") is not None
 
 
+def fmi_headers() -> Path:
+    """Return the folder of the standard's headers of FMI 2.0 and 3.0, which FMPy carries."""
+    spec = find_spec("fmpy")
+    if spec is None or spec.origin is None:
+        raise CoreError("the headers of FMI are those of FMPy, which is not installed")
+    return Path(spec.origin).parent / "c-code"
+
+
 def runs_on_old_linux(library: bytes) -> bool:
     """Return whether a library takes functions of the GNU C library alone, and none newer than
     2.17's."""
@@ -267,7 +275,7 @@ def _link_command(
     compiler: list[str], platform: Platform, parts: list[Path], target: Path
 ) -> list[str]:
     command = [*compiler, *_FLAGS, *((*_MODULE, *_EXPORTS) if platform is WASM else _SHARED)]
-    command += [f'-DCORE="{core_digest()}"', "-o", str(target)]
+    command += [f"-I{fmi_headers()}", f'-DCORE="{core_digest()}"', "-o", str(target)]
     if platform.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{target.name}")
     command += [str(file) for file in (*sorted(C_SOURCES.glob("*.c")), *parts)]

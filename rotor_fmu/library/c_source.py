@@ -18,6 +18,7 @@ from .build import (
     CoreError,
     core_digest,
     emitted_digest,
+    fmi_headers,
     forget_old,
     kernels,
     link_kernels,
@@ -38,6 +39,7 @@ _NAME = "wasm_kernels"
 _LICENCE = "LICENSE-wabt.txt"
 # What native libraries have instead, what pages have beside, and what Python has.
 _LEFT_OUT = ("memory.c", "from_page.c", "analyses.c")
+_OTHER_VERSION = {2: "fmi3.c", 3: "fmi2.c"}
 # No system but Linux is sure to have it, and nothing of it is used.
 _UNUSED = "#include <alloca.h>\n"
 _RETURN = "return w2c__initialize(instance);"  # of a function without a result: no C17
@@ -59,8 +61,9 @@ _BEFORE_KERNELS = """\
 """
 
 
-def source_files() -> dict[str, bytes]:
-    """Return the files of an FMU's folder `sources` by name: the instance in C, and the kernels.
+def source_files(fmi: int) -> dict[str, bytes]:
+    """Return the files of the folder `sources` of an FMU of FMI 2.0 or 3.0 by name: the instance in
+    C, the standard's headers, and the kernels.
 
     Raises `InputError` where a tool that makes C of the kernels is not there, and `CoreError` where
     it fails.
@@ -74,8 +77,9 @@ def source_files() -> dict[str, bytes]:
             _write_kernels(work)
     result = {file.name: file.read_bytes() for file in folder.iterdir()}
     core = f'#define CORE "{core_digest()}"\n{_BEFORE}'.encode()
-    for file in (*C_SOURCES.iterdir(), *_C_SOURCE.iterdir()):
-        if file.name not in _LEFT_OUT:
+    headers = sorted(fmi_headers().glob(f"fmi{fmi}*.h"))
+    for file in (*C_SOURCES.iterdir(), *_C_SOURCE.iterdir(), *headers):
+        if file.name not in (*_LEFT_OUT, _OTHER_VERSION[fmi]):
             before = core if file.suffix == ".c" else b""
             result[file.name] = before + file.read_bytes().replace(b"\r\n", b"\n")
     return result

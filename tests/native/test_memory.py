@@ -7,7 +7,7 @@ import subprocess
 import fmpy
 import pytest
 
-from rotor_fmu.library.build import C_SOURCES, core_digest, kernels, objects
+from rotor_fmu.library.build import C_SOURCES, core_digest, fmi_headers, kernels, objects
 from rotor_fmu.library.platforms import PLATFORMS
 
 from ..fmu.masters import COMPILER, HERE, NEEDS_COMPILER, Master
@@ -65,7 +65,8 @@ def test_the_sanitizers_find_neither_a_wrong_access_nor_undefined_behaviour(fmu,
     target = master.folder / "binaries" / "linux64" / "RotorBearingNative.so"
     parts = objects(PLATFORMS["linux64"], kernels(), tmp_path)
     name = f'-DCORE="{core_digest()}"'
-    skin = ("-std=c2x", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", name)
+    skin = ("-std=c2x", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
+    skin += (name, f"-I{fmi_headers()}")
     for options, files in (
         ((*skin, "-o", target), (*C_SOURCES.glob("*.c"), *parts)),
         (("-std=c99", "-o", tmp_path / "host"), (HERE / "host.c",)),

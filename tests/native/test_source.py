@@ -75,6 +75,17 @@ def test_the_code_is_the_c17_that_it_is_said_to_be(tmp_path, fmi):
 
 
 @NEEDED
+def test_functions_carry_the_prefix_that_a_program_of_several_fmus_asks_for(tmp_path):
+    source = unpacked(tmp_path, 3) / "sources" / "fmi3.c"
+    prefix = "-DFMI3_FUNCTION_PREFIX=Machine_"
+    subprocess.run(["cc", "-std=c17", "-c", prefix, "-o", tmp_path / "fmi.o", source], check=True)
+    listed = subprocess.run(["nm", tmp_path / "fmi.o"], capture_output=True, text=True, check=True)
+    names = {line.split()[-1] for line in listed.stdout.splitlines() if " T " in line}
+    assert "Machine_fmi3DoStep" in names
+    assert all(name.startswith("Machine_fmi3") for name in names)
+
+
+@NEEDED
 @pytest.mark.slow
 def test_a_bare_cc_makes_a_library_with_the_same_bits(tmp_path):
     folder = unpacked(tmp_path, 2)
@@ -142,11 +153,11 @@ def test_the_c_is_made_once_for_a_version_of_the_kernels(monkeypatch, tmp_path):
 
     monkeypatch.setenv("ROTOR_FMU_CACHE", str(tmp_path))
     monkeypatch.setattr(c_source, "_write_kernels", write)
-    first = c_source.source_files()
-    assert c_source.source_files() == first
+    first = c_source.source_files(2)
+    assert c_source.source_files(2) == first
     assert len(made) == 1
     monkeypatch.setattr(c_source, "emitted_digest", lambda: "of other kernels")
-    assert c_source.source_files()["wasm_kernels.c"] == b"/* 2 */"
+    assert c_source.source_files(2)["wasm_kernels.c"] == b"/* 2 */"
     monkeypatch.undo()
     folders = sorted(folder.name for folder in (tmp_path / "native").iterdir())
     assert len(folders) == 2

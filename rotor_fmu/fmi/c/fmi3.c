@@ -1,33 +1,13 @@
-/* FMI 3.0 for co-simulation, over instance.h; types and functions as in sections 2 and 4 of the
+/* FMI 3.0 for co-simulation, over instance.h; types and functions are declared by the headers of the
    standard. There are no clocks, no events, no arrays and no intermediate updates. */
-#include <stdbool.h>
 #include <stdio.h>
 
+#include "fmi3Functions.h"
 #include "instance.h"
 
-typedef void *fmi3Instance, *fmi3InstanceEnvironment, *fmi3FMUState;
-typedef uint32_t fmi3ValueReference;
-typedef float fmi3Float32;
-typedef double fmi3Float64;
-typedef int8_t fmi3Int8;
-typedef uint8_t fmi3UInt8;
-typedef int16_t fmi3Int16;
-typedef uint16_t fmi3UInt16;
-typedef int32_t fmi3Int32;
-typedef uint32_t fmi3UInt32;
-typedef int64_t fmi3Int64;
-typedef uint64_t fmi3UInt64;
-typedef bool fmi3Boolean, fmi3Clock;
-typedef const char *fmi3String;
-typedef uint8_t fmi3Byte;
-typedef const fmi3Byte *fmi3Binary;
-typedef int fmi3Status, fmi3DependencyKind, fmi3IntervalQualifier;
-typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String);
-typedef void (*Callback)(void); /* those that are never called */
-
-#define NEEDED(c)                                                                                \
-    if (!(c))                                                                                    \
-    return ERROR
+#define NEEDED(c)                                                                                  \
+    if (!(c))                                                                                      \
+    return fmi3Error
 
 static void emit(Instance *m, Status status, const char *category, const char *message)
 {
@@ -37,21 +17,21 @@ static void emit(Instance *m, Status status, const char *category, const char *m
 }
 static const Skin SKIN = {emit, {"Float64", "Int32", "Boolean", "Enumeration"}};
 
-EXPORT const char *fmi3GetVersion(void)
+const char *fmi3GetVersion(void)
 {
-    return "3.0";
+    return fmi3Version;
 }
 
-EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token,
-                                                fmi3String resources, fmi3Boolean visible,
-                                                fmi3Boolean logging, fmi3Boolean has_events,
-                                                fmi3Boolean may_return_early,
-                                                const fmi3ValueReference required[],
-                                                size_t required_count,
-                                                fmi3InstanceEnvironment environment,
-                                                fmi3LogMessageCallback log, Callback update)
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+                                         fmi3Boolean visible, fmi3Boolean logging,
+                                         fmi3Boolean has_events, fmi3Boolean may_return_early,
+                                         const fmi3ValueReference required[], size_t required_count,
+                                         fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback log,
+                                         fmi3IntermediateUpdateCallback update)
 {
-    Instance *m = create(name, token, resources, logging, &SKIN, (void *)(uintptr_t)log, environment);
+    Instance *m =
+        create(name, token, resources, logging, &SKIN, (void *)(uintptr_t)log, environment);
     if (m && has_events) {
         refuse(m, "instantiate: the event mode is asked for, and there is none");
         destroy(m);
@@ -61,60 +41,61 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
         m->is_whole = !may_return_early; /* what is discarded then has to have changed nothing */
     return m;
 }
-EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token,
-                                                 fmi3String resources, fmi3Boolean visible,
-                                                 fmi3Boolean logging,
-                                                 fmi3InstanceEnvironment environment,
-                                                 fmi3LogMessageCallback log)
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+                                          fmi3Boolean visible, fmi3Boolean logging,
+                                          fmi3InstanceEnvironment environment,
+                                          fmi3LogMessageCallback log)
 {
     fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
     return NULL;
 }
-EXPORT fmi3Instance fmi3InstantiateScheduledExecution(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
-    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-    Callback update, Callback lock, Callback unlock)
+fmi3Instance
+fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
+                                  fmi3Boolean visible, fmi3Boolean logging,
+                                  fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+                                  fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
+                                  fmi3UnlockPreemptionCallback unlock)
 {
     fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
     return NULL;
 }
-EXPORT void fmi3FreeInstance(fmi3Instance c)
+void fmi3FreeInstance(fmi3Instance c)
 {
     destroy(c);
 }
-EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count,
-                                      const fmi3String categories[])
+fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count,
+                               const fmi3String categories[])
 {
     NEEDED(c);
     return choose_categories(c, on, count, categories);
 }
 
-EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance,
-                                              fmi3Float64 tolerance, fmi3Float64 start,
-                                              fmi3Boolean has_stop, fmi3Float64 stop)
+fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance,
+                                       fmi3Float64 tolerance, fmi3Float64 start,
+                                       fmi3Boolean has_stop, fmi3Float64 stop)
 {
     NEEDED(c);
     return set_up(c, start, has_stop, stop, has_tolerance, tolerance) ? ERROR : enter(c);
 }
-EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
 {
     NEEDED(c);
     return leave_initialization(c);
 }
-EXPORT fmi3Status fmi3Terminate(fmi3Instance c)
+fmi3Status fmi3Terminate(fmi3Instance c)
 {
     NEEDED(c);
     return terminate(c);
 }
-EXPORT fmi3Status fmi3Reset(fmi3Instance c)
+fmi3Status fmi3Reset(fmi3Instance c)
 {
     NEEDED(c);
     begin_anew(c);
-    return OK;
+    return fmi3OK;
 }
-EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 size,
-                             fmi3Boolean keeps_state, fmi3Boolean *needs_event,
-                             fmi3Boolean *terminates, fmi3Boolean *early, fmi3Float64 *reached)
+fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 size,
+                      fmi3Boolean keeps_state, fmi3Boolean *needs_event, fmi3Boolean *terminates,
+                      fmi3Boolean *early, fmi3Float64 *reached)
 {
     NEEDED(c);
     const Instance *m = c;
@@ -133,48 +114,48 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 si
 
 /* --- values: of the types that there are no variables of, every reference is refused ---------- */
 
-#define VALUES(KIND, NAME)                                                                       \
-    static void put##NAME(void *values, size_t i, double value)                                  \
-    {                                                                                            \
-        ((fmi3##NAME *)values)[i] = (fmi3##NAME)value;                                           \
-    }                                                                                            \
-    static double item##NAME(const void *values, size_t i)                                       \
-    {                                                                                            \
-        return (double)((const fmi3##NAME *)values)[i];                                          \
-    }                                                                                            \
-    EXPORT fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
-                                    fmi3##NAME values[], size_t count)                           \
-    {                                                                                            \
-        NEEDED(c);                                                                               \
-        if (count != n)                                                                          \
-            return refuse(c, "get" #NAME ": %zu values for %zu variables", count, n);            \
-        return get_values(c, KIND, #NAME, vr, n, values, put##NAME);                             \
-    }                                                                                            \
-    EXPORT fmi3Status fmi3Set##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
-                                    const fmi3##NAME values[], size_t count)                     \
-    {                                                                                            \
-        NEEDED(c);                                                                               \
-        if (count != n)                                                                          \
-            return refuse(c, "set" #NAME ": %zu values for %zu variables", count, n);            \
-        return set_values(c, KIND, #NAME, vr, n, values, item##NAME);                            \
+#define VALUES(KIND, NAME)                                                                         \
+    static void put##NAME(void *values, size_t i, double value)                                    \
+    {                                                                                              \
+        ((fmi3##NAME *)values)[i] = (fmi3##NAME)value;                                             \
+    }                                                                                              \
+    static double item##NAME(const void *values, size_t i)                                         \
+    {                                                                                              \
+        return (double)((const fmi3##NAME *)values)[i];                                            \
+    }                                                                                              \
+    fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,              \
+                             fmi3##NAME values[], size_t count)                                    \
+    {                                                                                              \
+        NEEDED(c);                                                                                 \
+        if (count != n)                                                                            \
+            return refuse(c, "get" #NAME ": %zu values for %zu variables", count, n);              \
+        return get_values(c, KIND, #NAME, vr, n, values, put##NAME);                               \
+    }                                                                                              \
+    fmi3Status fmi3Set##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,              \
+                             const fmi3##NAME values[], size_t count)                              \
+    {                                                                                              \
+        NEEDED(c);                                                                                 \
+        if (count != n)                                                                            \
+            return refuse(c, "set" #NAME ": %zu values for %zu variables", count, n);              \
+        return set_values(c, KIND, #NAME, vr, n, values, item##NAME);                              \
     }
 VALUES(A_REAL, Float64)
 VALUES(AN_INTEGER, Int32)
 VALUES(A_BOOLEAN, Boolean)
 VALUES(AN_ENUMERATION, Int64)
 
-#define NO_VALUES(NAME)                                                                          \
-    EXPORT fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
-                                    fmi3##NAME values[], size_t count)                           \
-    {                                                                                            \
-        NEEDED(c);                                                                               \
-        return get_values(c, NO_KIND, #NAME, vr, n, values, NULL);                               \
-    }                                                                                            \
-    EXPORT fmi3Status fmi3Set##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
-                                    const fmi3##NAME values[], size_t count)                     \
-    {                                                                                            \
-        NEEDED(c);                                                                               \
-        return set_values(c, NO_KIND, #NAME, vr, n, values, NULL);                               \
+#define NO_VALUES(NAME)                                                                            \
+    fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,              \
+                             fmi3##NAME values[], size_t count)                                    \
+    {                                                                                              \
+        NEEDED(c);                                                                                 \
+        return get_values(c, NO_KIND, #NAME, vr, n, values, NULL);                                 \
+    }                                                                                              \
+    fmi3Status fmi3Set##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,              \
+                             const fmi3##NAME values[], size_t count)                              \
+    {                                                                                              \
+        NEEDED(c);                                                                                 \
+        return set_values(c, NO_KIND, #NAME, vr, n, values, NULL);                                 \
     }
 NO_VALUES(Float32)
 NO_VALUES(Int8)
@@ -185,26 +166,25 @@ NO_VALUES(UInt32)
 NO_VALUES(UInt64)
 NO_VALUES(String)
 
-EXPORT fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
-                                size_t sizes[], fmi3Binary values[], size_t count)
+fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n, size_t sizes[],
+                         fmi3Binary values[], size_t count)
 {
     NEEDED(c);
     return get_values(c, NO_KIND, "Binary", vr, n, values, NULL);
 }
-EXPORT fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
-                                const size_t sizes[], const fmi3Binary values[], size_t count)
+fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+                         const size_t sizes[], const fmi3Binary values[], size_t count)
 {
     NEEDED(c);
     return set_values(c, NO_KIND, "Binary", vr, n, values, NULL);
 }
-EXPORT fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
-                               fmi3Clock values[])
+fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t n, fmi3Clock values[])
 {
     NEEDED(c);
     return get_values(c, NO_KIND, "Clock", vr, n, values, NULL);
 }
-EXPORT fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
-                               const fmi3Clock values[])
+fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+                        const fmi3Clock values[])
 {
     NEEDED(c);
     return set_values(c, NO_KIND, "Clock", vr, n, values, NULL);
@@ -212,38 +192,37 @@ EXPORT fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference vr[], si
 
 /* --- state ---------------------------------------------------------------------------------- */
 
-EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state)
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state)
 {
     NEEDED(c);
     return take_state(c, state);
 }
-EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
 {
     NEEDED(c);
     return give_state(c, state);
 }
-EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
 {
     NEEDED(c);
     free_state(state);
-    return OK;
+    return fmi3OK;
 }
-EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size)
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size)
 {
     NEEDED(c);
     if (!state || !size)
         return refuse(c, "serializedFMUStateSize: NULL given");
     *size = state_size(state);
-    return OK;
+    return fmi3OK;
 }
-EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[],
-                                        size_t size)
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
     NEEDED(c);
     return write_state(c, state, bytes, size);
 }
-EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
-                                          fmi3FMUState *state)
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
+                                   fmi3FMUState *state)
 {
     NEEDED(c);
     return read_state(c, bytes, size, state);
@@ -251,34 +230,35 @@ EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[]
 
 /* --- derivatives ------------------------------------------------------------------------------ */
 
-EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
-                                           const fmi3Int32 orders[], fmi3Float64 values[],
-                                           size_t count)
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+                                    const fmi3Int32 orders[], fmi3Float64 values[], size_t count)
 {
     NEEDED(c);
     if (count != n)
         return refuse(c, "getOutputDerivatives: %zu values for %zu variables", count, n);
     return get_derivatives(c, "getOutputDerivatives", vr, n, orders, values);
 }
-EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknown[],
-                                               size_t unknowns, const fmi3ValueReference known[],
-                                               size_t knowns, const fmi3Float64 along[],
-                                               size_t seeds, fmi3Float64 values[], size_t count)
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknown[],
+                                        size_t unknowns, const fmi3ValueReference known[],
+                                        size_t knowns, const fmi3Float64 along[], size_t seeds,
+                                        fmi3Float64 values[], size_t count)
 {
     NEEDED(c);
     if (seeds != knowns || count != unknowns)
-        return refuse(c, "getDirectionalDerivative: %zu seeds for %zu inputs, %zu values for %zu "
-                         "variables", seeds, knowns, count, unknowns);
+        return refuse(c,
+                      "getDirectionalDerivative: %zu seeds for %zu inputs, %zu values for %zu "
+                      "variables",
+                      seeds, knowns, count, unknowns);
     return get_directional(c, unknown, unknowns, known, knowns, along, values);
 }
 
 /* --- what an FMU may leave out, and this one does -------------------------------------------- */
 
-#define NOT_OFFERED(NAME, PARAMETERS)                                                            \
-    EXPORT fmi3Status fmi3##NAME PARAMETERS                                                      \
-    {                                                                                            \
-        NEEDED(c);                                                                               \
-        return refuse(c, #NAME ": is not offered");                                              \
+#define NOT_OFFERED(NAME, PARAMETERS)                                                              \
+    fmi3Status fmi3##NAME PARAMETERS                                                               \
+    {                                                                                              \
+        NEEDED(c);                                                                                 \
+        return refuse(c, #NAME ": is not offered");                                                \
     }
 #define ALONE (fmi3Instance c)
 #define OF_CLOCKS(...) (fmi3Instance c, const fmi3ValueReference vr[], size_t n, __VA_ARGS__)
@@ -313,9 +293,8 @@ NOT_OFFERED(SetIntervalFraction,
 NOT_OFFERED(SetShiftDecimal, OF_CLOCKS(const fmi3Float64 shifts[]))
 NOT_OFFERED(SetShiftFraction,
             OF_CLOCKS(const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]))
-NOT_OFFERED(CompletedIntegratorStep,
-            (fmi3Instance c, fmi3Boolean keeps_state, fmi3Boolean *needs_event,
-             fmi3Boolean *terminates))
+NOT_OFFERED(CompletedIntegratorStep, (fmi3Instance c, fmi3Boolean keeps_state,
+                                      fmi3Boolean *needs_event, fmi3Boolean *terminates))
 NOT_OFFERED(SetTime, (fmi3Instance c, fmi3Float64 time))
 NOT_OFFERED(SetContinuousStates, (fmi3Instance c, const fmi3Float64 states[], size_t n))
 NOT_OFFERED(GetContinuousStates, (fmi3Instance c, fmi3Float64 states[], size_t n))
@@ -324,5 +303,4 @@ NOT_OFFERED(GetNominalsOfContinuousStates, (fmi3Instance c, fmi3Float64 nominals
 NOT_OFFERED(GetNumberOfContinuousStates, (fmi3Instance c, size_t *n))
 NOT_OFFERED(GetEventIndicators, (fmi3Instance c, fmi3Float64 indicators[], size_t n))
 NOT_OFFERED(GetNumberOfEventIndicators, (fmi3Instance c, size_t *n))
-NOT_OFFERED(ActivateModelPartition,
-            (fmi3Instance c, fmi3ValueReference clock, fmi3Float64 time))
+NOT_OFFERED(ActivateModelPartition, (fmi3Instance c, fmi3ValueReference clock, fmi3Float64 time))

@@ -17,7 +17,8 @@
 #pragma GCC visibility push(hidden)
 #endif
 
-typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status; /* FMI's numbers */
+enum { OK, WARNING, DISCARD, ERROR, FATAL }; /* FMI's numbers */
+typedef int Status;
 /* Of a variable, or what a host asks for: of no kind there are no variables. */
 typedef enum { A_REAL, AN_INTEGER, A_BOOLEAN, AN_ENUMERATION, NO_KIND, ANY_KIND } Kind;
 typedef enum { INSTANTIATED, INITIALIZING, STEPPING, FAILED, TERMINATED } Phase;

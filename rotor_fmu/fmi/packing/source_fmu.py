@@ -12,8 +12,6 @@ from ..solver_parameters import NO_STARTS
 from .archive import write_archive, xml_bytes
 from .machine_files import SOURCE, machine_files, machine_of
 
-_OTHER = {2: "fmi3.c", 3: "fmi2.c"}  # functions of the version that an FMU is not of
-
 
 def build_source(
     out: Path,
@@ -36,7 +34,7 @@ def build_source(
     """
     machine = machine_of(rotor_toml, is_free, reduction, step, starts)
     name = machine.identifier(SOURCE)
-    sources = {file: data for file, data in source_files().items() if file != _OTHER[fmi]}
+    sources = source_files(fmi)
     compiled = tuple(sorted(file for file in sources if file.endswith(".c")))
     contents = machine_files(machine, Described(machine.rotor, name, sources=compiled), fmi)
     contents |= {f"sources/{file}": data for file, data in sources.items()}
