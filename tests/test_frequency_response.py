@@ -15,9 +15,12 @@ from rotor_fmu.model.linear.frequency_response import (
     sensitivity,
 )
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.body import Body
+from rotor_fmu.model.parts.shaft import Material, Section
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
+from rotor_fmu.linear.frequency_answers import place_of
 from tests.test_ross import machine
 
 ROOT = Path(__file__).parent.parent
@@ -210,3 +213,49 @@ def test_a_loop_whose_force_grows_without_bounds_is_refused():
         sensitivity(JEFFCOTT, [50.0], [LOOP])
     with pytest.raises(LinearError, match="frequencies: must be above 0"):
         frequency_response(JEFFCOTT, [0.0], 2, [2])
+
+
+OVERHUNG = """
+[material]
+young = 2.1e11
+density = 7850.0
+[shaft]
+nodes = [0.0, 0.2, 0.4, 0.6, 0.8]
+diameters = [0.04, 0.04, 0.04, 0.04]
+[[support]]
+node = 1
+stiffness = 2e7
+damping = 500.0
+[[support]]
+node = 4
+stiffness = 2e7
+damping = 500.0
+[[body]]
+node = 5
+mass = 12.0
+I_d = 0.05
+I_p = 0.09
+offset = 0.08
+"""
+
+
+def test_a_force_on_a_part_acts_beyond_its_node_where_the_part_lies(tmp_path, capsys):
+    """As on a node at the end of a massless, rigid piece of shaft that is as long."""
+    given = parse_rotor(OVERHUNG)
+    rigid = Section.cylinder(0.08, 0.04, Material(young=1e17, density=1e-6))
+    (body,) = given.of_kind(Body)
+    longer = replace(given, sections=(*given.sections, rigid))
+    longer = longer.with_parts(Body, replace(body, node=6, offset=0.0))
+    frequencies = np.array([100.0, 400.0, 1500.0])
+    expected = frequency_response(longer, frequencies, 6, [6, 3], speed=300.0)
+    place = place_of(given, "body[1]", "--force")
+    found = frequency_response(given, frequencies, place, [place, 3], speed=300.0)
+    largest = np.abs(expected.receptance).max()
+    np.testing.assert_allclose(found.receptance, expected.receptance, atol=1e-6 * largest)
+    file = tmp_path / "overhung.toml"
+    file.write_text(OVERHUNG)
+    app(
+        ["frequency-response", "--rotor", str(file), "--force", "body[1]", "--out", str(tmp_path)],
+        standalone_mode=False,
+    )
+    assert "a force on node 5 +80 mm" in capsys.readouterr().out

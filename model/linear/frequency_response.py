@@ -14,10 +14,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 import scipy.signal
+import scipy.sparse as sp
 
 from ..machine.rotor import Rotor
 from .linear_machine import LinearError, LinearMachine
@@ -28,19 +30,33 @@ _PADE = 4  # order of the approximation of a delay, for the poles alone
 _UNSTABLE = 1e-6  # share of growth of a pole that is more than rounding
 
 
+class Place(NamedTuple):
+    """A place on a rigid part of the shaft, `offset` [m] beyond a node (from 1) along the shaft: it
+    moves as the node's slope takes it, and a force there has a moment about the node."""
+
+    node: int
+    offset: float = 0.0
+
+
+AnyPlace = int | tuple[int, float]  # a node (from 1), or a place
+
+
 @dataclass(frozen=True)
 class FrequencyResponse:
-    """Displacements of n nodes by a force on one, at f frequencies [rad/s] and one speed [rad/s].
+    """Displacements of n places by a force on one, at f frequencies [rad/s] and one speed [rad/s].
 
-    contacts: `open` or `pinned`; force: its node (from 1); nodes: from 1; receptance: complex of
-    shape (f, n, 2, 2) [m/N], displacement in x, y by the force in x, y.
+    contacts: `open` or `pinned`; force: its node (from 1); nodes: from 1; force_offset, offsets:
+    how far beyond their nodes the places lie [m]; receptance: complex of shape (f, n, 2, 2) [m/N],
+    displacement in x, y by the force in x, y.
     """
 
     speed: float
     contacts: str
     frequencies: np.ndarray
     force: int
+    force_offset: float
     nodes: tuple[int, ...]
+    offsets: tuple[float, ...]
     receptance: np.ndarray
 
 
@@ -48,15 +64,15 @@ class FrequencyResponse:
 class ControlLoop:
     """The control of a magnetic bearing, alike in x and y.
 
-    name; sensor, magnet: nodes (from 1); kp [A/m], ki [A/(m.s)], kd [A.s/m]: gains of the
+    name; sensor, magnet: nodes (from 1) or places; kp [A/m], ki [A/(m.s)], kd [A.s/m]: gains of the
     controller; force_per_current [N/A]; negative_stiffness: of the magnet, positive [N/m];
     filter_frequency: corner of the first-order low pass before kp and kd [Hz], 0 without one;
     amplifier_time: time constant of the amplifier [s]; delay: of the controller [s].
     """
 
     name: str
-    sensor: int
-    magnet: int
+    sensor: AnyPlace
+    magnet: AnyPlace
     kp: float
     kd: float
     force_per_current: float
@@ -110,26 +126,29 @@ class Sensitivity:
 def frequency_response(
     rotor: Rotor,
     frequencies: Sequence[float] | np.ndarray,
-    force: int,
-    nodes: Sequence[int],
+    force: AnyPlace,
+    nodes: Sequence[AnyPlace],
     *,
     speed: float = 0.0,
     contacts: str | None = None,
 ) -> FrequencyResponse:
-    """Return the displacements of nodes (from 1) by a force on a node, at frequencies [rad/s] above
-    0 and a speed [rad/s].
+    """Return the displacements of nodes (from 1), or places, by a force on one, at frequencies
+    [rad/s] above 0 and a speed [rad/s].
 
     contacts: `open` or `pinned`; None: open where the machine is held without them. Raises
     `LinearError`.
     """
     at = _checked(frequencies)
     plant = _Plant(rotor, speed, contacts)
+    at_force, places = _place(force), [_place(node) for node in nodes]
     return FrequencyResponse(
         speed=speed,
         contacts=plant.machine.contacts,
         frequencies=at,
-        force=force,
-        nodes=tuple(nodes),
+        force=at_force.node,
+        force_offset=at_force.offset,
+        nodes=tuple(place.node for place in places),
+        offsets=tuple(place.offset for place in places),
         receptance=np.array([_blocks(plant(1j * w, [force], nodes))[:, 0] for w in at]),
     )
 
@@ -169,6 +188,10 @@ def sensitivity(
     )
 
 
+def _place(of: AnyPlace) -> Place:
+    return Place(*of) if isinstance(of, tuple) else Place(of)
+
+
 def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
     at = np.array(frequencies, dtype=float)
     if len(at) < 1 or not (np.isfinite(at) & (at > 0)).all():
@@ -183,24 +206,28 @@ def _blocks(matrix: np.ndarray) -> np.ndarray:
 
 
 class _Plant:
-    """The machine at a speed: displacements of nodes by forces on nodes."""
+    """The machine at a speed: displacements of places by forces on places."""
 
     def __init__(self, rotor: Rotor, speed: float, contacts: str | None) -> None:
         check_speed(speed)
         self.machine = LinearMachine(rotor, contacts)
         self.linear = self.machine.at(speed)
 
-    def selection(self, nodes: Sequence[int]) -> np.ndarray:
-        """Return x, y of nodes by the unknowns, shape (2 n, N)."""
-        rows = [
-            4 * (check_node(self.machine, node) - 1) + axis for node in nodes for axis in (0, 1)
-        ]
-        return self.machine.expand.tocsr()[rows].toarray()
+    def selection(self, places: Sequence[AnyPlace]) -> np.ndarray:
+        """Return x, y of places by the unknowns, shape (2 n, N)."""
+        expand = self.machine.expand.tocsr()
+        rows = []
+        for node, offset in map(_place, places):
+            at = 4 * (check_node(self.machine, node) - 1)
+            rows.append(expand[at : at + 2] + offset * expand[at + 2 : at + 4])
+        return sp.vstack(rows).toarray()
 
-    def __call__(self, s: complex, forces: Sequence[int], nodes: Sequence[int]) -> np.ndarray:
-        """Return x, y of nodes by forces in x, y on nodes, shape (2 nodes, 2 forces) [m/N]."""
+    def __call__(
+        self, s: complex, forces: Sequence[AnyPlace], places: Sequence[AnyPlace]
+    ) -> np.ndarray:
+        """Return x, y of places by forces in x, y on places, shape (2 places, 2 forces) [m/N]."""
         moved = self.linear.factorized(s)(self.selection(forces).T.astype(complex))[0]
-        return self.selection(nodes) @ moved
+        return self.selection(places) @ moved
 
 
 def _is_stable(plant: _Plant, loops: Sequence[ControlLoop]) -> bool:

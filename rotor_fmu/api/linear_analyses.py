@@ -233,8 +233,8 @@ class LinearAnalyses:
     def frequency_response(
         self,
         frequencies: Sequence[float] | np.ndarray,
-        force: int,
-        nodes: Sequence[int],
+        force: int | tuple[int, float],
+        nodes: Sequence[int | tuple[int, float]],
         **options: Any,
     ) -> FrequencyResponse:
         """Displacements of nodes by a force on a node, over the frequency.
@@ -243,10 +243,10 @@ class LinearAnalyses:
         ----------
         frequencies : sequence of float
             Frequencies of the force [rad/s], above 0.
-        force : int
-            Node (from 1) of the force.
-        nodes : sequence of int
-            Nodes (from 1) whose displacement is asked for.
+        force : int or (int, float)
+            Node (from 1) of the force, or such a node with how far beyond it the force acts [m].
+        nodes : sequence of int or (int, float)
+            Nodes (from 1), or places beyond them, whose displacement is asked for.
         speed : float
             Speed of rotation [rad/s].
         contacts : str, optional

@@ -70,8 +70,8 @@ def frequency_response(
             machine, points, loops, speed=at, contacts=contacts or "open", zones=bounds
         )
     else:
-        start = answers.node_of(machine, str(force), "--force")
-        nodes = [answers.node_of(machine, text, "--node") for text in node or [str(force)]]
+        start = answers.place_of(machine, str(force), "--force")
+        nodes = [answers.place_of(machine, text, "--node") for text in node or [str(force)]]
         result = answers.frequency_response(
             machine, points, start, nodes, speed=at, contacts=contacts
         )

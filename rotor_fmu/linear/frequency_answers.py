@@ -18,6 +18,7 @@ from ..errors import InputError, read_text
 from ..model.linear import frequency_response as model
 from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
+from ..model.parts.base import PortElement, ProbeElement
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE
 from .acceptance_plots import plain_ticks
 from .answers import Displayed, Machine, displayed, rotor_of
@@ -30,6 +31,16 @@ ZONES = "ABCD"
 
 class FrequencyResponse(model.FrequencyResponse, Displayed):
     """`model.linear.frequency_response.FrequencyResponse`, shown."""
+
+    @property
+    def shown_nodes(self) -> tuple[str, ...]:
+        """The places of the displacements in words."""
+        return tuple(map(_shown, self.nodes, self.offsets))
+
+    @property
+    def shown_force(self) -> str:
+        """The force in words, with its place."""
+        return f"a force on node {_shown(self.force, self.force_offset)}"
 
     def table(self) -> Table:
         """Return the numbers in a few columns.
@@ -45,7 +56,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
             "phase [deg]",
         )
         rows = []
-        for k, node in enumerate(self.nodes):
+        for k, node in enumerate(self.shown_nodes):
             for i, axis in enumerate("xy"):
                 values = self.receptance[:, k, i, i]
                 rows += [
@@ -59,7 +70,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
                     for at in _peaks(np.abs(values))
                 ]
         title = (
-            f"Frequency response to a force on node {self.force} where it peaks, "
+            f"Frequency response to {self.shown_force} where it peaks, "
             f"{turns(self.speed, self.contacts)}"
         )
         return Table(title, heads, rows)
@@ -76,7 +87,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         above, below = grid[:, 0]
         d = current()
         frequency = self.frequencies * d.speed
-        for k, (node, color) in enumerate(zip(self.nodes, _COLORS, strict=False)):
+        for k, (node, color) in enumerate(zip(self.shown_nodes, _COLORS, strict=False)):
             for (i, j), dashes in (((0, 0), "-"), ((1, 1), (0, (4, 2))), ((1, 0), (0, (1, 1.5)))):
                 values = self.receptance[:, k, i, j]
                 if i != j and not (np.abs(values) > 0).any():
@@ -95,7 +106,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         state = turns(self.speed, self.contacts)
         figure.suptitle(
-            titled(self.machine_name, f"Response to a force on node {self.force}, {state}"),
+            titled(self.machine_name, f"Response to {self.shown_force}, {state}"),
             fontsize=10,
             x=0.01,
             ha="left",
@@ -225,13 +236,22 @@ def _peaks(size: np.ndarray) -> list[int]:
     return inner.tolist() if len(inner) else [int(np.argmax(size))]
 
 
-def node_of(rotor: Rotor, text: str, option: str) -> int:
-    """Return the node (from 1) of a number, or of the name of a part; `InputError` otherwise."""
+def _shown(node: int, offset: float) -> str:
+    """Return a place in words, after "node"."""
+    d = current()
+    return f"{node} {offset * d.length:+.4g} {d.length_unit}" if offset else str(node)
+
+
+def place_of(rotor: Rotor, text: str, option: str) -> model.Place:
+    """Return the node (from 1) of a number, or the place where the part of a name has its port or
+    its probe; `InputError` otherwise."""
+    probes, ports = rotor.elements_of_kind(ProbeElement), rotor.elements_of_kind(PortElement)
+    beyond = {name: e.offset for name, e in probes} | {name: e.offset for name, e in ports}
     named = {name: part.node for name, part in rotor.named_parts() if hasattr(part, "node")}
     if text in named:
-        return int(named[text])
+        return model.Place(int(named[text]), beyond.get(text, 0.0))
     if text.isdecimal() and 1 <= int(text) <= len(rotor.nodes):
-        return int(text)
+        return model.Place(int(text))
     near = get_close_matches(text, named, 1, 0.0)
     hint = f"; the nearest name is {near[0]}" if near else ""
     raise InputError(
@@ -264,7 +284,7 @@ def _loop(where: str, table: dict[str, Any], rotor: Rotor) -> model.ControlLoop:
     for key in ("sensor", "magnet"):
         if key not in table:
             raise InputError(f"{where}.{key}: must be given, a node or a part's name")
-        values[key] = node_of(rotor, str(table[key]), f"{where}.{key} =")
+        values[key] = place_of(rotor, str(table[key]), f"{where}.{key} =")
     for key in known.keys() - values.keys():
         if key not in table:
             if key in ("kp", "kd", "force_per_current"):
