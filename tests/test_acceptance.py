@@ -207,6 +207,22 @@ def test_an_overhung_disc_has_the_unbalance_of_its_overhung_mass():
     assert disc + 0.5 * shaft < placed.mass < disc + shaft
 
 
+def test_a_rotor_that_lifts_one_bearing_has_the_unbalance_of_its_weight():
+    """Overhung, its third mode bends between the bearings, which bear 7.4 kg upwards and 18 kg
+    downwards: together the mass of the rotor, 10.7 kg."""
+    overhung = SHAFT.replace("node = 4", "node = 7")
+    rotor = parse_rotor(overhung + support(1, 1e7) + support(4, 1e7))
+    assert static(rotor).load_y[0] > 0.0
+    mass = 7800 * math.pi / 4 * (0.2**2 * 0.03 + 0.03**2 * 0.6)
+    (placed,) = placed_unbalances(rotor, 3, 5000 * RPM)
+    assert placed.node in (2, 3)
+    assert placed.mass == pytest.approx(mass, rel=1e-6)
+    # of two lobes each has that of the bearing next to it, which is a size
+    lobes = placed_unbalances(rotor, 4, 5000 * RPM)
+    loads = np.abs(static(rotor).load_y) / rotor.gravity
+    np.testing.assert_allclose([p.mass for p in lobes], loads, rtol=1e-6)
+
+
 def test_the_check_scales_until_the_probes_read_their_limit_and_sees_the_clearance():
     rotor = parse_rotor(SHAFT + support(1, 1e7, 500.0) + support(7, 1e7, 500.0))
     placed = [p[:3] for p in placed_unbalances(rotor, 1, 3000 * RPM)]

@@ -6,9 +6,10 @@ in SI units 6350 W / N g.mm (W in kg), and W / 3.937 g.mm from 25 000 rev/min on
 edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
 
 - bending to one side between the bearings: one unbalance where that is largest, W the static load
-  of all bearings;
+  of all bearings together: their sum as forces, in which a bearing that an overhung end lifts up
+  counts downwards, so that it is the weight of the rotor;
 - several lobes between the bearings: an unbalance in each, against each other as the lobes are, W
-  the static load of the bearing next to it;
+  the size of the static load of the bearing next to it;
 - more kinetic energy beyond the bearings than between them: an unbalance where each overhung end
   moves most, W its mass.
 """
@@ -16,6 +17,7 @@ edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -86,20 +88,20 @@ def placed_unbalances(
     ]
 
 
-def _bearing_masses(rotor: Rotor, undamped: UndampedMachine, speed: float) -> dict[int, float]:
-    """Return the mass that rests on the bearings of each node at a speed [rad/s], seals aside
-    [kg]."""
+def _bearing_masses(rotor: Rotor, undamped: UndampedMachine, speed: float) -> dict[int, complex]:
+    """Return what rests on the bearings of each node at a speed [rad/s], seals aside: the load to
+    the right and upwards as a complex number, over gravity [kg]."""
     loads = static(without_seals(rotor), speed, contacts=undamped.contacts)
-    result: dict[int, float] = {}
+    result: dict[int, complex] = {}
     for name, x, y in zip(loads.supports, loads.load_x, loads.load_y, strict=True):
         if name in undamped.bearings:
             node = undamped.bearings[name].node  # type: ignore[attr-defined]
-            result[node] = result.get(node, 0.0) + float(np.hypot(x, y)) / STANDARD_GRAVITY
+            result[node] = result.get(node, 0.0) + complex(x, y) / STANDARD_GRAVITY
     return dict(sorted(result.items()))
 
 
 def _places(
-    rotor: Rotor, shape: np.ndarray, bearings: dict[int, float]
+    rotor: Rotor, shape: np.ndarray, bearings: dict[int, complex]
 ) -> list[tuple[int, float, float]]:
     """Return node, angle and mass W of each unbalance."""
     first, last = min(bearings), max(bearings)
@@ -116,16 +118,21 @@ def _places(
         ]
     lobes = _lobes(shape, first, last)
     if len(lobes) == 1:
-        return [(lobes[0], 0.0, sum(bearings.values()))]
+        return [(lobes[0], 0.0, abs(sum(bearings.values())))]
     signs = [shape[node - 1] > 0 for node in lobes]
     return [
         (
             node,
             0.0 if sign == signs[0] else math.pi,
-            bearings[min(bearings, key=lambda b: abs(rotor.nodes[b - 1] - rotor.nodes[node - 1]))],
+            abs(bearings[_nearest(rotor, bearings, node)]),
         )
         for node, sign in zip(lobes, signs, strict=True)
     ]
+
+
+def _nearest(rotor: Rotor, bearings: Iterable[int], node: int) -> int:
+    """Return the node of the bearing that is nearest to a node."""
+    return min(bearings, key=lambda b: abs(rotor.nodes[b - 1] - rotor.nodes[node - 1]))
 
 
 def _lobes(shape: np.ndarray, first: int, last: int) -> list[int]:
