@@ -20,16 +20,21 @@ from rotor_fmu.model.parts.shaft import Material, Section
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
-from rotor_fmu.linear.frequency_answers import place_of
+from rotor_fmu.linear.frequency_answers import place_of, read_loops
 from tests.test_ross import machine
 
 ROOT = Path(__file__).parent.parent
-JEFFCOTT = parse_rotor((ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text())
+JEFFCOTT_TEXT = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+JEFFCOTT = parse_rotor(JEFFCOTT_TEXT)
 FREQUENCIES = np.array([10.0, 60.0, 99.0, 150.0, 400.0])  # natural: 100 rad/s
 M, C, K = 1.0, 20.0, 1e4
 LOOP = ControlLoop("magnet", 2, 2, kp=100.0, kd=1.0, force_per_current=50.0)
 MAGNETS = ROOT / "examples" / "magnetic_bearing" / "compressor.toml"
 PNG = b"\x89PNG"
+
+
+def of_end(k, c):
+    return f"kxx = {k}\nkyy = {k}\ncxx = {c}\ncyy = {c}"
 
 
 def impedance(s):
@@ -55,6 +60,14 @@ def test_a_force_that_turns_with_the_shaft_moves_it_as_an_unbalance_does():
         assert y == pytest.approx(expected.y[0, node - 1], rel=1e-9)
 
 
+def closed_form(loop, s):
+    """The sensitivity of a control loop on one degree of freedom."""
+    low_pass = 1 / (1 + s / (2 * math.pi * loop.filter_frequency)) if loop.filter_frequency else 1.0
+    control = (loop.kp + loop.kd * s) * low_pass + loop.ki / s
+    control = control * 50.0 / (1 + s * loop.amplifier_time) * np.exp(-s * loop.delay)
+    return 1 / (1 + control / (impedance(s) - loop.negative_stiffness))
+
+
 @pytest.mark.parametrize(
     "loop",
     [
@@ -64,14 +77,26 @@ def test_a_force_that_turns_with_the_shaft_moves_it_as_an_unbalance_does():
 )
 def test_the_sensitivity_of_one_degree_of_freedom_is_the_closed_form(loop):
     result = sensitivity(JEFFCOTT, FREQUENCIES, [loop])
-    s = 1j * FREQUENCIES
-    low_pass = 1 / (1 + s / (2 * math.pi * loop.filter_frequency)) if loop.filter_frequency else 1.0
-    control = (loop.kp + loop.kd * s) * low_pass + loop.ki / s
-    control = control * 50.0 / (1 + s * loop.amplifier_time) * np.exp(-s * loop.delay)
-    expected = 1 / (1 + control / (impedance(s) - loop.negative_stiffness))
+    assert np.isin(FREQUENCIES, result.frequencies).all()
+    expected = closed_form(loop, 1j * result.frequencies)
     assert result.loops == ("magnet x", "magnet y")
     for column in (0, 1):
         np.testing.assert_allclose(result.sensitivity[:, column], expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize("delay", [0.0, 1e-4])
+@pytest.mark.parametrize("amplifier_time", [5e-5, 1.5e-3, 1.9e-3])
+def test_the_largest_sensitivity_is_that_between_the_frequencies_too(amplifier_time, delay):
+    """Of the closed form at a million frequencies; the slower the amplifier, the sharper the
+    peak."""
+    loop = replace(LOOP, kp=200.0, kd=0.0, amplifier_time=amplifier_time, delay=delay)
+    result = sensitivity(JEFFCOTT, np.geomspace(10.0, 1000.0, 5), [loop])
+    assert result.is_stable
+    fine = np.linspace(10.0, 1000.0, 1_000_001)
+    size = np.abs(closed_form(loop, 1j * fine))
+    assert result.largest == pytest.approx(size.max(), rel=1e-3)
+    at = result.frequencies[np.abs(result.sensitivity).argmax(axis=0)]
+    assert at == pytest.approx(fine[size.argmax()], rel=1e-4)
 
 
 def test_the_closed_loop_is_stable_as_routh_says():
@@ -146,6 +171,38 @@ def test_the_command_tells_the_zone_of_each_loop(tmp_path, loops, capsys):
     largest = max(math.hypot(*value[0]) for value in data["sensitivity"])
     assert ("B" if largest > 2 else "A") in said.split()
     assert (tmp_path / "frequency_response.png").read_bytes().startswith(PNG)
+
+
+def test_a_few_frequencies_show_the_sensitivity_of_a_flexible_rotor_as_many_do(loops):
+    rotor = parse_rotor(MAGNETS.read_text())
+    of_file = read_loops("--loop", loops, rotor)
+    few, many = (
+        sensitivity(rotor, np.geomspace(10.0, 6000.0, n), of_file, speed=300.0) for n in (3, 601)
+    )
+    np.testing.assert_allclose(few.largest, many.largest, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("damping", "rel"), [(0.2, 1e-6), (2e-5, 1e-3)])
+def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(
+    tmp_path, damping, rel
+):
+    """One degree of freedom, 1000 Hz: 1 / (2 zeta k sqrt(1 - zeta^2)) at its peak."""
+    stiffness = (2000.0 * math.pi) ** 2
+    text = JEFFCOTT_TEXT.replace("9800.0", str(0.98 * stiffness)).replace(
+        "kxx = 100.0\nkyy = 100.0\ncxx = 0.2\ncyy = 0.2", of_end(0.01 * stiffness, damping)
+    )
+    text = text.replace("19.6", str(98 * damping)).replace("2.1e10", "2.1e15")
+    file = tmp_path / "fast.toml"
+    file.write_text(text)
+    app(
+        ["frequency-response", "--rotor", str(file), "--force", "disc", "--out", str(tmp_path)],
+        standalone_mode=False,
+    )
+    data = json.loads((tmp_path / "frequency_response.json").read_text())
+    largest = max(math.hypot(*value[0][0][0]) for value in data["receptance"])
+    zeta = 100 * damping / (2 * math.sqrt(stiffness))
+    expected = 1 / (2 * zeta * stiffness * math.sqrt(1 - zeta**2))
+    assert largest == pytest.approx(expected, rel=rel)
 
 
 def test_the_command_tells_the_peaks_of_a_port(tmp_path, capsys):

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -26,6 +27,12 @@ HALF_POWER = math.sqrt(0.5)
 DAMPED = 2.5  # amplification factor below which a peak is critically damped
 _PRECISE = 1e-10  # of a speed
 _UNDAMPED = 1e-8  # of a speed: a peak that is not as wide has no damping but rounding
+# About a mode's frequency, in its half-widths. Not there itself: an undamped mode that nothing
+# drives has a peak of rounding there.
+_ABOVE = np.array([0.1, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
+_AROUND = np.concatenate([-_ABOVE[::-1], _ABOVE])
+_ROUNDING = 1e-10  # of the largest answer: what is smaller has no peaks
+_SHARPEST = 1e-6 / (2 * math.pi)  # damping ratio: a sharper peak is not looked at more closely
 
 
 @dataclass(frozen=True)
@@ -93,6 +100,12 @@ def margin(peak: Peak, low: float, high: float) -> Margin:
     return Margin(max(needed, required_margin(peak.amplification, is_above=True)), 0.0)
 
 
+def about(frequency: float, damping_ratio: float) -> np.ndarray:
+    """Return frequencies about that of a mode [rad/s], in which its peak has one that is higher
+    than its neighbours."""
+    return frequency * (1 + max(abs(damping_ratio), _SHARPEST) * _AROUND)
+
+
 def peaks(response: Callable[[float], float], speeds: Sequence[float] | np.ndarray) -> list[Peak]:
     """Return the peaks of a response over ascending speeds [rad/s], each exact to rounding.
 
@@ -101,18 +114,29 @@ def peaks(response: Callable[[float], float], speeds: Sequence[float] | np.ndarr
     """
     at = np.asarray(speeds, dtype=float)
     values = np.array([response(speed) for speed in at])
-    inner = np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:])) + 1
-    return [_peak(response, at, values, int(i)) for i in inner]
+    return [_peak(response, at, values, i) for i in inner_peaks(values)]
 
 
-def _peak(response: Callable[[float], float], at: np.ndarray, values: np.ndarray, i: int) -> Peak:
-    top = minimize_scalar(
+def inner_peaks(values: np.ndarray) -> list[int]:
+    """Return the places of values that are higher than their neighbours."""
+    inner = (values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:])
+    return (np.flatnonzero(inner) + 1).tolist()
+
+
+def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[float, float]:
+    """Return the speed of a peak [rad/s] between the neighbours of the i-th of speeds, and the
+    response there."""
+    found = minimize_scalar(
         lambda speed: -response(speed),
         bounds=(at[i - 1], at[i + 1]),
         method="bounded",
         options={"xatol": _PRECISE * at[i]},
     )
-    speed, largest = float(top.x), -float(top.fun)
+    return float(found.x), -float(found.fun)
+
+
+def _peak(response: Callable[[float], float], at: np.ndarray, values: np.ndarray, i: int) -> Peak:
+    speed, largest = top(response, at, i)
 
     def excess(s: float) -> float:
         return response(s) - HALF_POWER * largest
@@ -129,3 +153,37 @@ def _peak(response: Callable[[float], float], at: np.ndarray, values: np.ndarray
         return math.nan
 
     return Peak(speed, largest, fallen(range(i - 1, -1, -1)), fallen(range(i + 1, len(at))))
+
+
+def with_peaks(
+    answer: Callable[[float], np.ndarray], frequencies: np.ndarray, poles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the frequencies that were asked for [rad/s], ascending, with those of all peaks
+    between them, and the answers at these.
+
+    answer: complex array of a frequency; poles: of the answer [1/s].
+    """
+    known: dict[float, np.ndarray] = {}
+
+    def answered(w: float) -> np.ndarray:
+        if w not in known:
+            known[w] = np.asarray(answer(float(w)))
+        return known[w]
+
+    low, high = frequencies.min(), frequencies.max()
+    near = [about(pole.imag, pole.real / pole.imag) for pole in poles if low < pole.imag < high]
+    at = np.unique(np.concatenate([frequencies, *near]))
+    at = at[(at >= low) & (at <= high)]
+    size = np.abs([answered(w).ravel() for w in at])
+    seen = size.max(axis=0) > _ROUNDING * size.max()
+
+    def size_of(column: int, w: float) -> float:
+        return float(abs(answered(w).ravel()[column]))
+
+    found = [
+        top(partial(size_of, column), at, i)[0]
+        for column in np.flatnonzero(seen).tolist()
+        for i in inner_peaks(size[:, column])
+    ]
+    at = np.unique(np.append(at, found))
+    return at, np.array([answered(w) for w in at])

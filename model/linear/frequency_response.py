@@ -22,8 +22,9 @@ import scipy.signal
 import scipy.sparse as sp
 
 from ..machine.rotor import Rotor
+from .amplification import with_peaks
 from .linear_machine import LinearError, LinearMachine
-from .modes import check_speed
+from .modes import DEFAULT_COUNT, check_speed, modes_of
 from .static import check_node
 
 _PADE = 4  # order of the approximation of a delay, for the poles alone
@@ -104,11 +105,12 @@ class ControlLoop:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Sensitivity of control loops, each in x and y, at f frequencies [rad/s] and one speed
-    [rad/s].
+    """Sensitivity of control loops, each in x and y, at f frequencies [rad/s], ascending, and one
+    speed [rad/s].
 
-    loops: names, with the axis; sensitivity: complex of shape (f, loops) [1]; is_stable: whether
-    all poles of the closed loops decay.
+    frequencies: those that were asked for, with those of all peaks between them; loops: names, with
+    the axis; sensitivity: complex of shape (f, loops) [1]; is_stable: whether all poles of the
+    closed loops decay.
     """
 
     speed: float
@@ -131,16 +133,25 @@ def frequency_response(
     *,
     speed: float = 0.0,
     contacts: str | None = None,
+    peaks: bool = False,
 ) -> FrequencyResponse:
     """Return the displacements of nodes (from 1), or places, by a force on one, at frequencies
     [rad/s] above 0 and a speed [rad/s].
 
-    contacts: `open` or `pinned`; None: open where the machine is held without them. Raises
-    `LinearError`.
+    contacts: `open` or `pinned`; None: open where the machine is held without them; peaks: whether
+    the frequencies of all peaks between those asked for are added. Raises `LinearError`.
     """
     at = _checked(frequencies)
     plant = _Plant(rotor, speed, contacts)
     at_force, places = _place(force), [_place(node) for node in nodes]
+
+    def answer(w: float) -> np.ndarray:
+        return _blocks(plant(1j * w, [at_force], places))[:, 0]
+
+    if peaks:
+        at, receptance = with_peaks(answer, at, plant.poles(at.max()))
+    else:
+        receptance = np.array([answer(w) for w in at])
     return FrequencyResponse(
         speed=speed,
         contacts=plant.machine.contacts,
@@ -149,7 +160,7 @@ def frequency_response(
         force_offset=at_force.offset,
         nodes=tuple(place.node for place in places),
         offsets=tuple(place.offset for place in places),
-        receptance=np.array([_blocks(plant(1j * w, [force], nodes))[:, 0] for w in at]),
+        receptance=receptance,
     )
 
 
@@ -161,7 +172,8 @@ def sensitivity(
     speed: float = 0.0,
     contacts: str | None = "open",
 ) -> Sensitivity:
-    """Return the sensitivity of control loops at frequencies [rad/s] above 0 and a speed [rad/s].
+    """Return the sensitivity of control loops at frequencies [rad/s] above 0, and at those of its
+    peaks between them, and at a speed [rad/s].
 
     Raises `LinearError` without a loop, and for a node that the machine does not have.
     """
@@ -171,20 +183,24 @@ def sensitivity(
     plant = _Plant(rotor, speed, contacts)
     magnets, sensors = [loop.magnet for loop in loops], [loop.sensor for loop in loops]
     negative = np.kron(np.diag([loop.negative_stiffness for loop in loops]), np.eye(2))
-    rows = []
-    for w in at:
+    size = 2 * len(loops)
+
+    def answer(w: float) -> np.ndarray:
         both = plant(1j * w, magnets, [*magnets, *sensors])
-        size = 2 * len(loops)
         of_magnets, of_sensors = both[:size], both[size:]
         closed = np.linalg.inv(np.eye(size) - negative @ of_magnets)
         H = np.kron(np.diag([loop(1j * w) for loop in loops]), np.eye(2))
-        rows.append(np.diag(np.linalg.inv(np.eye(size) + of_sensors @ closed @ H)))
+        return np.diag(np.linalg.inv(np.eye(size) + of_sensors @ closed @ H))
+
+    poles = _closed_poles(plant, loops)
+    at, rows = with_peaks(answer, at, poles)
+    scale = np.maximum(np.abs(poles), plant.machine.structure.numbers[0].lowest_omega)
     return Sensitivity(
         speed=speed,
         frequencies=at,
         loops=tuple(f"{loop.name} {axis}" for loop in loops for axis in "xy"),
-        sensitivity=np.array(rows),
-        is_stable=_is_stable(plant, loops),
+        sensitivity=rows,
+        is_stable=bool((poles.real <= _UNSTABLE * scale).all()),
     )
 
 
@@ -229,10 +245,19 @@ class _Plant:
         moved = self.linear.factorized(s)(self.selection(forces).T.astype(complex))[0]
         return self.selection(places) @ moved
 
+    def poles(self, top: float) -> np.ndarray:
+        """Return the oscillating poles up to a frequency at least [1/s]."""
+        count = DEFAULT_COUNT
+        while True:
+            found = modes_of(self.machine, self.linear, count).eigenvalues
+            if len(found) < count or abs(found[-1]) > top:
+                return found
+            count *= 2
 
-def _is_stable(plant: _Plant, loops: Sequence[ControlLoop]) -> bool:
-    """Return whether all poles of the machine with its closed loops decay, delays approximated by
-    Pade's rational functions."""
+
+def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
+    """Return the poles of the machine with its closed loops [1/s], delays approximated by Pade's
+    rational functions."""
     linear = plant.linear
     M, D, K = (matrix.toarray() for matrix in (linear.M, linear.D, linear.K))
     for loop in loops:
@@ -265,9 +290,7 @@ def _is_stable(plant: _Plant, loops: Sequence[ControlLoop]) -> bool:
         A[size : 2 * size, begin:end] -= force[:, None] @ c
         A[size : 2 * size, :size] -= d[0, 0] * np.outer(force, sensor)
         begin = end
-    poles = np.linalg.eigvals(A)
-    scale = float(plant.machine.structure.numbers[0].lowest_omega)
-    return bool((poles.real <= _UNSTABLE * np.maximum(np.abs(poles), scale)).all())
+    return np.linalg.eigvals(A)
 
 
 def _pade(delay: float) -> tuple[np.ndarray, np.ndarray]:

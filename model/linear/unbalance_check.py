@@ -12,7 +12,7 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from . import orbit
-from .amplification import Margin, Peak, margin, peaks
+from .amplification import Margin, Peak, about, margin, peaks
 from .campbell import campbell
 from .linear_machine import LinearError, lowest_speed
 from .static import check_node
@@ -23,11 +23,6 @@ _POINTS = 301
 # Of the maximum continuous speed, how far critical speeds are looked for: beyond the largest margin
 # that may be required, 26 %, with their points of half the power.
 LOOKED_AT = 1.5
-# About a damped critical speed, in its half-widths. Not there itself: an undamped mode that
-# unbalance does not drive has a peak of rounding there.
-_ABOVE = np.array([0.1, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
-_AROUND = np.concatenate([-_ABOVE[::-1], _ABOVE])
-_UNDAMPED = 1e-6  # logarithmic decrement: a sharper peak is not looked at more closely
 _ROUNDING = 1e-10  # of the largest displacement: a smaller one has no peaks
 _CLEARANCE = 0.75  # of a clearance, which the motion may take
 _MODES = 12
@@ -200,11 +195,9 @@ def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
     first = lowest_speed(rotor, top, contacts)
     grid = np.linspace(max(first, top / _POINTS), top, _POINTS)
     found = campbell(rotor, np.linspace(first, 1.2 * top, 13), count=_MODES, contacts=contacts)
-    about = [
-        c.speed * (1 + max(c.log_dec, _UNDAMPED) / (2 * math.pi) * _AROUND) for c in found.critical
-    ]
+    near = [about(c.speed, c.log_dec / (2 * math.pi)) for c in found.critical]
     return np.unique(
-        np.concatenate([s[(s > 0) & (s >= first) & (s <= top)] for s in (grid, *about)])
+        np.concatenate([s[(s > 0) & (s >= first) & (s <= top)] for s in (grid, *near)])
     )
 
 

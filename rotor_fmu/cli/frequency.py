@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..output_options import with_output_options
 from .shared import Contacts, PictureFolder, RotorFile, Units
 from .show_result import machine_in_units, print_answer
-from .speeds import One, one_speed, speed_range
+from .speeds import One, one_speed, speed_range, usual_frequencies
 
 _POINTS = 801
 
@@ -30,9 +30,13 @@ def frequency_response(
         typer.Option(help="Node or part whose motion is shown; repeatable; default: the force's."),
     ] = None,
     frequency: Annotated[
-        str,
-        typer.Option(help="FROM:TO or FROM:TO:POINTS in rad/s, or with Hz or rpm added."),
-    ] = "1:500Hz",
+        str | None,
+        typer.Option(
+            help="FROM:TO or FROM:TO:POINTS in rad/s, or with Hz or rpm added, peaks between the "
+            "points included; default: from 1 Hz, or half the lowest natural frequency, to 500 Hz, "
+            "or beyond the lowest natural frequencies and three times the machine's speeds."
+        ),
+    ] = None,
     speed: One = "0",
     loop: Annotated[
         Path | None,
@@ -53,7 +57,7 @@ def frequency_response(
     sensitivity of the control loops of magnetic bearings (ISO 14839-3)."""
     ends, at = speed_range(frequency, _POINTS, "--frequency"), one_speed(speed)
     machine = machine_in_units(rotor, units)
-    if len(ends) < 2 or ends[0] <= 0:
+    if frequency is not None and (len(ends) < 2 or ends[0] <= 0):
         raise InputError(f"--frequency {frequency}: must be FROM:TO, both above 0")
     if (force is None) == (loop is None):
         raise InputError("--force and --loop: one of both must be given")
@@ -62,6 +66,8 @@ def frequency_response(
     bounds = () if zones is None else _zones(zones)
     from ..linear import frequency_answers as answers
 
+    if frequency is None:
+        ends = usual_frequencies(machine, at, contacts, _POINTS)
     points = np.geomspace(ends[0], ends[-1], len(ends))
     result: answers.FrequencyResponse | answers.Sensitivity
     if loop is not None:
@@ -73,7 +79,7 @@ def frequency_response(
         start = answers.place_of(machine, str(force), "--force")
         nodes = [answers.place_of(machine, text, "--node") for text in node or [str(force)]]
         result = answers.frequency_response(
-            machine, points, start, nodes, speed=at, contacts=contacts
+            machine, points, start, nodes, speed=at, contacts=contacts, peaks=True
         )
     return print_answer(result, result.table(), result.figure(), out, "frequency_response")
 

@@ -140,3 +140,18 @@ def usual_speeds(
         damped = linear.modes(machine, count=4, contacts=contacts).damped
         top = 1.25 * float(damped[-1]) if len(damped) else 1000.0
     return np.linspace(linear.lowest_speed(machine, top, contacts), top, points)
+
+
+def usual_frequencies(
+    machine: Rotor, speed: float, contacts: str | None, points: int
+) -> np.ndarray:
+    """Return frequencies [rad/s] from 1 Hz, or half the lowest natural frequency at a speed
+    [rad/s], to three times the machine's highest speed and a quarter above the lowest natural
+    frequencies, 500 Hz at least."""
+    from ..model import linear
+
+    found = linear.modes(machine, speed, contacts=contacts).natural
+    own = (speed, *machine.operation.speeds.values())
+    low = min([2 * np.pi, *(0.5 * found[:1])])
+    high = max([1000 * np.pi, *(1.25 * found), *(3 * abs(given) for given in own)])
+    return np.linspace(low, high, points)
