@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.linalg
 from rotor_fmu.model.linear import (
     LinearError,
     LinearMachine,
@@ -152,6 +153,33 @@ def test_no_branch_is_lost_where_bearings_overdamp_modes(most):
     nearest = np.abs(last[:, None] - known[None, :]) / np.abs(last)[:, None]
     assert nearest.min(axis=1).max() < 1e-6
     assert len(set(nearest.argmin(axis=1))) == len(last)
+
+
+def dense_oscillating(machine, speed, scale):
+    """Oscillating eigenvalues at a speed [1/s], lowest first, of the dense matrices in units of
+    time of 1 / scale."""
+    linear = machine.at(speed)
+    M, D, K = scale**2 * linear.M.toarray(), scale * linear.D.toarray(), linear.K.toarray()
+    none, one = np.zeros_like(M), np.eye(len(M))
+    A, B = np.block([[none, one], [-K, -D]]), np.block([[one, none], [none, M]])
+    values = scale * scipy.linalg.eigvals(A, B)
+    values = values[values.imag > 1e-5 * np.abs(values)]
+    return values[np.argsort(np.abs(values))]
+
+
+@pytest.mark.parametrize(
+    ("example", "top"), [("oil_film", 900.0), ("turbocharger", 11310.0), ("squeeze_film", 500.0)]
+)
+def test_every_one_of_the_lowest_modes_lies_on_a_line_of_its_own(example, top):
+    """Also those that films overdamp at the first speed."""
+    rotor = parse_rotor((ROOT / "examples" / example / "rotor.toml").read_text())
+    speeds = np.linspace(top / 200, top, 13)
+    result, machine = campbell(rotor, speeds, count=8), LinearMachine(rotor)
+    for speed, lines in zip(speeds, result.eigenvalues, strict=True):
+        lines = lines[np.isfinite(lines)]
+        assert len(np.unique(lines)) == len(lines)
+        for value in dense_oscillating(machine, speed, top / 4)[:8]:
+            assert np.abs(lines - value).min() < 1e-5 * abs(value)
 
 
 def test_modes_are_followed_through_their_crossings():

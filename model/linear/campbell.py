@@ -38,9 +38,9 @@ class CriticalSpeed:
 
 @dataclass(frozen=True)
 class Campbell(Spectrum):
-    """Modes over s speeds [rad/s], each followed by its shape; m modes in their order at the first
-    speed. Where a mode is so damped that it does not oscillate it is NaN; it goes on where it does
-    again.
+    """Modes over s speeds [rad/s], each followed by its shape; m modes, first those of the first
+    speed in their order, then those that are among the lowest ones only at a higher speed. Where a
+    mode is so damped that it does not oscillate it is NaN; it goes on where it does again.
 
     eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonics: multiples of the
     speed that excite; critical: where a mode meets it, by ascending speed; threshold: lowest speed
@@ -64,8 +64,8 @@ def campbell(
     contacts: str | None = None,
     harmonic: float | Sequence[float] = 1.0,
 ) -> Campbell:
-    """Return the Campbell diagram of the `count` lowest modes over ascending speeds [rad/s], at
-    least 2.
+    """Return the Campbell diagram of the modes that are among the `count` lowest at any of
+    ascending speeds [rad/s], at least 2.
 
     harmonic: multiple of the speed that excites, for critical speeds, or several; contacts: `open`
     or `pinned`; None: open where the machine is held without them. Raises `LinearError`.
@@ -78,12 +78,7 @@ def campbell(
         if not (np.isfinite(order) and order > 0):
             raise LinearError(f"harmonic = {order:g}: must be > 0")
     follow = _Follower(LinearMachine(rotor, contacts), count + _MORE)
-    seen = [follow.at(at[0])]
-    places = [np.arange(min(count, len(seen[0].eigenvalues)))]
-    for speed in at[1:]:
-        seen.append(follow.at(speed))
-        onward = follow.onward(seen[-2], seen[-1], places[-1])
-        places.append(_found_again(seen, places, onward))
+    seen, places = _lines(follow, at, count)
     critical = [
         result
         for order in harmonics
@@ -110,9 +105,13 @@ class _Follower:
     def __init__(self, machine: LinearMachine, count: int) -> None:
         self._machine = machine
         self._count = count
+        self._known: dict[float, Modes] = {}
 
     def at(self, speed: float) -> Modes:
-        return machine_modes(self._machine, float(speed), self._count)
+        speed = float(speed)
+        if speed not in self._known:
+            self._known[speed] = machine_modes(self._machine, speed, self._count)
+        return self._known[speed]
 
     def onward(self, a: Modes, b: Modes, places: np.ndarray, depth: int = 0) -> np.ndarray:
         """Return the places in `b` of the modes that have `places` in `a`; -1 of one that is not
@@ -125,9 +124,44 @@ class _Follower:
         return self.onward(middle, b, half, depth + 1)
 
 
-def _found_again(
-    seen: Sequence[Modes], places: Sequence[np.ndarray], onward: np.ndarray
+def _lines(follow: _Follower, at: np.ndarray, count: int) -> tuple[list[Modes], np.ndarray]:
+    """Return the modes at each speed, and the places in them of each line, shape (speeds, lines),
+    -1 where it is not there."""
+    seen: list[Modes] = []
+    places = np.full((len(at), 0), -1)
+    for i, speed in enumerate(at):
+        seen.append(follow.at(speed))
+        if i > 0:
+            onward = follow.onward(seen[i - 1], seen[i], places[i - 1])
+            places[i] = _found_again(seen, places[:i], onward)
+        lowest = np.arange(min(count, len(seen[i].eigenvalues)))
+        if i > 0:
+            lowest = lowest[seen[i].is_sound[lowest]]
+        begun = np.setdiff1d(lowest, places[i])
+        if len(begun):
+            places = _with_begun(follow, seen, places, begun)
+    return seen, places
+
+
+def _with_begun(
+    follow: _Follower, seen: Sequence[Modes], places: np.ndarray, begun: np.ndarray
 ) -> np.ndarray:
+    """Return the places with those of lines that are new in the last of `seen`, followed backward
+    to where they were above the lowest modes before, or did not oscillate."""
+    last, known = len(seen) - 1, places.shape[1]
+    result = np.hstack([places, np.full((len(places), len(begun)), -1)])
+    result[last, known:] = begun
+    for i in range(last - 1, -1, -1):
+        back = follow.onward(seen[i + 1], seen[i], result[i + 1])[known:]
+        result[i, known:] = np.where(np.isin(back, result[i, :known]), -1, back)
+        there = follow.onward(seen[i], seen[i + 1], result[i])[known:]
+        result[i, known:][there != result[i + 1, known:]] = -1
+        if (result[i, known:] < 0).all():
+            break
+    return result
+
+
+def _found_again(seen: Sequence[Modes], places: np.ndarray, onward: np.ndarray) -> np.ndarray:
     """Return the places in the last of `seen` with those of modes that did not oscillate for a
     while: the free shape most like the one that such a mode had, once it is there again."""
     result = onward.copy()
@@ -166,7 +200,7 @@ def _matched(a: Modes, b: Modes, places: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def _critical(
-    follow: _Follower, seen: Sequence[Modes], places: Sequence[np.ndarray], harmonic: float
+    follow: _Follower, seen: Sequence[Modes], places: np.ndarray, harmonic: float
 ) -> list[CriticalSpeed]:
     """Return the critical speeds between two speeds of the diagram."""
     a, b = seen
@@ -174,8 +208,10 @@ def _critical(
     for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
         before = _excess(a, places[0][mode], harmonic)
         after = _excess(b, places[1][mode], harmonic)
+        if before == 0.0 or before * after > 0:
+            continue
         # one that was found again did not oscillate in between
-        if before != 0.0 and before * after <= 0 and follow.onward(a, b, places[0])[mode] >= 0:
+        if follow.onward(a, b, places[0])[mode] == places[1][mode]:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             if at >= 0 and there.damping_ratio[at] < _PEAKING:
                 log_dec = float(there.log_dec[at])
