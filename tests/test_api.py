@@ -144,6 +144,41 @@ def test_an_fmu_gives_the_numbers_of_the_run_without_it(tmp_path):
     assert through.machine.toml == RIG.toml
 
 
+@pytest.mark.parametrize("name", ["limit.displacement", "limit.force", "limit.contact"])
+def test_a_limit_ends_a_run_before_the_first_step_beyond_it_as_it_ends_the_fmus(tmp_path, name):
+    options = {"speed": ([0, 0.1], [190, 189]), "step": 0.01, "preset": "robust"}
+    whole = rf.simulate(RIG, **options, per_turn=None)
+    moved = np.max([np.hypot(whole[f"disc[{i}].x"], whole[f"disc[{i}].y"]) for i in (1, 2, 3)], 0)
+    force = np.max(
+        [np.hypot(whole[f"bearing[{i}].fn"], whole[f"bearing[{i}].ft"]) for i in (1, 2)], 0
+    )
+    closed = np.array([whole[f"bearing[{i}].fn"] > 0 for i in (1, 2)])
+    changes = np.flatnonzero((closed[:, 1:] != closed[:, :-1]).any(axis=0))
+    value, last = {
+        "limit.displacement": (0.9 * moved.max(), np.argmax(moved > 0.9 * moved.max()) - 1),
+        "limit.force": (0.9 * force.max(), np.argmax(force > 0.9 * force.max()) - 1),
+        "limit.contact": ("true", changes[0] + 1),
+    }[name]
+    options["parameters"] = {name: value}
+    with pytest.warns(UserWarning, match="passes limit|closed|opened"):
+        direct = rf.simulate(RIG, **options, per_turn=None)
+    with pytest.warns(UserWarning, match="passes limit|closed|opened"):
+        through = rf.simulate_fmu(rf.build_fmu(RIG, tmp_path), **options)
+    assert direct.t[-1] == whole.t[last]
+    assert direct.status.startswith(f"failed: t = {whole.t[last]:.9g} s: ")
+    assert direct.status == through.status
+
+
+def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
+    options = {"speed": ([0, 0.1], [190, 189]), "step": 0.01, "preset": "robust"}
+    options["parameters"] = {"solver.sensitivities": "true"}
+    direct = rf.simulate(RIG, **options)
+    through = rf.simulate_fmu(rf.build_fmu(RIG, tmp_path), **options)
+    for name in through.names:
+        assert np.array_equal(through[name], direct.points.columns[name]), name
+    assert direct.points.columns["disc[2].dx_dfx"][-1] > 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [

@@ -266,6 +266,21 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
 
 
 @pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("limit", [400e-6, 600e-6])
+def test_a_run_that_a_limit_ends_ends_there_with_and_without_the_fmu(process, tmp_path, limit):
+    """Also in its first step, of which the FMU leaves no row."""
+    done = process(
+        *("run-down", "--set", f"limit.displacement={limit}", "--set", "speed=185"),
+        *("--stop", "0.1", "--step", "0.05", "--verify", "--out", "."),
+    )
+    assert "apart" not in done.stderr
+    assert "The run stopped before its end" in done.stdout
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert "passes limit.displacement" in summary["status"]
+    assert summary["recorded_apart"] == 0.0
+
+
+@pytest.mark.usefixtures("undrawn")
 def test_a_run_with_a_reduced_shaft_drives_an_fmu_that_was_built_with_it(process, tmp_path):
     done = process(
         *("run-down", "--set", "solver.reduction=4", "--set", "speed=150"),

@@ -9,8 +9,9 @@ import numpy as np
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
 from ..model.parts.base import BASE
-from ..model.simulation import Simulation
+from ..model.simulation import CouplingOptions, Simulation
 from ..model.time_loop.recorder import Record
+from .coupling_parameters import coupling_parameters
 from .interface import ports
 from .solver_parameters import settings_of
 from .variables import Variable
@@ -29,6 +30,21 @@ def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, 
     starts = {variable.name: variable.start for variable in table}
     names = [str(name) for name, _, _ in rotor.parameters()]
     return rotor.with_values({n: values[n] for n in names if values[n] != starts[n]})
+
+
+def coupling_options(values: Mapping[str, float]) -> CouplingOptions:
+    """Return what values of the FMU's parameters ask of a run beside its motion: limits at which it
+    ends, sensitivities, the line that drives a free rotor."""
+    given = {
+        of.field: values.get(of.name, 0.0) for of in coupling_parameters("tau_drive" in values)
+    }
+    return CouplingOptions(
+        has_sensitivities=bool(given["has_sensitivities"]),
+        limit_displacement=given["limit_displacement"],
+        limit_force=given["limit_force"],
+        stops_at_contact=bool(given["stops_at_contact"]),
+        drive_impedance=given.get("drive_impedance", 0.0),
+    )
 
 
 def build_simulation(
@@ -50,14 +66,14 @@ def build_simulation(
     changed = changed_rotor(rotor, table, values)
     settings = settings_of(values, tolerance, warn)
     if "tau_drive" in values:
-        speed, torque = values["w_start"], values["tau_drive"]
         return Simulation(
             changed,
             settings,
-            speed=speed,
-            drive_torque=torque,
+            speed=values["w_start"],
+            drive_torque=values["tau_drive"],
             loads=loads,
             record=record,
+            coupling=coupling_options(values),
             warn=warn,
         )
     return Simulation(
@@ -68,5 +84,6 @@ def build_simulation(
         continues_speed=values["speed_continuation"] == 0,
         loads=loads,
         record=record,
+        coupling=coupling_options(values),
         warn=warn,
     )

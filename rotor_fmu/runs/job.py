@@ -145,8 +145,9 @@ def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run
 
 def difference(one: Run, other: Run) -> float:
     """Return the largest difference of two runs at their ends, relative to the scale of each column
-    [1]; infinite if one ends before the other."""
-    if len(one.t) != len(other.t):
+    [1]; infinite if one ends before the other. `one`, through an FMU, has no row, not even of the
+    start, if its first step failed."""
+    if (len(one.t) or 1) != len(other.t):
         return math.inf
     apart = [
         abs(float(column[-1] - other.columns[name][-1])) / (float(np.abs(column).max()) or 1.0)
