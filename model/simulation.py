@@ -325,7 +325,7 @@ class Simulation:
     def _warn_outside_ranges(self, speed: float) -> None:
         """Warn once for every range that the speed [rad/s] has left."""
         for allowed in list(self._ranges):
-            if not allowed.low <= speed <= allowed.high:
+            if not allowed.holds(speed):
                 self._ranges.remove(allowed)
                 self._warn(Message(allowed.beyond.format(speed=speed), allowed.code))
 

@@ -10,12 +10,17 @@ from .rotor import Rotor
 
 class SpeedRange(NamedTuple):
     """A range of speeds [rad/s], the message for a speed outside it, in which {speed:.4g} is filled
-    in, and the code of that message."""
+    in, the code of that message, and whether the range holds whichever way the shaft turns."""
 
     low: float
     high: float
     beyond: str
     code: str
+    is_of_size: bool
+
+    def holds(self, speed: float) -> bool:
+        """Return whether a speed [rad/s] lies in the range."""
+        return self.low <= (abs(speed) if self.is_of_size else speed) <= self.high
 
 
 def tables_of(rotor: Rotor) -> list[SpeedRange]:
@@ -29,9 +34,10 @@ def _range_of(where: str, part: Any) -> SpeedRange:
     is_film = isinstance(part, JournalBearing)
     values = "viscosity is that" if is_film else "coefficients are those"
     return SpeedRange(
-        -high if is_film and low == 0.0 else low,  # a film's is the same in either sense
+        low,
         high,
         f"{where}: speed {{speed:.4g}} rad/s lies outside its table, {low:g} to {high:g} rad/s; "
         f"from there on its {values} of the end",
         "beyond-table",
+        is_of_size=is_film,
     )

@@ -133,7 +133,7 @@ def check(rotor: Rotor, task: Task) -> None:
         if not 0 < speed < math.inf:
             raise PeriodicError(f"speed = {speed:g} rad/s: must be > 0 and finite")
         for allowed in tables_of(rotor):
-            if not allowed.low <= speed <= allowed.high:
+            if not allowed.holds(speed):
                 raise PeriodicError(allowed.beyond.format(speed=speed))
     if task.name != SPEED:
         for value in (task.low, task.high):

@@ -70,7 +70,7 @@ _HEAD = struct.Struct("<8s16s40s d Q 6q 6q 3q 17q 6q")
 HEAD_SIZE, CHECKSUM_AT = _HEAD.size, struct.calcsize("<8s16s40s d")
 _VARIABLE = struct.Struct("<3q 4q 7d")
 _ROW = struct.Struct("<3q")
-_SPAN = struct.Struct("<q2d")
+_SPAN = struct.Struct("<2q2d")
 
 
 class FmuInterface(NamedTuple):
@@ -133,7 +133,8 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
     said = (with_code(text, code) for text, code in zip((*own, *warnings), codes, strict=True))
     sentences = [_HEAD.size + texts.place(text) for text in said]
     spans = b"".join(
-        _SPAN.pack(code, table.low, table.high) for code, table in enumerate(beyond, len(SENTENCES))
+        _SPAN.pack(code, of.is_of_size, of.low, of.high)
+        for code, of in enumerate(beyond, len(SENTENCES))
     )
     # texts stand behind the head, so that their places are known first
     parts = [_padded(texts.bytes)]

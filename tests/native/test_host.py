@@ -18,12 +18,14 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.fmi.log import with_code
 
 from ..fmu.masters import NEEDS_COMPILER
+from ..parts.films import film
 from ..parts.test_linear_bearing import FLEXIBLE, TABLE
 from .machine import Machine
 
 H = 0.004
 ERROR = 3
 CO_SIMULATION = 1
+FILM_TABLE = film(1, speed=[50.0, 400.0], viscosity=[0.05, 0.02]) + film(3)
 
 
 @pytest.fixture(scope="module")
@@ -142,22 +144,23 @@ def test_integers_can_be_read_as_reals(fmu):
     machine.close()
 
 
-def test_a_speed_beyond_a_bearings_table_is_said_once_as_in_python(make, capfd):
-    fmu = make(rotor_toml=FLEXIBLE + TABLE)
-    machine = Machine(fmu).start(speed=300.0)
+@pytest.mark.parametrize("speed", [300.0, -300.0])
+@pytest.mark.parametrize("table", [TABLE, FILM_TABLE], ids=["linear", "film"])
+def test_a_speed_beyond_a_bearings_table_is_said_once_as_in_python(make, capfd, table, speed):
+    fmu = make(rotor_toml=FLEXIBLE + table)
+    machine = Machine(fmu).start(speed=speed)
     machine.step(1e-4)
     before = capfd.readouterr().err.splitlines()
-    machine.set(speed=500.0)
+    machine.set(speed=speed + math.copysign(200.0, speed))
     for _ in range(3):
         machine.step(1e-4)
     said = capfd.readouterr().err.splitlines()
     machine.close()
     expected = []
-    simulation = Simulation(parse_rotor(FLEXIBLE + TABLE), speed=300.0, warn=expected.append)
-    for i, speed in enumerate((300.0, 500.0, 500.0, 500.0), 1):
-        simulation.advance(1e-4 * i, speed)
-    assert expected[0].startswith("unstable: ")
-    assert len(expected) == 2
+    simulation = Simulation(parse_rotor(FLEXIBLE + table), speed=speed, warn=expected.append)
+    for i in range(1, 5):
+        simulation.advance(1e-4 * i, speed if i == 1 else speed + math.copysign(200.0, speed))
+    assert sum("lies outside its table" in text for text in expected) == 1
     assert [line.partition("warning: ")[2] for line in before + said] == [
         with_code(text, text.code) for text in expected
     ]

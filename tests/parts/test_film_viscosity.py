@@ -141,15 +141,19 @@ def test_a_run_takes_the_viscosity_of_its_speed():
     assert abs(runs[0].read("energy.residual")) < 1e-4 * lost
 
 
-def test_a_speed_outside_the_table_is_warned_of():
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_speed_outside_the_table_is_warned_of_whichever_way_the_shaft_turns(sense):
     text = heavy_shaft(1e-6) + film(1) + film(3)
     lists = "speed = [50.0, 500.0]\nviscosity = [0.05, 0.02]"
+    machine = parse_rotor(re.sub(r"viscosity = \S+", lists, text, count=1))
     said = []
-    run = Simulation(
-        parse_rotor(re.sub(r"viscosity = \S+", lists, text, count=1)), speed=490.0, warn=said.append
-    )
-    run.advance(0.1, 490.0, rate=300.0)
-    assert [m for m in said if "journal_bearing[1]: speed 5" in m and "viscosity" in m]
+    run = Simulation(machine, speed=sense * 490.0, warn=said.append)
+    run.advance(0.01, sense * 490.0, rate=sense * 300.0)
+    assert not [m for m in said if "table" in m]
+    run.advance(0.1, sense * 493.0, rate=sense * 300.0)
+    (warned,) = [m for m in said if "table" in m]
+    assert warned.startswith(f"journal_bearing[1]: speed {sense * 520} rad/s lies outside its ta")
+    assert "viscosity" in warned
 
 
 def test_fmu_has_the_bits_of_the_simulation(machine_of):

@@ -56,7 +56,7 @@ typedef struct {
 } Need; /* variable > 0 asks for the other to be true */
 
 typedef struct {
-    int64_t sentence; /* its code */
+    int64_t sentence, is_of_size; /* its code; whether of the speed in either sense */
     double low, high;
 } Span; /* speeds beyond which a sentence warns */
 

@@ -74,9 +74,11 @@ static void warn_beyond_tables(Instance *m)
     const Table *t = m->table;
     const Span *span = (const Span *)((const char *)t + t->first_span);
     double speed = in_block(m, t->omega_at);
-    for (int64_t i = 0; i < t->spans; i++, span++)
-        if (!(span->low <= speed && speed <= span->high))
+    for (int64_t i = 0; i < t->spans; i++, span++) {
+        double at = span->is_of_size ? fabs(speed) : speed;
+        if (!(span->low <= at && at <= span->high))
             warn(m, (int)span->sentence, &speed);
+    }
 }
 
 /* Look for what grows up to the present speed, and warn of it. */
