@@ -35,6 +35,7 @@ def input_error(tmp_path, monkeypatch, capsys):
         ("time,speed\n0,400\n1\n", "line 3: 1 values, 2 are needed"),
         ("time,speed\n0,400\n0,300\n", "line 3: time = 0 s after 0 s: must increase"),
         ("time,speed\n0,four\n", "line 2: speed = four"),
+        ("time,speed\n0,400\n", "signals.csv: ends at 0 s; give the end of the run as --stop"),
     ],
 )
 def test_bad_signals_are_refused_in_one_line(input_error, tmp_path, text, expected):
@@ -77,6 +78,21 @@ def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
     )
     np.testing.assert_allclose(two.t, one.t, rtol=1e-12)
     np.testing.assert_allclose(two.values["speed"], one.values["speed"], rtol=1e-12)
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("way", ["run-down", "run-up"])
+def test_a_run_ends_with_its_signals_unless_a_stop_is_given(process, tmp_path, way):
+    """Signals of loads alone too, whose speed is the start value."""
+    for header, first in (("speed", 100), ("disc[2].fy", 0)):
+        (tmp_path / "in.csv").write_text(f"time,{header}\n0,{first}\n0.013,{first + 1}\n")
+        done = process(way, "--input", "in.csv", "--direct", "--out", ".")
+        assert done.returncode == 0, done.stderr
+        assert "The run was to end at 0.013 s, the last time of in.csv." in done.stdout
+        summary = json.loads((tmp_path / "summary.json").read_text())
+        assert (summary["stop_s"], summary["stop_by"]) == (0.013, "the last time of in.csv")
+        rows = (tmp_path / f"{way.replace('-', '_')}.csv").read_text().splitlines()
+        assert float(rows[-1].split(",")[0]) == pytest.approx(0.013, rel=1e-9)
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -89,7 +89,8 @@ def _run(
         str | None,
         typer.Option(
             metavar="TIME",
-            help="End of the run, in s or such as 2min; default: when the speed has changed.",
+            help="End of the run, in s or such as 2min; default: the last time of --input, or when "
+            "the speed has changed.",
         ),
     ] = None,
     step: Annotated[
@@ -133,10 +134,21 @@ def _run(
     clear(out)
     outcome = _carry_out(job, fmu, f"{kind}, {preset or 'default'}", verify)
     report = _write(outcome, preset, out, name)
+    report["stop_s"] = job.stop
+    report["stop_by"] = _what_ends(stop, signals)
     report["wall_s"] = time.perf_counter() - begun
     write_json(report, out / "summary.json")
+    if stop is None and signals is not None:
+        typer.echo(f"The run was to end at {job.stop:g} s, {report['stop_by']}.")
     _print(outcome, report, out)
     return report | {"out": str(out)}
+
+
+def _what_ends(stop: str | None, signals: Path | None) -> str:
+    """Return what the end of a run was taken from."""
+    if stop is not None:
+        return "--stop"
+    return "the end of the ramp" if signals is None else f"the last time of {signals}"
 
 
 class _Outcome(NamedTuple):

@@ -48,11 +48,18 @@ def prepare(
     ramp: RampGiven | None = None,
 ) -> Job:
     """Check everything that a user gave before anything is written or run; stop: by default the
-    ramp's end; ramp: by default the machine's run-down."""
+    last time of the file, or the ramp's end; ramp: by default the machine's run-down."""
     toml, rotor = load_rotor(rotor_file)
     table = interface(rotor)
     followed = (ramp or RampGiven()).on(rotor)
-    if stop is None:
+    recorded = read_signals(signal_file, table) if signal_file else None
+    if stop is None and recorded is not None:
+        stop = float(recorded.t[-1])
+        if not stop > 0:
+            raise InputError(
+                f"{signal_file}: ends at {stop:g} s; give the end of the run as --stop"
+            )
+    elif stop is None:
         stop = followed.end
     if not 0 < stop < float("inf"):
         raise InputError(f"--stop {stop:g} s: must be > 0 and finite")
@@ -68,7 +75,6 @@ def prepare(
     values = parse_settings(table, sets)
     inputs = {v.name for v in table if v.causality == "input"}
     constants = {name: value for name, value in values.items() if name in inputs}
-    recorded = read_signals(signal_file, table) if signal_file else None
     if recorded is not None and recorded.t[-1] < stop:
         from rich.console import Console
 
