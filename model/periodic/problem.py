@@ -9,9 +9,11 @@ from typing import Any, cast
 
 import numpy as np
 
+from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..machine.speed_tables import tables_of
 from ..message_templates import Message
+from ..parts.rolling_bearing import ROLLING_BEARING, cage_ratio
 from ..quantities import QuantityError
 from .arclength import ContinuationSteps
 from .balance import HarmonicBalance, Orbit, Parameter, cached
@@ -128,6 +130,7 @@ def check(rotor: Rotor, task: Task) -> None:
     if not task.low < task.high:
         raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
     check_parts(rotor)
+    _check_returning(rotor)
     speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)
     for speed in speeds:
         if not 0 < speed < math.inf:
@@ -147,6 +150,17 @@ def check_parts(rotor: Rotor) -> None:
             raise PeriodicError(
                 f"{where}: its thermal bow is slower than one period; use a [[contact]] without "
                 "heating"
+            )
+
+
+def _check_returning(rotor: Rotor) -> None:
+    """Raise `PeriodicError` for a part that does not return after whole revolutions."""
+    for where, part in rotor.named_parts():
+        if ROLLING_BEARING in part.LAWS:
+            ratio = interpreted(cage_ratio)(part)
+            raise PeriodicError(
+                f"{where}: its cage turns {ratio:.4g} times in a revolution of the shaft and does "
+                "not come round with it; run the machine in time, or take a [[linear_bearing]]"
             )
 
 

@@ -16,6 +16,8 @@ from rotor_fmu.model.quantities import QuantityError, quantities
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+import rotor_fmu as rf
+
 _SHAFT = """
 [material]
 young = 2.1e11
@@ -270,6 +272,19 @@ def test_linear_answers_are_those_of_small_motions_about_its_rest(clearance, axi
 def test_a_bearing_that_cannot_be_is_refused(change, message):
     with pytest.raises(QuantityError, match=message):
         replace(_IN_BALLS, **change).check("b")
+
+
+@pytest.mark.parametrize("whirl", [False, True])
+def test_a_periodic_motion_is_refused_before_it_is_sought(whirl):
+    """The cage turns by half of what the inner race does, less the share of the elements' size."""
+    parts = (_BEARING.format(node=node, more=_DAMAGED) for node in (1, 3))
+    machine = rf.parse(_SHAFT.format(e=2e-6) + "".join(parts))
+    ratio = 0.5 * (1 - 0.0119 / 0.052)
+    with pytest.raises(
+        rf.InputError, match=rf"^rolling_bearing\[1\]: its cage turns {ratio:.4g} "
+    ) as no:
+        rf.response(machine, speed=(100.0, 1000.0), whirl=whirl)
+    assert "\n" not in str(no.value)
 
 
 def test_fmu_has_the_bits_of_the_simulation(machine_of):
