@@ -16,8 +16,9 @@ from .api.machine import Machine
 from .api.simulate import simulate
 from .display import current, speed_with_unit
 from .errors import InputError, RunFailed
-from .linear.answers import Displayed, modes
-from .linear.linear_plots import new_figure, titled
+from .linear.answers import modes
+from .linear.displayed import Displayed
+from .linear.linear_plots import titled
 from .linear.linear_tables import Table
 from .model.machine.rotor import Rotor
 from .model.parts.base import InterfaceElement
@@ -26,7 +27,7 @@ from .model.parts.unbalance import Unbalance
 from .model.quantities import STANDARD_GRAVITY
 from .model.structure.assembly import assemble
 from .model.structure.structure import total_mass
-from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE
+from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
 from .vibration.influence_coefficients import correction
 
 _SETTLED = 16.0  # time constants of the slowest mode until the motion is steady: 1e-7 of it is left
@@ -63,17 +64,9 @@ class CorrectionPlane(NamedTuple):
 class Balancing(Displayed):
     """A machine balanced by influence coefficients, m measurements and p planes.
 
-    Attributes
-    ----------
-    planes : tuple of CorrectionPlane
-        Correction planes with their unbalances.
-    vibrations : tuple of Vibration
-        Vibration at the measuring points.
-    influence : numpy.ndarray
-        Influence coefficients, complex of shape (m, p) [m/(kg.m)].
-    touches : bool
-        Whether a contact closed during a run, so that the coefficients are not those of a linear
-        machine.
+    planes: with their unbalances; vibrations: at the measuring points; influence: coefficients,
+    complex of shape (m, p) [m/(kg.m)]; touches: whether a contact closed during a run, so that the
+    coefficients are not those of a linear machine.
     """
 
     planes: tuple[CorrectionPlane, ...]
@@ -83,35 +76,17 @@ class Balancing(Displayed):
 
     @property
     def residual(self) -> float:
-        """The vibration in the run with the correction, as a share of the initial one [1].
-
-        Returns
-        -------
-        float
-            The ratio of both root mean squares.
-        """
+        """The vibration in the run with the correction, as a share of the initial one [1], by their
+        root mean squares."""
         before = np.array([v.initial for v in self.vibrations])
         after = np.array([v.corrected for v in self.vibrations])
         return float(np.linalg.norm(after) / np.linalg.norm(before))
 
     def table(self) -> Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row for each plane, and for each measurement.
-        """
+        """Return a table with a row for each plane, and for each measurement."""
         heads = (
-            "",
-            "trial",
-            "[deg]",
-            "correction",
-            "[deg]",
-            "initial",
-            "[deg]",
-            "left",
-            "expected",
+            *("", "trial", "[deg]", "correction", "[deg]"),
+            *("initial", "[deg]", "left", "expected"),
         )
         d, unit = current(), current().amplitude_words
         planes = [
@@ -133,22 +108,15 @@ class Balancing(Displayed):
             )
             for v in self.vibrations
         ]
-        title = f"Balancing by influence coefficients: {100 * self.residual:.3g} % of the vibration"
-        title += " is left"
+        left = f"{100 * self.residual:.3g} % of the vibration is left"
+        title = f"Balancing by influence coefficients: {left}"
         if self.touches:
             title += "; a contact closed during a run: the coefficients are not a linear machine's"
         return Table(title, heads, [*planes, *measured])
 
     def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The vibration before and after, in the complex plane.
-        """
-        figure, grid = new_figure(5.4, 5.2, 1)
-        axes = grid[0, 0]
+        """Draw the vibration before and after, in the complex plane."""
+        figure, axes = new_figure(5.4, 5.2)
         d = current()
         axes.axhline(0, color=GREY, lw=0.8)
         axes.axvline(0, color=GREY, lw=0.8)
@@ -161,20 +129,14 @@ class Balancing(Displayed):
             label = "with the correction" if kind == "corrected" else kind
             axes.plot(values.real, values.imag, mark, color=color, ms=6, mfc="none", label=label)
         for v in self.vibrations:
-            axes.annotate(
-                f"{v.node}{v.axis}",
-                (v.initial.real * d.amplitude, v.initial.imag * d.amplitude),
-                xytext=(5, 4),
-                textcoords="offset points",
-                fontsize=8,
-            )
+            at = v.initial * d.amplitude
+            annotate(axes, f"{v.node}{v.axis}", (at.real, at.imag), (5, 4))
         axes.set_aspect("equal", adjustable="datalim")
         axes.margins(0.15)
         axes.set_xlabel(f"In phase with the mark [{d.amplitude_words}]")
         axes.set_ylabel(f"A quarter of a turn ahead of it [{d.amplitude_words}]")
         axes.legend(frameon=False, fontsize=8)
-        title = titled(self.machine_name, "1x vibration, its angle from the mark")
-        axes.set_title(title, loc="left", fontsize=10)
+        entitle(axes, titled(self.machine_name, "1x vibration, its angle from the mark"))
         return figure
 
 
@@ -192,31 +154,11 @@ def balance(
 ) -> Balancing:
     """Balance a machine by influence coefficients, from runs in time.
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The machine with its unbalances.
-    speeds : sequence of float
-        Balancing speeds [rad/s], above 0.
-    planes : sequence of int
-        Nodes (from 1) of the correction planes.
-    measured : sequence of int, optional
-        Nodes (from 1) at which x and y are measured. By default those of the planes.
-    trial : float, optional
-        Trial unbalance of each plane [kg.m]. By default all together pull with a tenth of the
-        rotor's weight at the lowest balancing speed.
-
-    Returns
-    -------
-    Balancing
-        Influence coefficients, correction unbalances, and the vibration before and after.
-
-    Raises
-    ------
-    InputError
-        If a speed, a node or the trial unbalance cannot be.
-    RunFailed
-        If a run stops before its end.
+    speeds: of balancing [rad/s], above 0; planes: nodes (from 1) of the correction planes;
+    measured: nodes (from 1) at which x and y are measured, by default those of the planes; trial:
+    unbalance of each plane [kg.m], by default all together pull with a tenth of the rotor's weight
+    at the lowest balancing speed. Raises `InputError` if a speed, a node or the trial unbalance
+    cannot be, `RunFailed` if a run stops before its end.
     """
     nodes = list(planes if measured is None else measured)
     highest = len(rotor.nodes)

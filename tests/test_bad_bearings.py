@@ -17,7 +17,7 @@ from rotor_fmu.model.structure.assembly import assemble
 
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
-from rotor_fmu.linear import answers
+from rotor_fmu.linear import bearing_answers as answers
 
 from .mutations import ending_hangs, one_line, outcome_of, outcomes
 from .parts.films import DAMPER, film, heavy_shaft

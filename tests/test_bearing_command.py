@@ -21,7 +21,7 @@ from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 
 from rotor_fmu.errors import InputError
-from rotor_fmu.linear import answers
+from rotor_fmu.linear import answers, bearing_answers
 
 from .parts.films import DAMPER, in_films
 
@@ -201,7 +201,7 @@ def test_a_journal_that_does_not_turn_lies_on_its_wall():
 
 def test_pads_that_tilt_are_drawn_where_they_stand_with_what_each_bears():
     machine = _with_film(pads=(0.7854, 2.3562, 3.927, 5.4978), arc=1.4, preload=0.3, tilting=True)
-    found = answers.bearing(machine, [100.0, 300.0], load=200.0)
+    found = bearing_answers.bearing(machine, [100.0, 300.0], load=200.0)
     assert found.tilts.shape == (2, 4, 2)
     pivots = np.array([0.7854, 2.3562, 3.927, 5.4978])
     # all pads together bear the load, each towards its pivot, but for the rounded angles
@@ -218,22 +218,22 @@ def test_pads_that_tilt_are_drawn_where_they_stand_with_what_each_bears():
     assert len(ends) == 8
     middles = [complex(*0.5 * (line[39] + line[40])) for line in ends]
     np.testing.assert_allclose(np.abs(middles), 1.0, atol=1e-3)
-    assert len(answers.bearing(_with_film(), [100.0], load=200.0).figure().axes) == 4
+    assert len(bearing_answers.bearing(_with_film(), [100.0], load=200.0).figure().axes) == 4
 
 
 def test_viscosity_and_temperature_of_the_lubricant_are_shown():
     lists = {"viscosity": (0.04, 0.02, 0.01), "speed": (0.0, 200.0, 400.0)}
-    over_speed = answers.bearing(_with_film(**lists), [0.0, 400.0][1:], load=200.0)
+    over_speed = bearing_answers.bearing(_with_film(**lists), [0.0, 400.0][1:], load=200.0)
     assert over_speed.viscosity == pytest.approx([0.01])
     heat = {"temperature": (40.0, 60.0, 80.0), "static_load": 200.0}
-    found = answers.bearing(_with_film(**lists, **heat), [200.0, 400.0], load=200.0)
+    found = bearing_answers.bearing(_with_film(**lists, **heat), [200.0, 400.0], load=200.0)
     heads, rows = found.table().heads, found.table().rows
     assert heads[-2:] == ("viscosity [mPa.s]", "oil [degC]")
     for i, row in enumerate(rows):
         rise = found.power[i] / (860.0 * 2000.0 * found.flow[i])
         assert row[-1] == pytest.approx(40.0 + rise, abs=1e-3)
         assert 10.0 < row[-2] < 40.0
-    constant = answers.bearing(_with_film(), [200.0, 400.0], load=200.0).table().heads
+    constant = bearing_answers.bearing(_with_film(), [200.0, 400.0], load=200.0).table().heads
     assert constant[-1] == "off 2D [%]"
 
 

@@ -22,7 +22,8 @@ from rotor_fmu.display import (
 )
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.machine_files import machine_of
-from rotor_fmu.linear import acceptance, answers
+from rotor_fmu.linear import acceptance, answers, bearing_answers
+from rotor_fmu.linear.displayed import _shear
 from rotor_fmu.linear.frequency_answers import frequency_response
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
@@ -128,9 +129,9 @@ def _answers():
     yield answers.modes(rig(), 100.0, count=2)
     yield answers.static(rig())
     yield frequency_response(rig(), np.linspace(10.0, 300.0, 9), 4, nodes=[4])
-    yield answers.bearing(oil, [300.0, 400.0], bearing="journal_bearing[1]")
-    yield answers.damper(squeeze, 250.0, bearing="squeeze_film_damper[1]")
-    yield answers.rolling(rolling, bearing="left", load=np.array([100.0, 200.0]))
+    yield bearing_answers.bearing(oil, [300.0, 400.0], bearing="journal_bearing[1]")
+    yield bearing_answers.damper(squeeze, 250.0, bearing="squeeze_film_damper[1]")
+    yield bearing_answers.rolling(rolling, bearing="left", load=np.array([100.0, 200.0]))
     planes = (CorrectionPlane(4, 1e-4 + 0j, 2e-4j),)
     yield Balancing(planes, (Vibration(4, "x", 100.0, 1e-5, 0j, 1e-6),), np.ones((1, 1)), False)
 
@@ -373,7 +374,7 @@ def test_a_shape_is_drawn_with_the_elements_own_cubic():
     section = rig().sections[0]
     stiffness = shaft_element(section).stiffness[np.ix_((2, 3), (2, 3))]
     w, rotation = np.linalg.solve(stiffness, [1.0, 0.0])
-    length, phi = section.length, answers._shear(section)
+    length, phi = section.length, _shear(section)
     inertia = math.pi / 64 * section.outer_left**4
     bending = section.material.young * inertia
     sheared = phi * length**2 / 12  # E I / (kappa G A)

@@ -6,7 +6,7 @@ from rotor_fmu.model.linear import campbell, modes, static, unbalance_response
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.linear.linear_tables import modes_table
+from rotor_fmu.linear import answers
 from rotor_fmu.linear.machine_warnings import machine_warnings
 
 LENGTH, DIAMETER, DENSITY = 1.0, 0.1, 1.0
@@ -122,8 +122,8 @@ def test_modes_that_rounding_hides_are_said_and_are_no_instability():
     assert result.is_sound[:4].all()
     assert not result.is_sound[4:].any()
     np.testing.assert_allclose(result.eigenvalues[:4], rigid_roots(), rtol=1e-9)
-    title = modes_table(result).title
+    title = answers.modes(rotor, SPEED).table().title
     assert "of mode 5, 6, 7, 8 rounding leaves residuals up to" in title
-    assert "rounding" not in modes_table(modes(machine(2e18, 4), SPEED, count=4)).title
+    assert "rounding" not in answers.modes(machine(2e18, 4), SPEED, count=4).table().title
     assert campbell(rotor, [0.0, SPEED]).threshold is None
     assert machine_warnings(rotor) == []

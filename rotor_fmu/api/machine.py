@@ -13,8 +13,8 @@ from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..model.simulation import RotorWarning
 from ..model.time_loop.recorder import recordable
+from ..plotting.notebook import png, shown
 from .linear_analyses import LinearAnalyses
-from .pictures import png, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

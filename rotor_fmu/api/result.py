@@ -15,12 +15,12 @@ import numpy as np
 from ..errors import InputError
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
+from ..plotting.notebook import png, shown
 from ..runs.measuring_points import probe_that_moves_most
 from ..runs.recording import load_recording
 from ..runs.run_down import Run
 from .machine import Machine
 from .peaks import Peaks, peaks_of
-from .pictures import png, shown
 from .recorded_signals import RecordedSignals
 
 if TYPE_CHECKING:

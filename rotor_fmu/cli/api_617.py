@@ -55,7 +55,7 @@ def critical_map(
         rigid_pedestals=rigid_pedestals,
         contacts=contacts,
     )
-    return print_answer(result, result.table(), result.figure(), out, "critical_map")
+    return print_answer(result, out, "critical_map")
 
 
 @with_output_options
@@ -97,7 +97,7 @@ def stability(
                 f"--node {node}: is of level 1; at level 2 each cross coupling has its own node"
             )
         result = acceptance.level_2(machine, speed, cross_couplings=couplings, contacts=contacts)
-    return print_answer(result, result.table(), result.figure(), out, "stability")
+    return print_answer(result, out, "stability")
 
 
 def _stiffnesses(text: str) -> np.ndarray:

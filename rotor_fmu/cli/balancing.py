@@ -53,4 +53,4 @@ def balance(
     from ..trial_balancing import balance as balanced
 
     result = balanced(machine, speeds, plane, measured=node, trial=amount)
-    return print_answer(result, result.table(), result.figure(), out, "balance")
+    return print_answer(result, out, "balance")

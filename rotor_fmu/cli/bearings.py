@@ -17,7 +17,7 @@ from .show_result import machine_in_units, print_answer
 from .speeds import number_range, speed_range
 
 if TYPE_CHECKING:
-    from ..linear.answers import BearingCurves, DamperCurves, RingCurves, RollingCurves
+    from ..linear.bearing_answers import BearingCurves, DamperCurves, RingCurves, RollingCurves
     from ..model.machine.rotor import Rotor
 
 
@@ -77,14 +77,14 @@ def bearing(
     if table is not None:
         write_text(_linear_bearing(result, machine, file), table)
         typer.echo(f"written to {table}")
-    return print_answer(result, result.table(), result.figure(), out, "bearing")
+    return print_answer(result, out, "bearing")
 
 
 def _result(
     machine: Rotor, name: str | None, speeds: np.ndarray, loads: np.ndarray | None
 ) -> BearingCurves | DamperCurves | RingCurves | RollingCurves:
     """Return the curves of the bearing of that name, by default the first."""
-    from ..linear import answers
+    from ..linear import bearing_answers as answers
     from ..model.linear import bearings
     from ..model.parts.floating_ring_bearing import FloatingRingBearing
     from ..model.parts.rolling_bearing import RollingBearing
@@ -124,7 +124,7 @@ def _linear_bearing(
     result: BearingCurves | DamperCurves | RingCurves | RollingCurves, machine: Rotor, file: Path
 ) -> str:
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""
-    from ..linear.answers import BearingCurves, RingCurves
+    from ..linear.bearing_answers import BearingCurves, RingCurves
     from ..model.linear import bearings
     from ..model.machine.writing import toml_text
     from ..model.parts.squeeze_film_damper import SqueezeFilmDamper

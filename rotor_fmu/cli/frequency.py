@@ -81,7 +81,7 @@ def frequency_response(
         result = answers.frequency_response(
             machine, points, start, nodes, speed=at, contacts=contacts, peaks=True
         )
-    return print_answer(result, result.table(), result.figure(), out, "frequency_response")
+    return print_answer(result, out, "frequency_response")
 
 
 def _zones(text: str) -> tuple[float, ...]:

@@ -50,7 +50,7 @@ def modes(
 
     result = answers.modes(machine, at, count=count, contacts=contacts)
     name_films(machine)
-    data = print_answer(result, result.table(), result.figure(), out, "modes")
+    data = print_answer(result, out, "modes")
     save(mode_shapes_figure(result, result.machine_name, result.shear), out / "modes_3d.png")
     return data
 
@@ -86,7 +86,7 @@ def campbell(
         machine, speeds, count=count, contacts=contacts, harmonic=harmonic or 1.0
     )
     name_films(machine)
-    return print_answer(result, result.table(), result.figure(ends), out, "campbell")
+    return print_answer(result, out, "campbell", figure=result.figure(ends))
 
 
 @with_output_options
@@ -108,7 +108,7 @@ def static(
     from ..linear import answers
 
     result = answers.static(machine, at, contacts=contacts)
-    return print_answer(result, result.table(), result.figure(), out, "static")
+    return print_answer(result, out, "static")
 
 
 @with_output_options
@@ -122,5 +122,4 @@ def show(
     from ..linear import answers
     from ..linear.inventory import inventory
 
-    listed = inventory(machine)
-    return print_answer(listed, listed.table(), answers.show(machine), out, "show")
+    return print_answer(inventory(machine), out, "show", figure=answers.show(machine))

@@ -40,16 +40,16 @@ def name_films(machine: Rotor) -> None:
 
 def print_answer(
     result: Any,
-    table: Table,
-    figure: Figure,
     out: Path,
     name: str,
+    table: Table | None = None,
+    figure: Figure | None = None,
     more: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Print the table, write numbers and picture, and return the numbers.
+    """Print the table of an answer, write its numbers and its picture, and return the numbers.
 
-    more: further answers by name, whose tables follow, whose numbers stand under the name, and
-    whose pictures have the name behind that of the first.
+    table, figure: by default the answer's own; more: further answers by name, whose tables follow,
+    whose numbers stand under the name, and whose pictures have the name behind that of the first.
     """
     from ..linear.linear_tables import numbers
     from ..plotting.figure_style import save
@@ -57,11 +57,11 @@ def print_answer(
     further = more or {}
     data = numbers(result) | {key: numbers(answer) for key, answer in further.items()}
     writable_folder(out)
-    save(figure, out / f"{name}.png")
+    save(figure or result.figure(), out / f"{name}.png")
     for key, answer in further.items():
         save(answer.figure(), out / f"{name}_{key}.png")
     write_json(data, out / f"{name}.json")
-    typer.echo(table.text())
+    typer.echo((table or result.table()).text())
     for answer in further.values():
         typer.echo(f"\n{answer.table().text()}")
     typer.echo(f"written to {out}")

@@ -93,8 +93,8 @@ def unbalance(
             machine, *ends, nodes, unbalances=given, clearances=gaps, contacts=contacts
         )
     more = {"criticals" if ends is None else "check": checked}
-    figure = result.figure(nodes, ends)
-    return print_answer(result, result.table(nodes), figure, out, "unbalance", more)
+    shown = result.table(nodes), result.figure(nodes, ends)
+    return print_answer(result, out, "unbalance", *shown, more)
 
 
 def _unbalance(text: str) -> tuple[int, float, float]:

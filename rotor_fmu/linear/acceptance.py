@@ -1,82 +1,333 @@
 """The checks of API 617 and 684, for Python and the command line: the objects of `model.linear`,
 which a notebook shows as a table and a picture."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..display import current, range_with_unit, speed_with_unit
 from ..model import linear
+from ..model.linear.amplification import DAMPED
+from ..model.linear.critical_map import BearingStiffness
+from ..model.linear.stability_levels import LEAST_LOG_DEC, LEAST_RATIO
 from ..model.linear.unbalance_check import ProbeCritical
 from ..model.one_thread import on_one_thread
-from . import acceptance_plots, acceptance_tables
-from .answers import Displayed, Machine, displayed, rotor_of
+from ..plotting.figure_style import (
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREEN,
+    GREY,
+    LIMIT,
+    ORANGE,
+    PURPLE,
+    annotate,
+    entitle,
+    new_figure,
+)
+from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
+from .linear_plots import plain_ticks, shade, titled
 from .linear_tables import Table
+
+_MET = {True: "yes", False: "NO"}
+_DASHES = ("-", DASHED, DOTTED, (0, (6, 2, 1, 2)))
 
 
 class CriticalMap(Displayed, linear.CriticalMap):
     """`model.linear.CriticalMap`, shown."""
 
-    table = acceptance_tables.critical_map_table
-    figure = acceptance_plots.critical_map_figure
+    def table(self) -> Table:
+        """Return a table with one row for each crossing of a line by a bearing's own stiffness."""
+        what = "Undamped forward critical speeds"
+        if not self.synchronous:
+            what = "Natural frequencies at standstill"
+        title = (
+            f"{what} where a bearing has the stiffness that all have; first one on rigid bearings "
+            f"{speed_with_unit(self.rigid)}"
+        )
+        if not self.crossings:
+            title += "; no bearing's own stiffness meets a line within the map"
+        d = current()
+        heads = (
+            *("bearing", "axis", "mode", f"stiffness [{d.stiffness_unit}]"),
+            *("critical [rad/s]", f"[{d.speed_unit}]"),
+        )
+        rows = [
+            (
+                *(c.bearing, c.axis, c.mode + 1, float(c.stiffness) * d.stiffness),
+                *(float(c.speed), float(c.speed) * d.speed),
+            )
+            for c in self.crossings
+        ]
+        return Table(title, heads, rows)
+
+    def figure(self) -> Figure:
+        """Draw the critical speeds over the stiffness, and the bearings' own stiffness."""
+        figure, axes = new_figure(6.8, 5.2)
+        d = current()
+        stiffness = self.stiffness * d.stiffness
+        for mode in range(self.speeds.shape[1]):
+            axes.plot(stiffness, self.speeds[:, mode] * d.speed, color=BLUE, lw=1.6)
+            last = self.speeds[-1, mode]
+            if np.isfinite(last):
+                at, aside = (stiffness[-1], last * d.speed), (4 + 9 * (mode % 2), 0)
+                annotate(axes, f"{mode + 1}", at, aside, va="center", color=BLUE)
+        for lines, dashes in zip(self._own_lines(), _DASHES * len(self.own), strict=False):
+            own = lines[0]
+            inside = (own.stiffness >= self.stiffness[0]) & (own.stiffness <= self.stiffness[-1])
+            color = ORANGE if own.axis == "x" else GREEN
+            label = ", ".join(f"{each.bearing} k{each.axis}{each.axis}" for each in lines)
+            over = np.where(inside, own.stiffness, np.nan) * d.stiffness
+            axes.plot(over, own.speed * d.speed, color=color, ls=dashes, lw=1.4, label=label)
+        for c in self.crossings:
+            at = c.stiffness * d.stiffness, c.speed * d.speed
+            axes.plot(*at, "o", color="black", mfc="white", ms=4.5)
+        low, high = np.nanmin(self.speeds), np.nanmax(self.speeds)
+        axes.set(xscale="log", yscale="log", ylim=(low * d.speed * 0.8, high * d.speed * 1.25))
+        axes.set_xlim(stiffness[0], stiffness[-1])
+        for axis in (axes.xaxis, axes.yaxis):
+            plain_ticks(axis)
+        axes.set_xlabel(f"Stiffness of every bearing [{d.stiffness_unit}]")
+        what, unit = "natural frequency at standstill", d.frequency_unit
+        if self.synchronous:
+            what, unit = "critical speed", d.speed_unit
+        axes.set_ylabel(f"Undamped {what} [{unit}]")
+        if self.own:
+            figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+        entitle(axes, titled(self.machine_name, "Undamped critical speed map"))
+        return figure
+
+    def _own_lines(self) -> list[list[BearingStiffness]]:
+        """Return the bearings' own stiffnesses, those of the same values together."""
+        lines: list[list[BearingStiffness]] = []
+        for own in self.own:
+            for others in lines:
+                if np.allclose(own.stiffness, others[0].stiffness, rtol=1e-6):
+                    others.append(own)
+                    break
+            else:
+                lines.append([own])
+        return lines
 
 
 class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
     """`model.linear.UnbalanceCheck`, shown."""
 
-    table = acceptance_tables.unbalance_check_table
-    figure = acceptance_plots.unbalance_check_figure
+    def table(self) -> Table:
+        """Return a table with one row for each critical speed of a probe, for each probe, and for
+        each clearance."""
+        d = current()
+        small = d.small_word
+        heads = (
+            *("what", f"at [{d.speed_unit}]", small, "N1", "N2", "AF"),
+            *("required [%]", "actual [%]", "met"),
+        )
+        scaled = ""
+        if 1 < self.scale < math.inf:
+            scaled = (
+                f" of the unbalance times {self.scale:.3g}, which brings the probes to that limit"
+            )
+        title = (
+            f"API 617 {range_with_unit(self.low, self.high)}, contacts "
+            f"{self.contacts}: critical speeds ({d.amplitude_words}) with separation margins, "
+            f"probes ({small} p-p) against {self.limit * d.small:.4g} {small}, clearances "
+            f"({small} 0-p{scaled}) against 75 %"
+        )
+        return Table(title, heads, list(self._rows()))
+
+    def _rows(self) -> Iterable[tuple[object, ...]]:
+        small, speed = current().small, current().speed
+        for c in self.criticals:
+            node, axis, *numbers = _peak(c)
+            if c.margin is not None:
+                needed, there = 100 * c.margin.required, 100 * c.margin.actual
+                met = _MET[c.margin.is_met] if needed else _why_none(c.peak.amplification)
+                yield (f"node {node} {axis}", *numbers, needed, there, met)
+        for p in self.probes:
+            met = _MET[p.peak_to_peak <= self.limit]
+            share = 100 * p.peak_to_peak / self.limit
+            where = f"probe at node {p.node}"
+            yield (where, p.speed * speed, p.peak_to_peak * small, "", "", "", 100.0, share, met)
+        for g in self.clearances:
+            share, met = 100 * g.scaled / g.clearance, _MET[g.is_met]
+            where = f"clearance {g.name}"
+            yield (where, g.speed * speed, g.scaled * small, "", "", "", 75.0, share, met)
+
+    def figure(self) -> Figure:
+        """Draw the amplification factors over the speed, with the separation that each critical
+        speed needs beside the operating range."""
+        text = (
+            "Critical speeds with the separations that they need\n"
+            "circles x, squares y; orange: too near to the operating range, which is shaded"
+        )
+        figure, axes = _factors(titled(self.machine_name, text), 9)
+        shade([axes], (self.low, self.high))
+        for critical in self.criticals:
+            peak, needs = critical.peak, critical.margin
+            if needs is None or not np.isfinite(peak.amplification):
+                continue
+            color = GREEN if needs.is_met else ORANGE
+            _mark(axes, critical, color)
+            if needs.required and not self.low <= peak.speed <= self.high:
+                # as far as the required separation reaches towards the range
+                end = self.high if peak.speed > self.high else -self.low
+                ends = np.array([peak.speed, peak.speed - needs.required * end]) * current().speed
+                axes.plot(ends, 2 * [peak.amplification], color=color, lw=1.4)
+        axes.set_xlim(left=0)
+        plain_ticks(axes.yaxis)
+        return figure
 
 
 @dataclass(frozen=True)
 class CriticalPeaks(Displayed):
-    """Critical speeds of nodes with their amplification factors, shown.
-
-    Attributes
-    ----------
-    criticals : tuple of ProbeCritical
-        The peaks by ascending speed.
-    """
+    """Critical speeds of nodes with their amplification factors by ascending speed, shown."""
 
     criticals: tuple[ProbeCritical, ...]
 
     def table(self) -> Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row for each peak of a node.
-        """
-        return acceptance_tables.peaks_table(self.criticals)
+        """Return a table with one row for each peak of a node."""
+        d = current()
+        heads = ("node", "axis", f"critical [{d.speed_unit}]", d.amplitude_words, "N1", "N2", "AF")
+        title = "Critical speeds with their amplification factors (API 684)"
+        return Table(title, heads, [_peak(c) for c in self.criticals])
 
     def figure(self) -> Figure:
-        """Draw the result.
+        """Draw the amplification factors of peaks over the speed."""
+        figure, axes = _factors(
+            titled(self.machine_name, "Critical speeds (circles x, squares y)"), 10
+        )
+        for critical in self.criticals:
+            _mark(axes, critical, BLUE)
+        axes.set_xlim(left=0)
+        plain_ticks(axes.yaxis)
+        return figure
 
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The amplification factors.
-        """
-        return acceptance_plots.peaks_figure(self.criticals, self.machine_name)
+
+def _peak(critical: ProbeCritical) -> tuple[object, ...]:
+    peak, d = critical.peak, current()
+    return (
+        *(critical.node, critical.axis, peak.speed * d.speed, peak.amplitude * d.amplitude),
+        *(peak.below * d.speed, peak.above * d.speed, peak.amplification),
+    )
+
+
+def _why_none(amplification: float) -> str:
+    """Return why a peak needs no separation."""
+    if math.isnan(amplification):
+        return "flat"
+    return "damped" if amplification < DAMPED else "yes"
+
+
+def _factors(title: str, size: float) -> tuple[Figure, Axes]:
+    """Return axes of amplification factors over the speed."""
+    figure, axes = new_figure(6.8, 4.0)
+    axes.axhline(DAMPED, color=GREY, lw=1.0, ls=LIMIT)
+    within = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "top"}
+    annotate(axes, "critically damped below", (1.0, DAMPED), (-2, -3), color="#555555", **within)
+    axes.set(yscale="log", ylabel="Amplification factor [1]", xlabel=current().speed_label)
+    entitle(axes, title, size)
+    return figure, axes
+
+
+def _mark(axes: Axes, critical: ProbeCritical, color: str) -> None:
+    at = critical.peak.speed * current().speed, critical.peak.amplification
+    axes.plot(*at, "o" if critical.axis == "x" else "s", color=color, ms=5, mfc="white")
 
 
 class StabilityLevel1(Displayed, linear.StabilityLevel1):
     """`model.linear.StabilityLevel1`, shown."""
 
-    table = acceptance_tables.level_1_table
-    figure = acceptance_plots.level_1_figure
+    def table(self) -> Table:
+        """Return a table of the figures that level 1 asks for."""
+        conclusion = f"level 2 is {'' if self.is_level_2_required else 'not '}required"
+        title = (
+            f"Stability level 1 at {speed_with_unit(self.speed)}, cross coupling at node "
+            f"{self.node}: {conclusion}"
+        )
+        q, unit = current().stiffness, current().stiffness_unit
+        threshold = "unstable nowhere" if self.threshold is None else self.threshold * q
+        ratio = self.ratio if math.isfinite(self.ratio) else "-"
+        rows: list[tuple[object, ...]] = [
+            ("least log dec without cross coupling [1]", self.log_dec_alone, ""),
+            ("that of the first forward mode [1]", self.first_alone, ""),
+            (f"QA, anticipated cross coupling [{unit}]", self.anticipated * q, ""),
+            ("least log dec with QA [1]", self.log_dec_anticipated, f">= {LEAST_LOG_DEC:g}"),
+            ("that of the first forward mode [1]", self.first_anticipated, ""),
+            (f"Q0, where the rotor becomes unstable [{unit}]", threshold, ""),
+            ("Q0 / QA [1]", ratio, f">= {LEAST_RATIO:g}"),
+            (f"sensitivity of the least log dec [1/({unit})]", self.sensitivity / q, ""),
+            ("critical speed ratio [1]", self.critical_speed_ratio, ""),
+        ]
+        return Table(title, ("", "value", "API 617"), rows)
+
+    def figure(self) -> Figure:
+        """Draw the logarithmic decrement over the cross coupling, with QA and Q0."""
+        figure, axes = new_figure(6.8, 4.0)
+        d = current()
+        over = self.stiffness * d.stiffness
+        if not np.allclose(self.log_dec, self.first_log_dec, rtol=1e-6):
+            axes.plot(over, self.first_log_dec, color=GREY, lw=1.2, label="first forward mode")
+        axes.plot(over, self.log_dec, color=BLUE, lw=1.8)
+        axes.axhline(0, color="black", lw=1.0)
+        label = f"least, {LEAST_LOG_DEC:g}"
+        axes.axhline(LEAST_LOG_DEC, color=GREY, lw=1.0, ls=LIMIT, label=label)
+        if self.anticipated:
+            at = self.anticipated * d.stiffness
+            axes.axvline(at, color=GREEN, lw=1.3, label="QA, anticipated")
+        if self.threshold is not None:
+            at = self.threshold * d.stiffness
+            axes.axvline(at, color=ORANGE, lw=1.3, ls=":", label="Q0, unstable above")
+        axes.set_xlim(*(self.stiffness[[0, -1]] * d.stiffness))
+        axes.set_xlabel(f"Cross-coupled stiffness at node {self.node} [{d.stiffness_unit}]")
+        axes.set_ylabel("Logarithmic decrement [1]")
+        title = f"Least of the forward modes at {speed_with_unit(self.speed)}"
+        entitle(axes, titled(self.machine_name, title))
+        axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
+        return figure
 
 
 class StabilityLevel2(Displayed, linear.StabilityLevel2):
     """`model.linear.StabilityLevel2`, shown."""
 
-    table = acceptance_tables.level_2_table
-    figure = acceptance_plots.level_2_figure
+    def table(self) -> Table:
+        """Return a table with one row for each case."""
+        d = current()
+        rows = [
+            (
+                *(c.name, float(c.log_dec), c.frequency * d.speed),
+                *(float(c.first_log_dec), c.first_frequency * d.speed),
+            )
+            for c in self.cases
+        ]
+        unit = f"f_d [{d.frequency_unit}]"
+        title = (
+            f"Stability level 2 at {speed_with_unit(self.speed)}: least log dec of the forward "
+            f"modes >= {LEAST_LOG_DEC:g} {'met' if self.is_met else 'NOT met'}"
+        )
+        return Table(title, ("what acts", "least log dec", unit, "first forward", unit), rows)
+
+    def figure(self) -> Figure:
+        """Draw the logarithmic decrement of each case."""
+        figure, axes = new_figure(6.8, 1.4 + 0.35 * len(self.cases))
+        values = [case.log_dec for case in self.cases]
+        colors = [GREEN if value >= LEAST_LOG_DEC else PURPLE for value in values]
+        axes.barh([case.name for case in self.cases], values, color=colors, height=0.6)
+        axes.axvline(LEAST_LOG_DEC, color="black", lw=1.0, ls=LIMIT)
+        axes.axvline(0, color="black", lw=1.0)
+        axes.invert_yaxis()
+        for at, value in enumerate(values):
+            annotate(axes, f"{value:.3g}", (max(value, 0.0), at), (4, 0), va="center")
+        axes.margins(x=0.12)
+        what = "Least logarithmic decrement of the forward modes [1]"
+        axes.set_xlabel(f"{what}; dashed: {LEAST_LOG_DEC:g}")
+        title = f"Stability level 2 at {speed_with_unit(self.speed)}"
+        entitle(axes, titled(self.machine_name, title))
+        return figure
 
 
 @on_one_thread
@@ -84,24 +335,12 @@ def critical_map(
     machine: Machine, stiffness: Sequence[float] | np.ndarray | None = None, **options: Any
 ) -> CriticalMap:
     """Return `model.linear.critical_map` of a machine; by default over two decades on either side
-    of the bearings' own stiffness."""
+    of the bearings' own stiffness, with eight points in each."""
     rotor = rotor_of(machine)
     if stiffness is None:
-        stiffness = default_stiffness(linear.mean_stiffness(rotor, options.get("contacts")))
+        own = linear.mean_stiffness(rotor, options.get("contacts"))
+        stiffness = own * np.logspace(-2.0, 2.0, 33)
     return displayed(CriticalMap, linear.critical_map, rotor, stiffness, **options)
-
-
-def default_stiffness(mean: float) -> np.ndarray:
-    """Return stiffnesses of two decades on either side of one [N/m], eight in each."""
-    return mean * np.logspace(-2.0, 2.0, 33)
-
-
-@on_one_thread
-def unbalance_check(
-    machine: Machine, low: float, high: float, probes: Sequence[int], **options: Any
-) -> UnbalanceCheck:
-    """Return `model.linear.unbalance_check` of a machine."""
-    return displayed(UnbalanceCheck, linear.unbalance_check, machine, low, high, probes, **options)
 
 
 @on_one_thread
@@ -115,13 +354,6 @@ def critical_peaks(
     return result
 
 
-@on_one_thread
-def level_1(machine: Machine, speed: float, **options: Any) -> StabilityLevel1:
-    """Return `model.linear.level_1` of a machine."""
-    return displayed(StabilityLevel1, linear.level_1, machine, speed, **options)
-
-
-@on_one_thread
-def level_2(machine: Machine, speed: float, **options: Any) -> StabilityLevel2:
-    """Return `model.linear.level_2` of a machine."""
-    return displayed(StabilityLevel2, linear.level_2, machine, speed, **options)
+unbalance_check = answer_of(UnbalanceCheck, linear.unbalance_check)
+level_1 = answer_of(StabilityLevel1, linear.level_1)
+level_2 = answer_of(StabilityLevel2, linear.level_2)

@@ -8,251 +8,345 @@ as a table and a picture.
 A machine is a `Rotor`, or the path of its file.
 """
 
-from __future__ import annotations
-
-import io
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import fields
-from pathlib import Path
-from typing import Any, ClassVar
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from ..machine_file.loading import load_rotor
+from ..display import current, frequency_unit, shown_speed, speed_with_unit
 from ..model import linear
-from ..model.machine.rotor import Rotor
+from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
 from ..model.one_thread import on_one_thread
-from ..model.parts.shaft import Section
-from ..model.structure.beam import shaft_element
 from ..operating_speeds import operating_speeds
+from ..plotting.figure_style import (
+    BLUE,
+    COLORS,
+    DASHED,
+    DOTTED,
+    GREEN,
+    GREY,
+    LIMIT,
+    ORANGE,
+    PURPLE,
+    annotate,
+    entitle,
+    new_figure,
+    new_panels,
+)
+from ..plotting.labels import write_labels
 from ..plotting.machine_drawing import machine_figure
-from . import bearing_plots, bearing_tables, linear_plots, linear_tables
+from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
+from .linear_plots import curve, shade, titled
+from .linear_tables import Table, peaks, turns
 
-Machine = Rotor | Path | str
-
-
-class Displayed(ABC):
-    """Something with a table and a picture, of a machine of this name, whose elements have these
-    ratios of shear to bending [1]."""
-
-    machine_name: ClassVar[str] = ""
-    shear: ClassVar[tuple[float, ...]] = ()
-
-    @abstractmethod
-    def table(self) -> linear_tables.Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            Head, rows and title; `text()` and `html()` show it.
-        """
-
-    @abstractmethod
-    def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The picture.
-        """
-
-    def __repr__(self) -> str:
-        return f"<{self.table().title}>"
-
-    def _repr_html_(self) -> str:
-        return self.table().html()
-
-    def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        self.figure().savefig(buffer, format="png", metadata={"Software": None})
-        return buffer.getvalue()
+_WHIRL = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
+_MOST_SHAPES = 6
+_REACH = 4.0  # of the line of the excitation: frequencies that are shown
+_MOST_SPEEDS = 12  # of a table of the response
+_ROUNDING = 1e-10  # of the largest amplitude: a smaller one does not peak
 
 
 class Modes(Displayed, linear.Modes):
     """`model.linear.Modes`, shown."""
 
-    table = linear_tables.modes_table
+    def table(self) -> Table:
+        """Return a table with one row for each mode."""
+        d = current()
+        title = f"Modes at {turns(self.speed, self.contacts)}"
+        if not self.is_sound.all():
+            numbers = ", ".join(str(i + 1) for i in np.flatnonzero(~self.is_sound))
+            title += (
+                f"; of mode {numbers} rounding leaves residuals up to {np.max(self.residuals):.1g}:"
+                " its stiffnesses and masses lie too far apart"
+            )
+        columns = (
+            ("mode", range(1, len(self.damped) + 1)),
+            (f"f_d [{d.frequency_unit}]", self.damped * d.speed),
+            (f"f_n [{d.frequency_unit}]", self.natural * d.speed),
+            ("omega_d [rad/s]", self.damped),
+            ("damping", _clean(self.damping_ratio)),
+            ("log dec", _clean(self.log_dec)),
+            ("whirl", self.whirl),
+        )
+        return Table.of(title, columns)
 
     def figure(self) -> Figure:
-        """Draw the result.
+        """Draw the shapes of the lowest modes: each plane at the instant of its largest
+        deflection."""
+        shown = min(_MOST_SHAPES, len(self.eigenvalues))
+        columns = 2 if shown > 1 else 1
+        rows = max(1, -(-shown // columns))
+        figure, panels = new_panels(4.2 * columns, 0.9 + 1.75 * rows, rows, columns, share_x=True)
+        for i, axes in enumerate(panels):
+            if i >= shown:
+                axes.set_visible(False)
+                continue
+            axes.axhline(0, color=GREY, lw=0.8)
+            for w, slope, color, label, dashes in (
+                (self.x[i], self.slope_x[i], BLUE, "x", "-"),
+                (self.y[i], self.slope_y[i], ORANGE, "y", DASHED),
+            ):
+                turn = np.exp(-1j * np.angle(w[np.argmax(np.abs(w))]))
+                bent = curve(self.z, (w * turn).real, (slope * turn).real, self.shear)
+                axes.plot(*bent, color=color, lw=1.6, ls=dashes, label=label)
+                axes.plot(self.z * current().length, (w * turn).real, "o", color=color, ms=3)
+            axes.margins(y=0.08)
+            frequency = f"{shown_speed(self.damped[i])} {frequency_unit()}"
+            damping = f"damping {_clean(self.damping_ratio[i]):.2g}"
+            entitle(axes, f"{i + 1}: {frequency}, {self.whirl[i]}, {damping}", 9)
+            if i + columns >= shown:
+                axes.set_xlabel(f"Along the shaft z [{current().length_unit}]")
+                axes.tick_params(labelbottom=True)
+            if i % columns == 0:
+                axes.set_ylabel("Shape [1]")
+        if shown:
+            figure.legend(
+                *panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2
+            )
+        title = f"Modes at {turns(self.speed, self.contacts)}"
+        entitle(figure, titled(self.machine_name, title))
+        return figure
 
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The shapes.
-        """
-        return linear_plots.modes_figure(self, self.machine_name, self.shear)
+
+def _clean(ratio: Any) -> Any:
+    """Return dampings with rounding errors set to 0."""
+    return np.where(np.abs(ratio) < 1e-10, 0.0, ratio)[()]
 
 
 class Campbell(Displayed, linear.Campbell):
     """`model.linear.Campbell`, shown."""
 
-    table = linear_tables.campbell_table
+    def table(self) -> Table:
+        """Return a table with one row for each critical speed; the threshold of stability in the
+        heading."""
+        d = current()
+        heads = ("mode", "order", "speed [rad/s]", f"[{d.speed_unit}]", "log dec", "whirl")
+        rows = [
+            (c.mode + 1, c.harmonic, c.speed, c.speed * d.speed, float(_clean(c.log_dec)), c.whirl)
+            for c in self.critical
+        ]
+        low, high = self.speeds[[0, -1]] * d.speed
+        between = f"{low:.5g} and {high:.5g} {d.speed_unit}"
+        stability = "stable at all of them"
+        if self.threshold is not None:
+            already = "already at" if self.threshold == self.speeds[0] else "above"
+            stability = f"unstable {already} {speed_with_unit(self.threshold)} "
+            stability += f"({self.threshold:.6g} rad/s)"
+        harmonic = "" if self.harmonics == (1.0,) else f" of {self._orders} times the speed"
+        title = f"Critical speeds{harmonic} between {between}, contacts {self.contacts}"
+        return Table(f"{title}; {stability}", heads, rows)
+
+    @property
+    def _orders(self) -> str:
+        return ", ".join(f"{order:g}" for order in self.harmonics)
 
     def figure(self, operating: tuple[float, float] | None = None) -> Figure:
-        """Draw the result.
+        """Draw frequencies with the excitation and their intersections, and logarithmic decrements;
+        operating: the range [rad/s], which is shaded."""
+        figure, panels = new_panels(6.8, 6.6, 2, share_x=True, heights=(2, 1))
+        above, below = panels
+        speed, frequency = self.speeds * current().speed, self.damped * current().speed
+        shade(panels, operating)
+        for mode, whirl in enumerate(zip(*self.whirl, strict=True)):
+            for axes, values in ((above, frequency), (below, self.log_dec)):
+                _whirling(axes, speed, values[:, mode], whirl)
+        for order in self.harmonics:
+            above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=LIMIT)
+        places = [(_speed(c.speed), c.harmonic * _speed(c.speed)) for c in self.critical]
+        for place in places:
+            above.plot(*place, "o", color="black", mfc="white", ms=5)
+        below.axhline(0, color="black", lw=1.0)
+        if self.threshold is not None:
+            at = _speed(self.threshold)
+            for axes in panels:
+                axes.axvline(at, color=PURPLE, lw=1.2, ls=":")
+            text = f"unstable above {shown_speed(self.threshold)} {current().speed_unit}"
+            within = {"xycoords": ("data", "axes fraction"), "va": "top", "ha": "right"}
+            annotate(below, text, (at, 0.97), (-4, 0), color=PURPLE, **within)
+        seen = {word for words in self.whirl[1:] for word in words if word}
+        handles = [Line2D([], [], color=c, lw=1.6, label=w) for w, c in _WHIRL.items() if w in seen]
+        label = "1x, the speed" if self.harmonics == (1.0,) else f"{self._orders} times the speed"
+        handles.append(Line2D([], [], color="black", lw=1.0, ls=LIMIT, label=label))
+        above.legend(
+            handles=handles, framealpha=0.9, edgecolor="none", loc="upper left", fontsize=8
+        )
+        highest = 1.05 * np.nanmax(frequency, initial=0.0)
+        # not so far that the line of the speed, and what it meets, becomes flat
+        reach = max(_REACH * max(self.harmonics) * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
+        above.set_ylim(0, max(min(highest, reach), 1e-9))
+        above.set_xlim(speed[0], speed[-1])
+        above.set_ylabel(f"Frequency [{frequency_unit()}]")
+        below.set_ylabel("Logarithmic decrement [1]")
+        finite = self.log_dec[np.isfinite(self.log_dec)]
+        if len(finite) and np.abs(finite).max() < 1e-8:
+            below.set_ylim(-1, 1)
+        elif len(finite) and finite.max() > 3:
+            below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
+        below.set_xlabel(current().speed_label)
+        entitle(above, titled(self.machine_name, f"Campbell diagram, contacts {self.contacts}"))
+        words = [(shown_speed(c.speed), c.whirl == FORWARD) for c in self.critical]
+        write_labels(above, [(*at, *word) for at, word in zip(places, words, strict=True)])
+        return figure
 
-        Parameters
-        ----------
-        operating : (float, float), optional
-            The operating range [rad/s], which is shaded.
 
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The diagram.
-        """
-        return linear_plots.campbell_figure(self, self.machine_name, operating)
+def _speed(omega: float) -> float:
+    return float(omega) * current().speed
 
 
-class BearingCurves(Displayed, linear.BearingCurves):
-    """`model.linear.BearingCurves`, shown."""
-
-    table = bearing_tables.bearing_table
-    figure = bearing_plots.bearing_figure
-
-
-class DamperCurves(Displayed, linear.DamperCurves):
-    """`model.linear.DamperCurves`, shown."""
-
-    table = bearing_tables.damper_table
-    figure = bearing_plots.damper_figure
-
-
-class RingCurves(Displayed, linear.RingCurves):
-    """`model.linear.RingCurves`, shown."""
-
-    table = bearing_tables.ring_table
-    figure = bearing_plots.ring_figure
-
-
-class RollingCurves(Displayed, linear.RollingCurves):
-    """`model.linear.RollingCurves`, shown."""
-
-    table = bearing_tables.rolling_table
-    figure = bearing_plots.rolling_figure
+def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
+    """A line in pieces of the colour of its whirl."""
+    for i in range(len(speed) - 1):
+        # a mode at rest whirls neither way: its first piece has the colour of what it becomes
+        word = whirl[i + 1] if whirl[i] in ("", PLANAR) else whirl[i]
+        axes.plot(speed[i : i + 2], values[i : i + 2], color=_WHIRL.get(word, GREY), lw=1.6)
 
 
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
     def nodes(self) -> list[int]:
-        """Return the nodes with the largest orbits.
-
-        Returns
-        -------
-        list of int
-            Up to three nodes (from 1), ascending.
-        """
+        """Return up to three nodes (from 1) with the largest orbits, ascending."""
         largest = np.argsort(-self.major.max(axis=0, initial=0.0), kind="stable")[:3]
         return sorted((largest + 1).tolist())
 
-    def table(self, nodes: Sequence[int] | None = None) -> linear_tables.Table:
-        """Return the numbers in a few columns.
-
-        Parameters
-        ----------
-        nodes : sequence of int, optional
-            Nodes (from 1). By default those with the largest orbits.
-
-        Returns
-        -------
-        Table
-            Rows of speed and node.
-        """
-        return linear_tables.unbalance_table(self, nodes or self.nodes())
+    def table(self, nodes: Sequence[int] | None = None) -> Table:
+        """Return the rows of speed and node (from 1): at every speed where they are few, else where
+        the largest semi-axis of a node peaks."""
+        d = current()
+        moves = self.major > _ROUNDING * self.major.max(axis=1, keepdims=True)
+        size = np.where(moves, self.major, 0.0)
+        is_few = len(self.speeds) <= _MOST_SPEEDS
+        places = [
+            (i, node - 1)
+            for node in nodes or self.nodes()
+            for i in (range(len(size)) if is_few else peaks(size[:, node - 1]))
+        ]
+        i, j = np.reshape(places, (-1, 2)).astype(int).T
+        amplitudes = {"x": np.abs(self.x), "y": np.abs(self.y)}
+        amplitudes |= {"major": self.major, "minor": self.minor}
+        columns = (
+            ("node", j + 1),
+            ("speed [rad/s]", self.speeds[i]),
+            (f"[{d.speed_unit}]", self.speeds[i] * d.speed),
+            *(
+                (f"{name} [{d.amplitude_words}]", of[i, j] * d.amplitude)
+                for name, of in amplitudes.items()
+            ),
+            ("phase x [deg]", np.degrees(self.phase_x[i, j])),
+            ("phase y [deg]", np.degrees(self.phase_y[i, j])),
+        )
+        what = "" if is_few else " where it peaks"
+        return Table.of(f"Response to unbalance{what}, contacts {self.contacts}", columns)
 
     def figure(
-        self,
-        nodes: Sequence[int] | None = None,
-        operating: tuple[float, float] | None = None,
+        self, nodes: Sequence[int] | None = None, operating: tuple[float, float] | None = None
     ) -> Figure:
-        """Draw the result.
-
-        Parameters
-        ----------
-        nodes : sequence of int, optional
-            Nodes (from 1). By default those with the largest orbits.
-        operating : (float, float), optional
-            The operating range [rad/s], which is shaded.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Amplitudes and phases.
-        """
-        nodes = nodes or self.nodes()
-        return linear_plots.unbalance_figure(self, nodes, self.machine_name, operating)
+        """Draw semi-axes and phases of nodes (from 1) over the speed; operating: the range [rad/s],
+        which is shaded."""
+        figure, panels = new_panels(6.8, 6.0, 2, share_x=True, heights=(2, 1))
+        above, below = panels
+        speed, scale = self.speeds * current().speed, current().amplitude
+        shade(panels, operating)
+        mark = "o" if len(speed) < 3 else ""
+        for node, color in zip(nodes or self.nodes(), COLORS, strict=False):
+            at = node - 1
+            label = f"node {node}"
+            above.plot(
+                speed, self.major[:, at] * scale, marker=mark, color=color, lw=1.8, label=label
+            )
+            for x, dashes in ((self.x, DASHED), (self.y, DOTTED)):
+                above.plot(speed, np.abs(x[:, at]) * scale, color=color, lw=1.0, ls=dashes)
+            for angle, dashes in ((self.phase_x, DASHED), (self.phase_y, DOTTED)):
+                phase = np.degrees(angle[:, at])
+                phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
+                phase[self.speeds == 0] = np.nan
+                below.plot(speed, phase, marker=mark, color=color, lw=1.2, ls=dashes)
+        handles, _ = above.get_legend_handles_labels()
+        styles = (("major semi-axis", "-", 1.8), ("x", DASHED, 1.0), ("y", DOTTED, 1.0))
+        handles += [Line2D([], [], color=GREY, lw=w, ls=s, label=label) for label, s, w in styles]
+        above.legend(handles=handles, frameon=False, fontsize=8, loc="best")
+        above.set_ylim(bottom=0)
+        above.set_ylabel(f"Amplitude [{current().amplitude_unit}]")
+        below.set_ylabel("Phase to the mark [deg]")
+        below.set_ylim(-185, 185)
+        below.set_yticks([-180, -90, 0, 90, 180])
+        below.set_xlabel(current().speed_label)
+        title = f"Steady response to unbalance, contacts {self.contacts}"
+        entitle(above, titled(self.machine_name, title))
+        return figure
 
 
 class Static(Displayed, linear.Static):
     """`model.linear.Static`, shown."""
 
-    table = linear_tables.static_table
+    def table(self) -> Table:
+        """Return a table with one row for each node, then a row for the load on each support."""
+        d = current()
+        small, force = d.small_word, d.force_unit
+        heads = (
+            *("where", f"z [{d.length_unit}]", f"x [{small}]", f"y [{small}]"),
+            *(f"load x [{force}]", f"load y [{force}]"),
+        )
+        nodes = [
+            (f"node {i}", z * d.length, x * d.small, y * d.small, "", "")
+            for i, (z, x, y) in enumerate(zip(self.z, self.x, self.y, strict=True), 1)
+        ]
+        housings = [
+            (f"housing {name}", "", x * d.small, y * d.small, "", "")
+            for name, x, y in zip(self.housings, self.housing_x, self.housing_y, strict=True)
+        ]
+        loads = [
+            (f"on {name}", "", "", "", float(x) * d.force, float(y) * d.force)
+            for name, x, y in zip(self.supports, self.load_x, self.load_y, strict=True)
+        ]
+        rows = [tuple(_rounded(cell) for cell in row) for row in (*nodes, *housings, *loads)]
+        return Table(f"At rest, {turns(self.speed, self.contacts)}", heads, rows)
 
     def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The deflection.
-        """
-        return linear_plots.static_figure(self, self.machine_name, self.shear)
-
-
-@on_one_thread
-def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
-    """Return `model.linear.modes` of a machine."""
-    return displayed(Modes, linear.modes, machine, speed, **options)
-
-
-@on_one_thread
-def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
-    """Return `model.linear.campbell` of a machine."""
-    return displayed(Campbell, linear.campbell, machine, speeds, **options)
-
-
-@on_one_thread
-def unbalance_response(
-    machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
-) -> UnbalanceResponse:
-    """Return `model.linear.unbalance_response` of a machine."""
-    return displayed(UnbalanceResponse, linear.unbalance_response, machine, speeds, **options)
-
-
-@on_one_thread
-def bearing(
-    machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
-) -> BearingCurves:
-    """Return `model.linear.bearing_curves` of a machine."""
-    return displayed(BearingCurves, linear.bearing_curves, machine, speeds, **options)
+        """Draw the deflection along the shaft, with the loads on the supports beside their
+        names."""
+        figure, axes = new_figure(6.8, 3.8)
+        d = current()
+        axes.axhline(0, color=GREY, lw=0.8)
+        bent = curve(self.z, self.y * d.small, self.slope_y * d.small, self.shear)
+        axes.plot(*bent, color=BLUE, lw=1.8, label="y")
+        axes.plot(self.z * d.length, self.y * d.small, "o", color=BLUE, ms=3.5)
+        if np.abs(self.x).max(initial=0) > 1e-3 * np.abs(self.y).max(initial=0):
+            bent = curve(self.z, self.x * d.small, self.slope_x * d.small, self.shear)
+            axes.plot(*bent, color=ORANGE, lw=1.5, ls=DASHED, label="x")
+            axes.legend(frameon=False, fontsize=8)
+        for place, support, load in zip(self.support_z, self.supports, self.load_y, strict=True):
+            if load == 0.0:
+                continue  # a contact that is open
+            at = int(np.argmin(np.abs(self.z - place)))
+            annotate(
+                axes,
+                f"{support}\n{abs(load) * d.force:.4g} {d.force_unit}",
+                (place * d.length, self.y[at] * d.small),
+                (0, -34 if load <= 0 else 34),
+                ha="center",
+                va="center",
+                arrowprops={"arrowstyle": "->", "color": "black", "lw": 0.9},
+                bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
+            )
+        axes.margins(x=0.08, y=0.3)
+        axes.set_xlabel(f"Along the shaft z [{d.length_unit}]")
+        axes.set_ylabel(f"Deflection [{d.small_unit}]")
+        state = turns(self.speed, self.contacts)
+        entitle(axes, titled(self.machine_name, f"At rest under gravity, {state}"))
+        return figure
 
 
-@on_one_thread
-def damper(machine: Machine, frequency: float, **options: Any) -> DamperCurves:
-    """Return `model.linear.damper_curves` of a machine."""
-    return displayed(DamperCurves, linear.damper_curves, machine, frequency, **options)
+def _rounded(cell: object) -> object:
+    return (0.0 if abs(cell) < 1e-9 else float(cell)) if isinstance(cell, float) else cell
 
 
-@on_one_thread
-def floating_ring(
-    machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
-) -> RingCurves:
-    """Return `model.linear.ring_curves` of a machine."""
-    return displayed(RingCurves, linear.ring_curves, machine, speeds, **options)
-
-
-@on_one_thread
-def rolling(
-    machine: Machine, speeds: Sequence[float] | np.ndarray = (0.0,), **options: Any
-) -> RollingCurves:
-    """Return `model.linear.rolling_curves` of a machine."""
-    return displayed(RollingCurves, linear.rolling_curves, machine, speeds, **options)
+modes = answer_of(Modes, linear.modes)
+campbell = answer_of(Campbell, linear.campbell)
+unbalance_response = answer_of(UnbalanceResponse, linear.unbalance_response)
 
 
 @on_one_thread
@@ -270,26 +364,3 @@ def static(machine: Machine, speed: float | None = None, **options: Any) -> Stat
 def show(machine: Machine) -> Figure:
     """Return the picture of a machine."""
     return machine_figure(rotor_of(machine))
-
-
-def rotor_of(machine: Machine) -> Rotor:
-    """Return the machine, read if need be; raises `InputError`."""
-    return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
-
-
-def displayed(
-    kind: type, analyse: Callable[..., Any], machine: Machine, *given: Any, **options: Any
-) -> Any:
-    """Return what `analyse`, of `model.linear`, says of a machine, as the class that shows it."""
-    rotor = rotor_of(machine)
-    result = analyse(rotor, *given, **options)
-    shown = kind(**{field.name: getattr(result, field.name) for field in fields(result)})
-    object.__setattr__(shown, "machine_name", rotor.name)
-    object.__setattr__(shown, "shear", tuple(map(_shear, rotor.sections)))
-    return shown
-
-
-def _shear(section: Section) -> float:
-    """Return the deflection by shear over that by bending of an element [1], from its matrix."""
-    stiffness = shaft_element(section).stiffness
-    return max(0.0, float(12 * stiffness[1, 1] / (stiffness[0, 0] * section.length**2) - 4))

@@ -20,9 +20,8 @@ from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
 from ..model.parts.base import PortElement, ProbeElement
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE
-from .acceptance_plots import plain_ticks
 from .answers import Displayed, Machine, displayed, rotor_of
-from .linear_plots import PURPLE, new_figure, titled
+from .linear_plots import PURPLE, new_figure, plain_ticks, titled
 from .linear_tables import Table, turns
 
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)

@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..display import current, frequency_unit, shown_speed
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, Modes
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, empty_figure, entitle
 from .linear_plots import deflection, titled
 from .linear_tables import turns
 
@@ -30,8 +29,7 @@ def mode_shapes_figure(result: Modes, name: str = "", shear: Sequence[float] = (
     shown = min(_MOST_SHAPES, len(result.eigenvalues))
     columns = 2 if shown > 1 else 1
     rows = max(1, -(-shown // columns))
-    figure = PlainFigure(figsize=(4.6 * columns, 0.6 + 2.9 * rows), dpi=150, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = empty_figure(4.6 * columns, 0.6 + 2.9 * rows)
     for i in range(shown):
         axes = figure.add_subplot(rows, columns, i + 1, projection="3d")
         color = _COLORS.get(result.whirl[i], GREY)
@@ -60,18 +58,10 @@ def mode_shapes_figure(result: Modes, name: str = "", shear: Sequence[float] = (
         axes.set_zticks([])
         axes.tick_params(labelsize=7, pad=-2)
         axes.set_xlabel(f"z [{current().length_unit}]", fontsize=7, labelpad=-4)
-        axes.set_title(
-            f"{i + 1}: {shown_speed(result.damped[i])} {frequency_unit()}, {result.whirl[i]}",
-            fontsize=9,
-            y=0.98,
-        )
+        frequency = f"{shown_speed(result.damped[i])} {frequency_unit()}"
+        axes.set_title(f"{i + 1}: {frequency}, {result.whirl[i]}", fontsize=9, y=0.98)
     state = turns(result.speed, result.contacts)
-    figure.suptitle(
-        titled(name, f"Mode shapes at {state}; x across, y up"),
-        fontsize=10,
-        x=0.01,
-        ha="left",
-    )
+    entitle(figure, titled(name, f"Mode shapes at {state}; x across, y up"))
     return figure
 
 

@@ -7,8 +7,8 @@ import math
 from matplotlib.figure import Figure
 
 from ..display import current
-from ..linear.linear_plots import new_figure, shade
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE
+from ..linear.linear_plots import shade
+from ..plotting.figure_style import BLUE, DASHED, GREEN, GREY, ORANGE, entitle, new_figure
 from .rub_check import RubCheck
 
 _HIGHEST = 3.0  # of the largest amplitude in the runs: more of the linear one is not shown
@@ -16,20 +16,14 @@ _HIGHEST = 3.0  # of the largest amplitude in the runs: more of the linear one i
 
 def rub_figure(rub: RubCheck) -> Figure:
     """Draw the linear amplitude over the speed beside those of the runs with contacts."""
-    figure, grid = new_figure(6.8, 4.4, 1)
-    axes = grid[0, 0]
+    figure, axes = new_figure(6.8, 4.4)
     small, unit, speed = current().small, current().small_word, current().speed
     shade([axes], (rub.low, rub.high))
     axes.plot(rub.speed * speed, rub.linear * small, color=GREY, lw=1.4, label="linear")
-    for run, color, dashes in zip(rub.runs, (BLUE, ORANGE), ("-", (0, (4, 2))), strict=False):
-        axes.plot(
-            run.speed * speed,
-            run.amplitude * small,
-            color=color,
-            ls=dashes,
-            lw=1.6,
-            label=f"{run.direction} with contacts",
-        )
+    for run, color, dashes in zip(rub.runs, (BLUE, ORANGE), ("-", DASHED), strict=False):
+        label = f"{run.direction} with contacts"
+        over = run.speed * speed
+        axes.plot(over, run.amplitude * small, color=color, ls=dashes, lw=1.6, label=label)
     gaps = sorted({c.clearance for c in rub.closings if not math.isnan(c.begin)})
     for gap in gaps:
         label = f"clearance {gap * small:.4g} {unit}"
@@ -40,5 +34,5 @@ def rub_figure(rub: RubCheck) -> Figure:
     axes.set_xlabel(f"{current().speed_label}; the operating range is shaded")
     axes.set_ylabel(f"Amplitude of {rub.place} 0-p [{unit}]")
     axes.legend(frameon=False, fontsize=8)
-    axes.set_title("Where a clearance closes", loc="left", fontsize=10)
+    entitle(axes, "Where a clearance closes")
     return figure

@@ -13,7 +13,7 @@ import numpy as np
 from ..display import current
 from ..errors import InputError
 from ..fmi.interface import ports
-from ..linear.answers import rotor_of
+from ..linear.displayed import rotor_of
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
 from ..model.periodic.arclength import ContinuationSteps

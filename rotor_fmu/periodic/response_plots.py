@@ -12,13 +12,13 @@ from matplotlib.lines import Line2D
 from ..display import current
 from ..linear.linear_plots import titled
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
+from ..plotting.figure_style import COLORS, DASHED, GREY, SKY, entitle, new_figure
 from .result import pieces
 
 if TYPE_CHECKING:
     from .result import ResponseResult
 
-_COLORS = (BLUE, ORANGE, GREEN, "#cc79a7", "#56b4e9")
+_COLORS = (*COLORS[:4], SKY)
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
 
@@ -36,7 +36,7 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
             mine = curve.branch == i
             at, value = curve.parameter[mine] * axis.factor, curve.value[mine] * small
             for piece, is_stable in pieces(curve.stable[mine].tolist()):
-                style, width = ("-", 1.8) if is_stable else ((0, (4, 2)), 1.2)
+                style, width = ("-", 1.8) if is_stable else (DASHED, 1.2)
                 axes.plot(at[piece], value[piece], color=color, ls=style, lw=width)
             branch = result.branches[i - 1]
             for b in branch.bifurcations:
@@ -45,7 +45,7 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
                 axes.plot(b.value * axis.factor, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
         handles.append(Line2D([], [], color=color, lw=1.8, label=name))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))
-    handles.append(Line2D([], [], color=GREY, lw=1.2, ls=(0, (4, 2)), label="unstable"))
+    handles.append(Line2D([], [], color=GREY, lw=1.2, ls=DASHED, label="unstable"))
     for kind in dict.fromkeys(b.kind for b in result.bifurcations):
         handles.append(
             Line2D([], [], color=GREY, marker=_MARKS[kind], mfc="white", ls="", label=kind)
@@ -57,6 +57,5 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
         axes.set_xlim(values.min(), values.max())
     axes.set_xlabel(f"{result.parameter} [{axis.unit}]")
     axes.set_ylabel(f"Largest distance from the mean [{current().small_unit}]")
-    title = titled(result.machine, f"periodic motions over {result.parameter}")
-    axes.set_title(title, loc="left", fontsize=10)
+    entitle(axes, titled(result.machine, f"periodic motions over {result.parameter}"))
     return figure

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import itertools
 import math
 from collections.abc import Mapping, Sequence
@@ -25,6 +24,7 @@ from ..model.periodic.problem import Note, Response
 from ..model.periodic.queries import folds_over, motions_at, persists_in_time
 from ..model.periodic.starting_points import Persistence
 from ..model.quantities import QuantityError
+from ..plotting.notebook import png
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -312,9 +312,7 @@ class ResponseResult:
         return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}
 
     def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        self.figure().savefig(buffer, format="png", metadata={"Software": None})
-        return buffer.getvalue()
+        return png(self.figure())
 
 
 def pieces(stable: Sequence[bool]) -> list[tuple[slice, bool]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,6 +16,9 @@ from matplotlib.text import Text
 from ..files import unfinished
 
 BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe and Ito
+PURPLE, SKY, BLACK = "#cc79a7", "#56b4e9", "#000000"
+COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", SKY, BLACK, GREY)
+DASHED, DOTTED, LIMIT = (0, (4, 2)), (0, (1, 1.5)), (0, (4, 3))  # of lines
 
 
 class PlainFigure(Figure):
@@ -56,10 +60,31 @@ def new_panels(
     figure = empty_figure(width, height)
     panels = figure.subplots(rows, columns, squeeze=False, sharex=share_x, height_ratios=heights)
     for axes in panels.ravel():
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.grid(color="#dddddd", linewidth=0.6)
-        axes.set_axisbelow(True)
+        style(axes)
     return figure, panels.ravel()
+
+
+def style(axes: Axes) -> None:
+    """Give axes the common style."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def entitle(where: Axes | Figure, text: str, size: float = 10) -> None:
+    """Write a title at the left above axes or a figure."""
+    if isinstance(where, Figure):
+        where.suptitle(text, fontsize=size, x=0.01, ha="left")
+    else:
+        where.set_title(text, loc="left", fontsize=size)
+
+
+def annotate(
+    axes: Axes, text: str, at: tuple[Any, Any], offset: tuple[float, float], **options: Any
+) -> None:
+    """Write a small text beside a point; offset: from it [pt]."""
+    options = {"textcoords": "offset points", "fontsize": 8, **options}
+    axes.annotate(text, at, xytext=offset, **options)
 
 
 def save(figure: Figure, path: Path) -> Path:

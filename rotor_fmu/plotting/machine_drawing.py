@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 
 from matplotlib.axes import Axes
@@ -13,7 +12,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from ..display import current
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Shape
-from .figure_style import empty_figure
+from .figure_style import empty_figure, entitle
+from .notebook import png
 
 _LABEL = "#555555"
 _LINE = 0.035  # height of a line of names, of the machine's size
@@ -29,9 +29,7 @@ def machine_picture(rotor: Rotor) -> bytes:
     axes.set_aspect("equal")
     draw_machine(axes, rotor)
     axes.autoscale_view()
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", metadata={"Software": None})
-    return buffer.getvalue()
+    return png(figure)
 
 
 def machine_figure(rotor: Rotor) -> Figure:
@@ -72,7 +70,7 @@ def machine_figure(rotor: Rotor) -> Figure:
     axes.xaxis.set_major_locator(_RoundIn(shown.length))
     axes.yaxis.set_visible(False)
     axes.set_xlabel(f"Along the shaft z [{shown.length_unit}], radii to the same scale")
-    axes.set_title(rotor.name, loc="left", fontsize=10)
+    entitle(axes, rotor.name)
     return figure
 
 

@@ -1,0 +1,377 @@
+"""Bearings by themselves, for Python: the curves of `model.linear`, which a notebook shows as a
+table and a picture."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..display import current, speed_with_unit
+from ..model import linear
+from ..model.linear.journal_bearing_curves import ANGLES
+from ..plotting.figure_style import (
+    BLUE,
+    COLORS,
+    ORANGE,
+    PURPLE,
+    empty_figure,
+    entitle,
+    new_panels,
+    style,
+)
+from .displayed import Displayed, answer_of
+from .linear_tables import Table
+
+
+class BearingCurves(Displayed, linear.BearingCurves):
+    """`model.linear.BearingCurves`, shown."""
+
+    def table(self) -> Table:
+        """Return a table with one row for each speed; the threshold of stability in the heading."""
+        d = current()
+        whirl = np.divide(self.whirl, self.speeds, out=0.0 * self.speeds, where=self.speeds != 0.0)
+        columns = [
+            *_speed_and_load(self),
+            ("e/c [1]", self.eccentricity),
+            ("attitude [deg]", np.degrees(self.attitude)),
+            (f"film [{d.small_word}]", self.film * d.small),
+            (f"p max [{d.pressure_unit}]", self.pressure * d.pressure),
+            *_coefficient_columns(self),
+            (f"torque [{d.torque_unit}]", self.torque * d.torque),
+            (f"critical mass [{d.mass_unit}]", self.critical_mass * d.mass),
+            ("whirl [1]", whirl),
+            ("off 2D [%]", 100 * self.plane_error),
+        ]
+        if np.ptp(self.viscosity) > 0.0 or self.temperature is not None:
+            columns.append(("viscosity [mPa.s]", 1e3 * self.viscosity))
+        if self.temperature is not None:
+            columns.append(("oil [degC]", self.temperature))
+        return Table.of(f"{self.bearing}: {self._stability()}", columns)
+
+    def _stability(self) -> str:
+        """Return which mass whirls, and where."""
+        d = current()
+        if _varies_load(self):
+            masses = np.hypot(*self.load.T) * (self.mass / np.hypot(*self.load[0]))
+            whirls = bool(self.critical_mass[0] < masses[0])
+            if self.threshold_load is None:
+                return f"a mass that weighs its load {'whirls' if whirls else 'does not whirl'}"
+            side, load = "below" if whirls else "above", self.threshold_load * d.force
+            return f"a mass that weighs its load whirls {side} {load:.6g} {d.force_unit}"
+        mass = f"a mass of {self.mass * d.mass:.4g} {d.mass_unit} on it"
+        if self.threshold is None:
+            return f"{mass} does not whirl"
+        already = "already " if self.threshold == self.speeds[0] else ""
+        at = f"{speed_with_unit(self.threshold)} ({self.threshold:.6g} rad/s)"
+        return f"{mass} whirls {already}above {at}"
+
+    def figure(self) -> Figure:
+        """Draw the journal's locus in its clearance, the pressure around it, and stiffness and
+        damping over the speed; of pads that tilt also how far they do and what they bear."""
+        tilts = self.tilts.shape[1] > 0
+        figure, panels = new_panels(8.4, 10.9 if tilts else 7.4, 3 if tilts else 2, 2)
+        locus, around, *over_speed = panels
+        x, y = self.x / self.clearance, self.y / self.clearance
+        locus.plot(x, y, "-", color=BLUE, lw=1.4)
+        d, (varied, unit, what) = current(), _varied(self)
+        for i, color in ((0, BLUE), (len(x) - 1, ORANGE)):
+            label = f"{varied[i]:.4g} {unit}"
+            locus.plot(x[i], y[i], "o", color=color, label=label)
+            around.plot(np.degrees(ANGLES), self.around[i] * d.pressure, color=color, label=label)
+            if i == 0 or tilts:
+                self._draw_pads(locus, i, color if tilts else "black")
+            if len(x) == 1:
+                break
+        _in_clearance(locus, "Journal at rest in its clearance")
+        around.set_xlabel("Angle from the right, anticlockwise [deg]")
+        around.set_xticks(range(0, 361, 90))
+        around.set_ylabel(f"Pressure [{d.pressure_unit}]")
+        entitle(around, "Film in the middle of its length", 9)
+        around.legend(frameon=False, fontsize=8)
+        mark = "o-" if len(x) < 3 else "-"
+        _draw_coefficients(over_speed, self, mark)
+        if tilts:
+            self._draw_pads_over(over_speed[2:], varied, mark)
+            for first, last, pivot, *_ in self.pads:
+                spans = np.degrees([first, last]) % 360.0
+                turned = spans if spans[0] < spans[1] else [spans[0], 360.0, 0.0, spans[1]]
+                for begin, end in zip(turned[::2], turned[1::2], strict=True):
+                    around.axvspan(begin, end, color="0.92", lw=0)
+                around.axvline(np.degrees(pivot) % 360.0, color="0.6", lw=0.8, ls="--")
+        threshold = self.threshold_load if what == "Load" else self.threshold
+        for axes in over_speed:
+            axes.set_xlabel(f"{what} [{unit}]")
+            if threshold is not None:
+                scale = d.force if what == "Load" else d.speed
+                axes.axvline(threshold * scale, color=PURPLE, lw=1.2, ls=":")
+        entitle(figure, self.table().title)
+        return figure
+
+    def _draw_pads(self, axes: Axes, i: int, color: str) -> None:
+        """Draw how far the journal may go: where it would touch each pad as that stands in row i,
+        and the pads' pivots."""
+        moved = np.zeros((len(self.pads), 2))
+        moved[: self.tilts.shape[1]] = self.tilts[i] / self.clearance
+        for n, ((first, last, pivot, clearance, x, y), (tilt, give)) in enumerate(
+            zip(self.pads, moved, strict=True), 1
+        ):
+            theta = np.linspace(first, last, max(2, round(np.degrees(last - first))))
+            centre = complex(x, y) + (1j * tilt - give) * np.exp(1j * pivot)
+            e = np.exp(1j * np.append(theta, pivot))
+            *surface, at = (clearance - (centre * e.conj()).real) * e
+            axes.plot(np.real(surface), np.imag(surface), color=color, lw=1.2)
+            if self.tilts.shape[1]:
+                axes.plot(at.real, at.imag, "^", ms=4, color=color)
+                if i == 0:
+                    axes.annotate(f"{n}", (1.18 * at.real, 1.18 * at.imag), fontsize=8, ha="center")
+
+    def _draw_pads_over(self, panels: Sequence[Axes], over: np.ndarray, mark: str) -> None:
+        """Draw how far each pad is tilted, and what it bears."""
+        d = current()
+        for axes, values, name in (
+            (panels[0], 1e3 * self.tilts[:, :, 0] / self.journal_radius, "Tilt [mrad]"),
+            (panels[1], self.pad_loads * d.force, f"Load of a pad [{d.force_unit}]"),
+        ):
+            labels = [f"pad {n}" for n in range(1, values.shape[1] + 1)]
+            _draw_lines(axes, over, values.T, labels, mark)
+            axes.set_ylabel(name)
+
+
+class DamperCurves(Displayed, linear.DamperCurves):
+    """`model.linear.DamperCurves`, shown."""
+
+    def table(self) -> Table:
+        """Return a table with one row for each orbit; in the heading where the ring rests."""
+        d = current()
+        columns = (
+            ("orbit e/c [1]", self.orbit),
+            (f"film's stiffness [{d.stiffness_unit}]", self.stiffness * d.stiffness),
+            (f"damping [{d.damping_unit}]", self.damping * d.damping),
+            (f"p max [{d.pressure_unit}]", self.pressure * d.pressure),
+            ("power [W]", self.power),
+        )
+        (kxx, kxy), (kyx, kyy) = self.K * d.stiffness
+        (cxx, cxy), (cyx, cyy) = self.C * d.damping
+        title = (
+            f"{self.bearing}: rests at e/c = {self.eccentricity:.4g} under "
+            f"{np.hypot(*self.load) * d.force:.4g} {d.force_unit}; there kxx {kxx:.4g}, "
+            f"kxy {kxy:.4g}, kyx {kyx:.4g}, kyy {kyy:.4g} {d.stiffness_unit}, "
+            f"cxx {cxx:.4g}, cxy {cxy:.4g}, cyx {cyx:.4g}, cyy {cyy:.4g} {d.damping_unit}\n"
+            f"Centred circular orbits at {speed_with_unit(self.frequency)}"
+        )
+        return Table.of(title, columns)
+
+    def figure(self) -> Figure:
+        """Draw the ring at rest in its clearance, and stiffness, damping and largest pressure over
+        the orbit."""
+        figure, (place, pressure, stiffness, damping) = new_panels(8.4, 7.4, 2, 2)
+        circle = np.exp(1j * ANGLES)
+        place.plot(circle.real, circle.imag, color="black", lw=1.2)
+        place.plot(self.x / self.clearance, self.y / self.clearance, "o", color=BLUE)
+        d = current()
+        load = f"{np.hypot(*self.load) * d.force:.4g} {d.force_unit}"
+        _in_clearance(place, f"Ring at rest under {load}")
+        for axes, values, name in (
+            (pressure, self.pressure * d.pressure, f"Largest pressure [{d.pressure_unit}]"),
+            (stiffness, self.stiffness * d.stiffness, f"Stiffness [{d.stiffness_unit}]"),
+            (damping, self.damping * d.damping, f"Damping of the film [{d.damping_unit}]"),
+        ):
+            axes.semilogy(self.orbit, values, "-", color=BLUE, lw=1.4)
+            axes.set(xlabel="Orbit over the clearance [1]", ylabel=name, xlim=(0.0, 1.0))
+            axes.yaxis.set_major_formatter("{x:g}")
+        if self.spring > 0.0:
+            stiffness.lines[0].set_label("film")
+            spring = self.spring * d.stiffness
+            stiffness.axhline(spring, color=ORANGE, lw=1.2, ls="--", label="spring")
+            stiffness.legend(frameon=False, fontsize=8)
+        orbits = f"centred circular orbits at {speed_with_unit(self.frequency)}"
+        entitle(figure, f"{self.bearing}: {orbits}")
+        return figure
+
+
+class RingCurves(Displayed, linear.RingCurves):
+    """`model.linear.RingCurves`, shown."""
+
+    def table(self) -> Table:
+        """Return a table with one row for each speed or load."""
+        d = current()
+        columns = (
+            *_speed_and_load(self),
+            (f"ring [{d.speed_unit}]", self.ring_speed * d.speed),
+            ("ratio [1]", self.ratio),
+            ("e/c [1]", self.eccentricity),
+            ("outer e/c [1]", self.outer_eccentricity),
+            *_coefficient_columns(self),
+            (f"torque [{d.torque_unit}]", self.torque * d.torque),
+            ("power [W]", self.power),
+            ("outer [W]", self.outer_power),
+        )
+        title = f"{self.bearing}: the ring turns at {_span(self.ratio)} of the rotor's speed"
+        return Table.of(title, columns)
+
+    def figure(self) -> Figure:
+        """Draw journal and ring at rest, the ring's speed over the rotor's, and stiffness and
+        damping over the speed or load."""
+        figure, (locus, ratio, *panels) = new_panels(8.4, 7.4, 2, 2)
+        d, (varied, unit, what) = current(), _varied(self)
+        mark = "o-" if len(varied) < 3 else "-"
+        for x, y, label, color in (
+            (self.x, self.y, "journal", BLUE),
+            (self.ring_x, self.ring_y, "ring", ORANGE),
+        ):
+            locus.plot(x * d.small, y * d.small, mark, ms=4, color=color, lw=1.4, label=label)
+            locus.plot(x[0] * d.small, y[0] * d.small, "o", color=color)
+        circle = self.outer_clearance * d.small * np.exp(1j * ANGLES)
+        locus.plot(circle.real, circle.imag, color="black", lw=1.2, label="outer clearance")
+        locus.set_aspect("equal")
+        locus.set(xlabel=f"x [{d.small_word}]", ylabel=f"y [{d.small_word}]")
+        entitle(locus, f"Journal and ring at rest; dots at {varied[0]:.4g} {unit}", 9)
+        locus.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 0.92))
+        ratio.plot(varied, self.ratio, mark, ms=4, color=BLUE, lw=1.4)
+        ratio.set_ylabel("Speed of the ring over the rotor's [1]")
+        ratio.set_ylim(bottom=0.0)
+        _draw_coefficients(panels, self, mark)
+        for axes in (ratio, *panels):
+            axes.set_xlabel(f"{what} [{unit}]")
+        entitle(figure, self.table().title)
+        return figure
+
+
+class RollingCurves(Displayed, linear.RollingCurves):
+    """`model.linear.RollingCurves`, shown."""
+
+    def table(self) -> Table:
+        """Return a table with one row for each load; in the heading the cage's speed."""
+        d = current()
+        columns = (
+            *_speed_and_load(self),
+            (f"x [{d.small_word}]", self.x * d.small),
+            (f"y [{d.small_word}]", self.y * d.small),
+            (f"largest [{d.force_unit}]", self.largest * d.force),
+            ("loaded", self.loaded),
+            *_coefficient_columns(self),
+            *(
+                (
+                    f"k{axis}{axis} passing [{d.stiffness_unit}]",
+                    [_span(k[:, i, i] * d.stiffness) for k in self.K_passing],
+                )
+                for i, axis in enumerate("xy")
+            ),
+        )
+        count = len(self.angles)
+        title = (
+            f"{self.bearing}: {count} elements, as they stand at the start; one passes "
+            f"{count * self.ratio:.5g} times in a revolution"
+        )
+        return Table.of(title, columns)
+
+    def figure(self) -> Figure:
+        """Draw what each element carries under the last load, the stiffness as they pass, and, of
+        several loads or speeds, stiffness and damping over them."""
+        varied, unit, what = _varied(self)
+        last = len(varied) - 1
+        rows = 2 if last else 1
+        figure = empty_figure(8.4, 0.3 + 3.55 * rows)
+        around = figure.add_subplot(rows, 2, 1, projection="polar")
+        passing, *over = (figure.add_subplot(rows, 2, place) for place in range(2, 2 * rows + 1))
+        for axes in (passing, *over):
+            style(axes)
+        share = 1.4 * np.pi / len(self.angles)
+        d = current()
+        around.bar(self.angles, self.elements[last] * d.force, share, color=BLUE)
+        loads = np.hypot(*self.load.T) * d.force
+        under = [f"under {load:.4g} {d.force_unit}" for load in loads]
+        entitle(around, f"Load of each element [{d.force_unit}], {under[last]}", 9)
+        around.tick_params(labelsize=8)
+        turned = np.linspace(0.0, 1.0, self.K_passing.shape[1] + 1)
+        for i, line in ((last, "-"), (0, "--"))[: 2 if last else 1]:
+            for axis, color in ((0, BLUE), (1, ORANGE)):
+                values = self.K_passing[i, :, axis, axis] * d.stiffness
+                label = f"k{'xy'[axis]}{'xy'[axis]} {under[i]}"
+                values = np.append(values, values[0])
+                passing.plot(turned, values, line, color=color, lw=1.4, label=label)
+        entitle(passing, "As the elements pass", 9)
+        passing.set_xlabel("Cage's angle over that between two elements [1]")
+        passing.set_ylabel(f"Stiffness [{d.stiffness_unit}]")
+        passing.margins(y=0.25)
+        passing.legend(frameon=False, fontsize=8, ncols=2, loc="upper left")
+        if over:
+            _draw_coefficients(over, self, "o-" if last < 3 else "-")
+        for axes in over:
+            axes.set_xlabel(f"{what} [{unit}]")
+        entitle(figure, self.table().title)
+        return figure
+
+
+_Curves = BearingCurves | RingCurves | RollingCurves
+
+
+def _varies_load(result: _Curves) -> bool:
+    return len(result.speeds) > 1 and bool(result.speeds[0] == result.speeds[-1])
+
+
+def _varied(result: _Curves) -> tuple[np.ndarray, str, str]:
+    """Return what varies, the speed or the load, in the unit that is shown, its unit and name."""
+    d = current()
+    if _varies_load(result):
+        return np.hypot(*result.load.T) * d.force, d.force_unit, "Load"
+    return result.speeds * d.speed, d.speed_unit, "Speed"
+
+
+def _speed_and_load(result: _Curves) -> tuple[tuple[str, np.ndarray], ...]:
+    d = current()
+    return (
+        (f"speed [{d.speed_unit}]", result.speeds * d.speed),
+        (f"load [{d.force_unit}]", np.hypot(*result.load.T) * d.force),
+    )
+
+
+def _coefficient_columns(result: _Curves) -> list[tuple[str, np.ndarray]]:
+    d = current()
+    K, C = (np.reshape(of, (-1, 4)).T for of in (result.K * d.stiffness, result.C * d.damping))
+    heads = (
+        *(f"kxx [{d.stiffness_unit}]", "kxy", "kyx", "kyy"),
+        *(f"cxx [{d.damping_unit}]", "cxy", "cyx", "cyy"),
+    )
+    return list(zip(heads, (*K, *C), strict=True))
+
+
+def _span(values: np.ndarray) -> str:
+    low, high = f"{values.min():.4g}", f"{values.max():.4g}"
+    return low if low == high else f"{low} to {high}"
+
+
+def _in_clearance(axes: Axes, title: str) -> None:
+    axes.set_aspect("equal")
+    axes.set(xlabel="x over the clearance [1]", ylabel="y over the clearance [1]")
+    entitle(axes, title, 9)
+
+
+def _draw_coefficients(panels: Sequence[Axes], result: _Curves, mark: str) -> None:
+    """Draw stiffness and damping."""
+    d, over = current(), _varied(result)[0]
+    for axes, of, name in (
+        (panels[0], result.K * d.stiffness, f"Stiffness [{d.stiffness_unit}]"),
+        (panels[1], result.C * d.damping, f"Damping [{d.damping_unit}]"),
+    ):
+        letter = "k" if axes is panels[0] else "c"
+        labels = [f"{letter}{pair}" for pair in ("xx", "xy", "yx", "yy")]
+        _draw_lines(axes, over, of.reshape(-1, 4).T, labels, mark, 2)
+        axes.set_ylabel(name)
+
+
+def _draw_lines(
+    axes: Axes, over: np.ndarray, values: np.ndarray, labels: list[str], mark: str, group: int = 1
+) -> None:
+    """Draw lines, every other group of them dashed: those of the same values are seen."""
+    for n, (of, label, color) in enumerate(zip(values, labels, COLORS, strict=False)):
+        dashes = mark.replace("-", "--") if n // group % 2 else mark
+        axes.plot(over, of, dashes, ms=4, color=color, lw=1.4, label=label)
+    axes.legend(frameon=False, fontsize=8, ncols=2)
+
+
+bearing = answer_of(BearingCurves, linear.bearing_curves)
+damper = answer_of(DamperCurves, linear.damper_curves)
+floating_ring = answer_of(RingCurves, linear.ring_curves)
+rolling = answer_of(RollingCurves, linear.rolling_curves)

@@ -1,0 +1,79 @@
+"""Answers of `model.linear` as objects with a table and a picture, which a notebook shows."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, ClassVar, TypeVar
+
+from matplotlib.figure import Figure
+
+from ..machine_file.loading import load_rotor
+from ..model.machine.rotor import Rotor
+from ..model.one_thread import on_one_thread
+from ..model.parts.shaft import Section
+from ..model.structure.beam import shaft_element
+from ..plotting.notebook import png
+from .linear_tables import Table
+
+Machine = Rotor | Path | str
+Answer = TypeVar("Answer")
+
+
+class Displayed(ABC):
+    """Something with a table and a picture, of a machine of this name, whose elements have these
+    ratios of shear to bending [1]."""
+
+    machine_name: ClassVar[str] = ""
+    shear: ClassVar[tuple[float, ...]] = ()
+
+    @abstractmethod
+    def table(self) -> Table:
+        """Return the numbers in a few columns."""
+
+    @abstractmethod
+    def figure(self) -> Figure:
+        """Draw the result."""
+
+    def __repr__(self) -> str:
+        return f"<{self.table().title}>"
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
+
+    def _repr_png_(self) -> bytes:
+        return png(self.figure())
+
+
+def answer_of(kind: type[Answer], analyse: Callable[..., Any]) -> Callable[..., Answer]:
+    """Return a function that asks `analyse`, of `model.linear`, about a machine or its file, with
+    the same further arguments, and returns its result as the class that shows it."""
+
+    @on_one_thread
+    def answer(machine: Machine, *arguments: Any, **options: Any) -> Answer:
+        return displayed(kind, analyse, machine, *arguments, **options)
+
+    return answer
+
+
+def rotor_of(machine: Machine) -> Rotor:
+    """Return the machine, read if need be; raises `InputError`."""
+    return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
+
+
+def displayed(
+    kind: type, analyse: Callable[..., Any], machine: Machine, *given: Any, **options: Any
+) -> Any:
+    """Return what `analyse`, of `model.linear`, says of a machine, as the class that shows it."""
+    rotor = rotor_of(machine)
+    result = analyse(rotor, *given, **options)
+    shown = kind(**{field.name: getattr(result, field.name) for field in fields(result)})
+    object.__setattr__(shown, "machine_name", rotor.name)
+    object.__setattr__(shown, "shear", tuple(map(_shear, rotor.sections)))
+    return shown
+
+
+def _shear(section: Section) -> float:
+    """Return the deflection by shear over that by bending of an element [1], from its matrix."""
+    stiffness = shaft_element(section).stiffness
+    return max(0.0, float(12 * stiffness[1, 1] / (stiffness[0, 0] * section.length**2) - 4))
