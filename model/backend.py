@@ -1,8 +1,6 @@
 """The backend that runs the compiled functions of a block: the solver library if there is one for
 this machine, otherwise numba, otherwise plain Python. All three give the same numbers."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from enum import Enum

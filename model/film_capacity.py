@@ -1,7 +1,5 @@
 """The load and the capacity of a film that cannot carry the machine at its start."""
 
-from __future__ import annotations
-
 from .kernels.functions import modulus
 from .kernels.jit import jit, jit_not_inlined
 from .parts.law import Weights

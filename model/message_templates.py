@@ -4,8 +4,6 @@
 number chooses, from 0. The FMU's instance formats them in the same way (`rotor_fmu/fmi/c/log.c`).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from typing import Any
@@ -37,7 +35,7 @@ class Message(str):
     __slots__ = ("code",)
     code: str
 
-    def __new__(cls, text: str, code: str) -> Message:
+    def __new__(cls, text: str, code: str) -> "Message":
         """Create a message from its text and its code."""
         message = super().__new__(cls, text)
         message.code = code

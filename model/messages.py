@@ -2,8 +2,6 @@
 the settings (see `message_templates`). `{where}` stands for the machine's own list of contact
 states, `{names}` for that of its contacts."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

@@ -6,8 +6,6 @@ loads them; another process needs threadpoolctl (the extra `threads`), and witho
 same numbers more slowly.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext

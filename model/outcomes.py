@@ -1,7 +1,5 @@
 """The outcome of a run, as the code of a message (`messages`) and its numbers."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

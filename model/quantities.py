@@ -4,8 +4,6 @@ A data class declares its numbers by `quantity(...)`; everything else (the reade
 checks, the kernels' records, the FMU's variables, documents) is made from that declaration.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """The warnings about a run, each with the time from which it holds."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 # Iterations in a cycle of the rotation or of the lowest mode, whichever is faster, above which a

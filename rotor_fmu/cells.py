@@ -1,7 +1,5 @@
 """Values as cells of tables, on the screen, in Markdown and in HTML."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 

@@ -1,7 +1,5 @@
 """The units in which tables, pictures and pages show speeds and displacements, chosen once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """How the command line ends: one line on standard error and a status."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -69,7 +67,7 @@ def run(app: Callable[..., int | None]) -> None:
     sys.exit(status)
 
 
-def _one_line(error: typer.TyperException) -> str:
+def _one_line(error: "typer.TyperException") -> str:
     """Return the parser's error in one line, with the value that it leaves out."""
     text = " ".join(error.format_message().split())
     for option in getattr(getattr(error, "param", None), "opts", ()):

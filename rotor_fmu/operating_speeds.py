@@ -1,7 +1,5 @@
 """At which speeds a machine is run: as its file says, else as its lowest natural frequency says."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """The output options of commands: text, the same figures as JSON, or nothing."""
 
-from __future__ import annotations
-
 import inspect
 import io
 import math

@@ -1,8 +1,6 @@
 """How much a run is to be trusted: `ok`, `doubtful: ` and the codes of its warnings, or `failed: `
 and why."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from .model.message_templates import Message

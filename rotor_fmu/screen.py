@@ -1,7 +1,5 @@
 """Tables and progress on the screen, each in one way."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

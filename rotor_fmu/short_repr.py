@@ -1,7 +1,5 @@
 """A short text of objects that hold arrays."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any

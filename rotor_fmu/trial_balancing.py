@@ -1,8 +1,6 @@
 """Balancing of a machine by runs in time: as it is, with a trial unbalance in each correction
 plane, and with the correction unbalances (ISO 21940-12)."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Sequence

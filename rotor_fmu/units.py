@@ -4,8 +4,6 @@ The usual ones of speeds and inputs stand here; all others are read by pint, whi
 one is written.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from functools import cache

@@ -16,8 +16,6 @@ and friction is f along -i e; mu_t is f / n. Over a step z = free + b z' (`parts
 its value without sliding is known, and is mapped back onto the cone where it lies outside.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -14,8 +14,6 @@ cos(psi / 2 - wear_angle / 2)^(2 wear_power), and the force acts along g = grad 
 so that it has the potential k delta^(m + 1) / (m + 1).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import MISSING, dataclass, fields
 from typing import Any, NamedTuple

@@ -7,8 +7,6 @@ is then bounded (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed.
 Ikramov and Kucherov 2002).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from .functions import scaled

@@ -9,8 +9,6 @@ table (name, type, shape, offset) and `view`, which returns all arrays of a bloc
 the block or its address alone, or in plain Python.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, get_type_hints

@@ -1,7 +1,5 @@
 """The user's cache folder, for libraries and for code compiled by numba."""
 
-from __future__ import annotations
-
 import logging
 import os
 import stat

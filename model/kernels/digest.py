@@ -5,8 +5,6 @@ that it imports, directly or not. Comments, docstrings and layout change nothing
 a quarter of a second, so a record beside each library stores the digest of its files.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import os

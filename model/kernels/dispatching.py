@@ -1,7 +1,5 @@
 """numba's dispatchers of kernels. Importing this imports numba."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path

@@ -5,8 +5,6 @@ these give the same numbers wherever arithmetic is IEEE's. Polynomials: Chebyshe
 remainders of the series, in the square of the argument.
 """
 
-from __future__ import annotations
-
 import math
 
 from .jit import jit, jit_not_inlined

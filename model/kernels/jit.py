@@ -4,8 +4,6 @@ numba is imported when the first kernel is jit: a run on the library of kernels 
 (`library`) never does, and starts in a fraction of the time.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from importlib.util import find_spec

@@ -1,8 +1,6 @@
 """A kernel: a function that numba compiles when it is first called, and that can also be
 interpreted with everything that it calls."""
 
-from __future__ import annotations
-
 import builtins
 from collections.abc import Callable
 from dis import get_instructions

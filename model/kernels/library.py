@@ -7,8 +7,6 @@ A file counts only if its name shows that it was made of exactly these kernels a
 CORE is the digest of all sources of the library, KERNELS that of the kernels of a run (`digest`).
 """
 
-from __future__ import annotations
-
 import ctypes
 import hashlib
 import platform

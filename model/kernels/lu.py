@@ -1,7 +1,5 @@
 """Small dense linear systems: LU factors with partial pivoting, in place."""
 
-from __future__ import annotations
-
 from .jit import jit
 
 

@@ -1,7 +1,5 @@
 """The nodes of a shaft: those of its sections, and one wherever a part is placed between them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """Operating speeds of a machine in the terms of API 684, and its run-up and run-down rates."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

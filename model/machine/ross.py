@@ -5,8 +5,6 @@ one `n` are layers. A bearing's `n_link` beyond the shaft is a pedestal: a point
 bearing to ground; here a housing. An element that cannot be imported is an error that names it.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

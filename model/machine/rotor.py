@@ -4,8 +4,6 @@ Lateral motion is written in complex coordinates, z = x + i y (x horizontal, y v
 for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4).
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 import re
@@ -338,7 +336,7 @@ class Rotor:
         """The length of the shaft [m]."""
         return sum(section.length for section in self.sections)
 
-    def with_parts(self, kind: type[Part], *parts: Part) -> Rotor:
+    def with_parts(self, kind: type[Part], *parts: Part) -> "Rotor":
         """Return the machine with these parts in the place of all of a kind."""
         at = next((i for i, p in enumerate(self.parts) if type(p) is kind), len(self.parts))
         behind = (p for p in self.parts[at:] if type(p) is not kind)
@@ -355,7 +353,7 @@ class Rotor:
         for own, heading in OWN.items():
             yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
 
-    def with_values(self, values: Mapping[str, float | bool]) -> Rotor:
+    def with_values(self, values: Mapping[str, float | bool]) -> "Rotor":
         """Return the machine with some quantities replaced, all at once.
 
         values: by their names as the FMU spells them: `bearing[1].clearance`, `shaft.eta_v`,
@@ -373,6 +371,6 @@ class Rotor:
             raise QuantityError(f"{name}: unknown quantity")
         return replace(self, parts=tuple(parts), **changed)
 
-    def with_value(self, name: str, value: float | bool) -> Rotor:
+    def with_value(self, name: str, value: float | bool) -> "Rotor":
         """Return the machine with one quantity replaced; see `with_values`."""
         return self.with_values({name: value})

@@ -8,8 +8,6 @@ describe one stretch after another, each of one or more elements:
     [[section.layer]]: another layer there, such as a sleeve, given in the same way
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

@@ -1,8 +1,6 @@
 """Tables of a TOML file -> data classes, with a one-line error for a key that is missing, misspelt
 or of the wrong type."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import MISSING, Field, fields
 from difflib import get_close_matches
@@ -62,7 +60,7 @@ def make(kind: type, where: str, value: Any) -> Any:
         if not _is_optional(field) and field.name not in table:
             raise QuantityError(f"{where}.{field.name} is missing")
         given = table.get(field.name, "")
-        if field.type == "str" and not isinstance(given, str):
+        if field.type in (str, "str") and not isinstance(given, str):
             raise QuantityError(f"{where}.{field.name} = {given!r}: must be a string")
     numbers = quantities(kind)
     return kind(

@@ -1,7 +1,5 @@
 """TOML text -> `Rotor`, with a one-line error for a key that is missing, misspelt or impossible."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator
 from dataclasses import fields

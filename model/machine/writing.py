@@ -1,7 +1,5 @@
 """Tables -> TOML text: the contents of a machine file."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping

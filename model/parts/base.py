@@ -5,8 +5,6 @@ Assembly knows only the few elements below. A new kind of part combines them, an
 its own if a force is neither linear nor constant.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -105,7 +103,7 @@ class InterfaceElement(NamedTuple):
     housing at the node that moves in its place, if any."""
 
     node: int
-    law: Law
+    law: "Law"
     source: Any
     housing: str = GROUND
     ring: str = GROUND
@@ -215,7 +213,7 @@ class Part(ABC):
     KIND: ClassVar[str]
     TEXT: ClassVar[str]
     IS_SINGLE: ClassVar[bool] = False
-    LAWS: ClassVar[tuple[Law, ...]] = ()
+    LAWS: "ClassVar[tuple[Law, ...]]" = ()
 
     name: str = field(default="", kw_only=True)
 
@@ -256,7 +254,7 @@ class Part(ABC):
         """
         check_all(where, self)
 
-    def outline(self) -> Iterator[Shape]:
+    def outline(self) -> "Iterator[Shape]":
         """Yield the blocks by which the part is drawn.
 
         Yields

@@ -1,7 +1,5 @@
 """Conditions on the machine as a whole: a moving foundation, a start out of equilibrium."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

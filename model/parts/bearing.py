@@ -1,7 +1,5 @@
 """Paper A's bearing: a journal in the clearance of a housing of its own."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Rigid bodies on the shaft, given by their inertia, and point masses."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,8 +1,6 @@
 """A journal in the clearance of its housing: penalty contact with damping and friction (`contact`),
 which is smoothed at small sliding speeds, or lets the journal stick."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar

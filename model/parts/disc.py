@@ -1,7 +1,5 @@
 """Rigid cylinders on the shaft: discs, and the coupling at its end."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

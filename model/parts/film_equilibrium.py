@@ -1,7 +1,5 @@
 """The equilibrium of a journal in an oil film under a load."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

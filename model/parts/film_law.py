@@ -5,8 +5,6 @@ pressure gradient vanish (`film.zone_pressure`), or Ocvirk's closed form. A film
 the power of the rotor's torque and force is dissipated.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ is the adiabatic balance: all heat leaves with the lubricant. The result is a ta
 alone, and a run uses the viscosity of its speed at once, wherever its journal is.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace

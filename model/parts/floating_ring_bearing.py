@@ -7,8 +7,6 @@ frequency. Its weight, mass times the machine's gravity, is in the law's table (
 potential energy is in the ledger with its kinetic energy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

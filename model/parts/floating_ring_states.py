@@ -1,8 +1,6 @@
 """The ring of a floating ring bearing: its position, velocity and speed of rotation in equilibrium
 and over a step, which are states of the bearing's law (`floating_ring_bearing`)."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ..film.bearing_film import FilmBearing

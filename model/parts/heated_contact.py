@@ -10,8 +10,6 @@ with p = bow_per_heat and q = bow_decay (Kellenberger 1980, with the heat in the
 displacement of his seal ring). The rest is a clearance contact that may stick.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import ClassVar
 

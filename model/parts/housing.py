@@ -1,7 +1,5 @@
 """A bearing housing: a mass on springs and dampers to ground that interfaces push."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar

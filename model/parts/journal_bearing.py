@@ -4,8 +4,6 @@ The film is solved at every instant (`film_law`). Pads are fixed, or tilt about 
 (`tilting_pads`).
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Iterator

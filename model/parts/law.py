@@ -38,8 +38,6 @@ from the index `Law.bow` on, may be a bow that the law gives the shaft at its no
 (`structure.bow`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Evaluates one part's force law at a prescribed motion of its node, its housing fixed."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,8 +1,6 @@
 """The end of a transmission line at a node: a coupling that is stable for any communication
 step."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

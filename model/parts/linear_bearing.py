@@ -12,8 +12,6 @@ the rest, d'^T (K - K0) d, has no potential: it is the work of the cross couplin
 that depends on the speed. It is a separate entry, `circulation`, negative where it feeds the whirl.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -155,7 +153,7 @@ def _observe(part, tables, kinematics, internal_state, out):
     out[_OUT.fy] = force.imag
 
 
-def _table(part: LinearBearing) -> np.ndarray:
+def _table(part: "LinearBearing") -> np.ndarray:
     """Return the rows of `speed_table` of all coefficients; 0 of constants."""
     lists = {n: v for n in _CUBICS._fields if isinstance(v := getattr(part, n), tuple)}
     return speed_table(part.speed, _CUBICS._fields, lists)

@@ -1,7 +1,5 @@
 """Ports and sensors: nodes where an external force acts, and whose motion is observed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -14,8 +14,6 @@ law's states. An element that rolls on under load is compressed further, or rele
 this brakes the rotor, so that only the contacts' damping dissipates.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The shaft: its materials and its sections."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -51,12 +49,12 @@ class Section:
     bore_left: float = quantity("m", "bore at the left end", NOT_NEGATIVE, 0.0)
     bore_right: float = quantity("m", "bore at the right end", NOT_NEGATIVE, 0.0)
     axial_force: float = quantity("N", "tension, negative where it is compressed", ANY, 0.0)
-    layers: tuple[Section, ...] = ()
+    layers: "tuple[Section, ...]" = ()
     shear: str = SHEARS[0]
     taper: str = TAPERS[0]
 
     @classmethod
-    def cylinder(cls, length: float, diameter: float, material: Material) -> Section:
+    def cylinder(cls, length: float, diameter: float, material: Material) -> "Section":
         """Return a solid cylinder; length, diameter [m]."""
         return cls(length, diameter, diameter, material)
 
@@ -91,11 +89,11 @@ class Section:
                     f"{where}.{name} = {getattr(self, name)!r}: must be one of {', '.join(allowed)}"
                 )
 
-    def with_layers(self, *layers: Section) -> Section:
+    def with_layers(self, *layers: "Section") -> "Section":
         """Return the section with these further layers."""
         return replace(self, layers=layers)
 
-    def part(self, begin: float, end: float) -> Section:
+    def part(self, begin: float, end: float) -> "Section":
         """Return the stretch between two fractions of the length, from 0 to 1."""
 
         def between(name: str, share: float) -> float:
@@ -113,7 +111,7 @@ class Section:
         )
 
     @property
-    def all_layers(self) -> tuple[Section, ...]:
+    def all_layers(self) -> "tuple[Section, ...]":
         """The section itself and its further layers."""
         return (self, *self.layers)
 

@@ -3,8 +3,6 @@
 A row is a speed, and for each column the cubic of the interval that begins there, four numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any

@@ -5,8 +5,6 @@ sealed film cannot draw in lubricant, so that Reynolds' rupture would leave it f
 below ambient are neglected (the pi film, or half-Sommerfeld condition).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

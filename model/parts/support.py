@@ -1,7 +1,5 @@
 """A linear isotropic support to ground."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -14,8 +14,6 @@ Its states are w and the elongation of the spring by which the journal may stick
 kept between the bounds.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """An unbalance at a node (ISO 21940-2: U = m e, here with its angle)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -5,8 +5,6 @@ bent as the curve was in the last step, or along the tangent on the other side o
 the force law makes it jump; Newton's method corrects at right angles to it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

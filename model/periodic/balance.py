@@ -8,8 +8,6 @@ The forces F and the rates g of the states are sampled in time along the orbit a
 the speed over `turns`, or an unknown for self-excited motions (whirl without unbalance).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -112,7 +110,7 @@ class HarmonicBalance:
 
     def modified(
         self, H: int | None = None, reference: float | None = None, turns: int | None = None
-    ) -> HarmonicBalance:
+    ) -> "HarmonicBalance":
         """Return the equations with another number of harmonics, reference value or length of the
         period."""
         other = HarmonicBalance(
@@ -170,7 +168,7 @@ class HarmonicBalance:
         tail = [orbit.omega / self.omega_scale] if self.is_autonomous else []
         return np.concatenate([b.ravel(), states.ravel(), tail])
 
-    def converted(self, x: np.ndarray, other: HarmonicBalance) -> np.ndarray:
+    def converted(self, x: np.ndarray, other: "HarmonicBalance") -> np.ndarray:
         """Return unknowns, or a change of them, as those of equations with another number of
         harmonics."""
         rows = 2 * self.H + 1

@@ -5,8 +5,6 @@ angles to v and to the branch that is left. For a period doubling v contains onl
 change sign from one period to the next; v and -v lead to the same motion, one period apart.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -5,8 +5,6 @@ A response asks the log for the next event before it computes one; the events of
 taken over unchanged.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import NamedTuple, TypeVar, cast

@@ -1,7 +1,5 @@
 """Continuation of a branch from one of its motions to its ends, and why it ends there."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence

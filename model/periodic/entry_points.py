@@ -1,8 +1,6 @@
 """The compiled entry point of periodic motions: Radau IIA steps through a period, of a block alone.
 It returns DONE."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, NamedTuple
 

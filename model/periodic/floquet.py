@@ -10,8 +10,6 @@ y: displacements and velocities of the interfaces, and internal states; R: stati
 modes left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

@@ -8,8 +8,6 @@ is 0 there (Govaerts 2000, ch. 3), and R = 0, g = 0 are continued for (x, lambda
 parameter. g's gradient is -w^T R_xx v, a difference of tangents along v.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

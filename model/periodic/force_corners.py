@@ -10,8 +10,6 @@ with the Bernoulli polynomials of theta, and e = exp(-i k t). Sixteen samples a 
 accurate enough, and the sum is smooth where a corner passes a sample.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple, TypeVar
 

@@ -1,8 +1,6 @@
 """Real Fourier series, represented by their coefficients [mean, cos 1, sin 1, cos 2, ...] along the
 first axis."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
 

@@ -1,8 +1,6 @@
 """The number of harmonics of a motion: increased while the highest are not small, reduced where
 they are far below the accuracy."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

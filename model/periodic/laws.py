@@ -3,8 +3,6 @@
 This is the only place from which the package calls the laws; the tangents are those of the kernels.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

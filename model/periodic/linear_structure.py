@@ -8,8 +8,6 @@ Displacements are x, y in turn. A free shaft has no static flexibility, but S al
 the shaft is supported while its interfaces are fixed.
 """
 
-from __future__ import annotations
-
 import math
 from copy import copy
 from typing import NamedTuple
@@ -74,7 +72,7 @@ class CondensedMachine:
         self._set_matrices(machine, across)
         self._set_forces(loads)
 
-    def with_rotor(self, rotor: Rotor) -> CondensedMachine:
+    def with_rotor(self, rotor: Rotor) -> "CondensedMachine":
         """Return the machine with other quantities; the linear part is taken over if only nonlinear
         laws change."""
         s = assemble(rotor)

@@ -10,8 +10,6 @@ which suppresses the transient at the start and converges faster than a plain me
 is regular (Das, Saiki, Sander, Yorke 2017).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

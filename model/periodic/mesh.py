@@ -6,8 +6,6 @@ parabola through the forces at its three points: extrapolated to the begin of th
 force there by an impulse, which is to be a small share of the period's.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The choice between harmonic balance and shooting at a point of a curve."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from . import arclength

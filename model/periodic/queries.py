@@ -1,8 +1,6 @@
 """Evaluations of a response: its motions at a value, whether they persist in time, and its folds
 over a second parameter."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from . import arclength

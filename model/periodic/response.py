@@ -1,8 +1,6 @@
 """Periodic responses of a machine over its speed or another parameter: branches from both ends of
 the range and from seeds."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Generator
 

@@ -7,8 +7,6 @@ balances. Past a threshold, of oil films or of rotating damping, a mode about th
 grows: whirls of several sizes in this mode are tried.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -11,8 +11,6 @@ unbalance is exact, and the steps are adapted to the motion (`mesh`). The Jacobi
 steps themselves, linearized (`floquet`); its eigenvalues are the Floquet multipliers less 1.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Starting points of branches by time integration, and whether a motion persists in time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import NamedTuple

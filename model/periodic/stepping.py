@@ -1,8 +1,6 @@
 """Radau IIA steps through a period in the machine's modes; Newton's method solves for the interface
 forces at the three points of each step."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .. import backend

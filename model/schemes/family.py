@@ -11,8 +11,6 @@ with r = C v + K q - f. Paper B's (Ishikawa and Koguchi) alpha_B is alpha_m, its
 Abaqus' ALPHA is -alpha_f.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..kernels.jit import jit

@@ -6,8 +6,6 @@ diag(LAMBDA) T^-1 the linear part of a step decouples into three systems, each o
 stage.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The settings of the integration, with the named presets."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ message.
 A setting is a number, or for a choice the index among its names; NaN leaves it to the preset.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

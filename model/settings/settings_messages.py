@@ -3,8 +3,6 @@
 All but `UNSTABLE` begin with the name of a setting, to which an FMU adds a prefix.
 """
 
-from __future__ import annotations
-
 from ..message_templates import choice
 from .table import BY_NAME, METHODS, MODES, NORMS, SETTINGS, SHAPES, Choice, is_idle
 

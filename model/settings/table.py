@@ -3,8 +3,6 @@ settings that each method and each mode uses; the presets. Everything else about
 from this table.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

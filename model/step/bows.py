@@ -12,8 +12,6 @@ A bow changes slowly compared with a revolution, so that a step extrapolates it 
 beginning; the end of the step corrects it.
 """
 
-from __future__ import annotations
-
 from ..kernels.jit import jit
 from ..structure.parameters import elastic_share
 

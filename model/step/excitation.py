@@ -1,8 +1,6 @@
 """Excitation of the rotor: spin, unbalance, gravity, external loads, and the torque that the drive
 must supply."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..kernels.band import form, square

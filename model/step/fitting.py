@@ -12,8 +12,6 @@ characteristic frequency (`characteristic_frequency_after`): that of the rotatio
 whirls synchronously, and its lowest natural frequency where it swings freely below it.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -8,8 +8,6 @@ gamma h; internal states of the laws: internal_state = free + b_rate * rate. The
 accelerations, because displacements lose digits in very short steps.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

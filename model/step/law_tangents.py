@@ -4,8 +4,6 @@ The tangents with respect to displacement and velocity are the laws' own; those 
 speed and internal states are central differences.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..kernels.functions import modulus

@@ -1,8 +1,6 @@
 """The laws of all kinds of interfaces, each call one compiled function of (laws, interface, ...);
 see `parts.law`. `interface` is a record of `assembly.INTERFACE`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from ..kernels.jit import jit, jit_not_inlined

@@ -1,8 +1,6 @@
 """The laws of some interfaces at many samples of their motion: compiled entry points, functions of
 a block alone. They return DONE."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np

@@ -11,8 +11,6 @@ This leaves a small problem in the contacts' motion, with the flexibility S^-1 B
 that motion, a penalty law with friction or a hard stop, is left to the caller.
 """
 
-from __future__ import annotations
-
 from ..kernels.functions import scaled
 from ..kernels.jit import jit
 

@@ -1,8 +1,6 @@
 """The linear part of a step in stages: its factorized systems, and the influence of interface
 forces on the motion at all stages. See `stages`."""
 
-from __future__ import annotations
-
 from ..kernels.functions import inverse, scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses

@@ -8,8 +8,6 @@ Unknowns are the forces that act, and the rates of the states. The matrix is fac
 where a contact opens or closes, and where the iteration has become slow.
 """
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.functions import modulus

@@ -1,8 +1,6 @@
 """Newton's matrix for the interfaces at all stages of a step: its unknowns, the laws' derivatives,
 its rows. See `stage_problem`."""
 
-from __future__ import annotations
-
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..kernels.lu import factorize_dense

@@ -9,8 +9,6 @@ middle of the step; the differences of the gyroscopic and circulatory terms are 
 evaluated at the predicted motion.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

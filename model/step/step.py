@@ -5,8 +5,6 @@ band matrix of the step is factorized anew whenever step length or speed have ch
 a microsecond), and what remains is the small problem of `interface_problem`.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -10,8 +10,6 @@ by its derivative
 with the internal states s of the laws (`law_tangents`). Step lengths and fitting count as constant.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

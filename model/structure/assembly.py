@@ -10,8 +10,6 @@ of the gyroscopic terms, without which the energy balance of a rotor with changi
 closed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

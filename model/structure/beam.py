@@ -9,8 +9,6 @@ tapered element uses the polynomials of a cylinder with its middle or mean shear
 is then of second order or less.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import lru_cache

@@ -6,8 +6,6 @@ curvature, and the rest of the shaft stays straight. The bow is the displacement
 the straight line through the ends of the shaft.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..kernels.band import product

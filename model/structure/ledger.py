@@ -4,8 +4,6 @@ The machine's own come first, then those of the laws. Kernels sum the entries of
 order; a machine has those of its laws, in the same order.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ..machine.rotor import Rotor

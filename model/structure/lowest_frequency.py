@@ -1,7 +1,5 @@
 """The lowest elastic natural frequency of a shaft, for any number of nodes and any stiffness."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

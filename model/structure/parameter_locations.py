@@ -4,8 +4,6 @@ Each part maps its quantities to its elements; to find where a parameter is stor
 and the field with the changed value is looked up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple

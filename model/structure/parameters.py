@@ -1,8 +1,6 @@
 """Values that follow from the parameters of an assembled machine: damping, stiffness, weight,
 unbalance, inertia, characteristic lengths. Compiled, a function of the structure alone."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

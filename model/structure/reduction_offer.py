@@ -1,8 +1,6 @@
 """Whether component modes would make a run cheaper, how many, and how much they change the
 frequencies."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..kernels.band import product, to_dense

@@ -3,8 +3,6 @@
 SciPy's sparse solvers are imported when needed; most machines do not need them.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

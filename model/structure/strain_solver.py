@@ -10,8 +10,6 @@ has a small k^-1, and is solved as accurately as any other; in A + B^T k B the r
 bearings that are softer by many decades.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A machine in arrays: the result of assembly, on which the kernels work."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Step-length control of paper A: local error indicators and limits (eqs 11 to 15)."""
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.functions import cube_root

@@ -1,7 +1,5 @@
 """The block of memory of a run: which named tuples lie in it, and its layout."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The beginning of a communication interval: the drive and the loads until its end."""
 
-from __future__ import annotations
-
 from ..kernels.jit import jit
 from ..step.step import accelerate
 from .energy import FLOW, has_power, port_power, powers, total_energy

@@ -1,7 +1,5 @@
 """Step-length control: the numbers of the modes, and the switch between them."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

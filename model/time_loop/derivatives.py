@@ -6,8 +6,6 @@ sides, by a share of its period or size, and observed there; for the time deriva
 accelerations on both sides are those of the equation of motion.
 """
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.jit import jit, jit_inlined, jit_not_inlined

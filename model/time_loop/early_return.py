@@ -1,7 +1,5 @@
 """Causes that end an advance early: a limit is passed, or a contact closes or opens."""
 
-from __future__ import annotations
-
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..step.excitation import at_place

@@ -5,8 +5,6 @@ residual is the error of the integrator. The powers are those of the equations i
 exactly, so the residual falls with the step length.
 """
 
-from __future__ import annotations
-
 from ..kernels.band import form, square
 from ..kernels.jit import jit
 from ..parts.housing import masses

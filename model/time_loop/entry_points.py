@@ -1,8 +1,6 @@
 """The compiled entry points, each a function of a run's block alone; they return a status, DONE if
 they cannot fail."""
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.jit import jit, jit_inlined

@@ -7,8 +7,6 @@ supported, a journal that does not touch its wall, and vanishes where the motion
 not slide meanwhile, so that there is no friction.
 """
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.functions import angle, direction, modulus

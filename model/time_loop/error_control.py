@@ -5,8 +5,6 @@ is proportional to the tolerance (Hairer, Norsett and Wanner, Solving Ordinary D
 Equations I, sec. II.4; PI control: Gustafsson 1991).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The state of a run beside the motion: time and rotation, counters, the ledger, the peaks."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -2,8 +2,6 @@
 wall-to-wall state, damping by the integrator that exceeds the machine's own, and the iterations of
 a cycle."""
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.functions import scaled

@@ -1,8 +1,6 @@
 """The observed quantities of a run, as one flat array: their names, and the kernel that fills
 it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import NamedTuple

@@ -7,8 +7,6 @@ step, no closer than a least angle. When it is full, every second row is dropped
 doubles.
 """
 
-from __future__ import annotations
-
 import difflib
 import math
 from collections.abc import Sequence

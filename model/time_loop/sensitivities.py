@@ -5,8 +5,6 @@ An input is the value that a host sets at the beginning of the communication ste
 consequences: a speed that continues linearly also changes its rate.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..kernels.functions import modulus

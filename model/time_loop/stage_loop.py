@@ -1,8 +1,6 @@
 """A step of Radau IIA in the time loop: rotation and loads at its stages, its local error, ledger,
 monitors and recorder."""
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.functions import scaled

@@ -1,7 +1,5 @@
 """The rotation in a step: prescribed, or such that a free rotor's torques balance."""
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.jit import jit, jit_inlined

@@ -5,8 +5,6 @@ ledger, the amplitudes, and the monitors for the false wall-to-wall state and fo
 integrator.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """FMUs of machines: built, and driven through FMPy."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path

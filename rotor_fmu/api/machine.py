@@ -1,7 +1,5 @@
 """A machine: its file, its quantities and its picture."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -86,7 +84,7 @@ class Machine(LinearAnalyses):
         """
         return {str(name): value for name, _, value in self.rotor.parameters()}
 
-    def show(self) -> Figure:
+    def show(self) -> "Figure":
         """Draw the machine to scale, in mm.
 
         Returns

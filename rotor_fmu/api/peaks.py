@@ -1,7 +1,5 @@
 """Peaks of a run: where the displacements of its parts are largest over the speed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -46,7 +44,7 @@ class Peaks(tuple[Peak, ...]):
 
     why: str
 
-    def __new__(cls, peaks: Iterable[Peak], why: str = "") -> Peaks:
+    def __new__(cls, peaks: Iterable[Peak], why: str = "") -> "Peaks":
         """Make the peaks, or none with the reason."""
         made = super().__new__(cls, peaks)
         made.why = why

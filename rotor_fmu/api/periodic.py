@@ -1,7 +1,5 @@
 """Periodic answers: `rf.response`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +10,7 @@ if TYPE_CHECKING:
     from ..periodic.result import ResponseResult
 
 
-def response(machine: Machine | Rotor | Path | str, **options: Any) -> ResponseResult:
+def response(machine: Machine | Rotor | Path | str, **options: Any) -> "ResponseResult":
     """Periodic motions of a machine with its contacts, over its speed or another parameter: see
     `rotor_fmu.periodic.request.answer` for the options.
 

@@ -1,7 +1,5 @@
 """Recorded signals by name, with their units, as arrays, tables and a file."""
 
-from __future__ import annotations
-
 import difflib
 from dataclasses import dataclass
 from pathlib import Path
@@ -149,7 +147,7 @@ class RecordedSignals:
             raise KeyError(f"{name!r} was not recorded; the nearest name is {near}")
         return self.recording.columns[name]
 
-    def dataframe(self) -> pd.DataFrame:
+    def dataframe(self) -> "pd.DataFrame":
         """Return the signals as a table over the time.
 
         Returns
@@ -174,7 +172,7 @@ class RecordedSignals:
         table.attrs["units"] = {"t": "s", **self.units}
         return table
 
-    def dataset(self) -> xr.Dataset:
+    def dataset(self) -> "xr.Dataset":
         """Return the signals as variables over the time.
 
         Returns

@@ -1,7 +1,5 @@
 """The result of a run: its recorded signals, their evaluation, and pictures."""
 
-from __future__ import annotations
-
 import base64
 import html
 from collections.abc import Sequence
@@ -82,7 +80,9 @@ class Result(RecordedSignals):
         """
         return peaks_of(self.points)
 
-    def orbit(self, place: str | None = None, speed: float | None = None, turns: int = 4) -> Orbit:
+    def orbit(
+        self, place: str | None = None, speed: float | None = None, turns: int = 4
+    ) -> "Orbit":
         """Return the orbit of a part over consecutive turns.
 
         Parameters
@@ -110,7 +110,7 @@ class Result(RecordedSignals):
 
     def spectrum(
         self, place: str | None = None, speed: float | None = None, turns: int = 16
-    ) -> FullSpectrum:
+    ) -> "FullSpectrum":
         """Return the full spectrum of a part: amplitudes of its forward and backward orders.
 
         Parameters
@@ -138,7 +138,7 @@ class Result(RecordedSignals):
 
     def orders(
         self, place: str | None = None, orders: Sequence[float] = (0.5, 1.0, 2.0), turns: int = 4
-    ) -> OrderTrack:
+    ) -> "OrderTrack":
         """Return the vectors of orders of a part through the run.
 
         Parameters
@@ -173,7 +173,7 @@ class Result(RecordedSignals):
         speed: float | None = None,
         *,
         is_pp: bool = False,
-    ) -> Figure:
+    ) -> "Figure":
         """Draw the run as `rotor-fmu plot` does.
 
         Parameters

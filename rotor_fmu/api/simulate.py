@@ -1,7 +1,5 @@
 """A run of a machine, recorded at the solver's own steps."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches

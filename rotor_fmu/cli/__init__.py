@@ -1,7 +1,5 @@
 """`rotor-fmu`: the command line, of which only the command that is called is imported."""
 
-from __future__ import annotations
-
 import ast
 import os
 from importlib import import_module

@@ -1,7 +1,5 @@
 """`rotor-fmu critical-map` and `stability`: what API 617 and 684 ask for beside the response."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

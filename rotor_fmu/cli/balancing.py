@@ -1,7 +1,5 @@
 """`rotor-fmu balance`: correction unbalances from runs with trial unbalances."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

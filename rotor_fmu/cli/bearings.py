@@ -1,8 +1,6 @@
 """`rotor-fmu bearing`: an oil film, a floating ring, a squeeze film damper or a rolling bearing by
 itself."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -81,8 +79,8 @@ def bearing(
 
 
 def _result(
-    machine: Rotor, name: str | None, speeds: np.ndarray, loads: np.ndarray | None
-) -> BearingCurves | DamperCurves | RingCurves | RollingCurves:
+    machine: "Rotor", name: str | None, speeds: np.ndarray, loads: np.ndarray | None
+) -> "BearingCurves | DamperCurves | RingCurves | RollingCurves":
     """Return the curves of the bearing of that name, by default the first."""
     from ..linear import bearing_answers as answers
     from ..model.linear import bearings
@@ -121,7 +119,9 @@ def _result(
 
 
 def _linear_bearing(
-    result: BearingCurves | DamperCurves | RingCurves | RollingCurves, machine: Rotor, file: Path
+    result: "BearingCurves | DamperCurves | RingCurves | RollingCurves",
+    machine: "Rotor",
+    file: Path,
 ) -> str:
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""
     from ..linear.bearing_answers import BearingCurves, RingCurves

@@ -1,7 +1,5 @@
 """What the shell offers when a word is completed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """`rotor-fmu build` and `rotor-fmu core`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """`rotor-fmu modes`, `campbell`, `static`, `show`: each with a table and a picture."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """`rotor-fmu page`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

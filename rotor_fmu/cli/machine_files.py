@@ -1,7 +1,5 @@
 """`rotor-fmu schema`, `example` and `import-ross`: what machine files hold, and where to begin."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """Nodes, and what options put at them: clearances of seals, impellers, cross couplings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated
 
@@ -37,7 +35,7 @@ CrossCouplings = Annotated[
 ]
 
 
-def check_nodes(machine: Rotor, option: str, numbers: Iterable[int]) -> None:
+def check_nodes(machine: "Rotor", option: str, numbers: Iterable[int]) -> None:
     """Raise `InputError` for a number that is of no node."""
     for number in numbers:
         if not 1 <= number <= len(machine.nodes):
@@ -56,7 +54,7 @@ def clearances_of(texts: list[str] | None) -> dict[int, float]:
 
 
 def cross_couplings(
-    machine: Rotor, speed: float, stages: list[str] | None, given: list[str] | None
+    machine: "Rotor", speed: float, stages: list[str] | None, given: list[str] | None
 ) -> dict[int, float]:
     """Cross-coupled stiffness by node [N/m] of `--stage`, at a speed [rad/s], and
     `--cross-coupling`."""
@@ -83,7 +81,7 @@ def _at_node(option: str, text: str, form: str, si: str) -> tuple[int, float]:
     return int(node), in_si(f"{option} {node}:", value, si)
 
 
-def _stage(text: str) -> Stage:
+def _stage(text: str) -> "Stage":
     from ..model.linear import Stage
 
     node, *values = text.split(":")

@@ -1,7 +1,5 @@
 """`rotor-fmu response`: periodic answers over the speed or another parameter."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -135,8 +133,8 @@ def response(
 
 
 def _found(
-    machine: Rotor, toml: str, asked: dict[str, Any], out: Path, axis: Shown
-) -> ResponseResult:
+    machine: "Rotor", toml: str, asked: dict[str, Any], out: Path, axis: Shown
+) -> "ResponseResult":
     """Compute a response, continuing from the points that are saved in the folder."""
     from ..model.periodic.laws import waits_for_compiler
     from ..periodic.request import found, question
@@ -154,7 +152,7 @@ def _found(
         return found(task, tell, saved.journal)
 
 
-def _show(result: ResponseResult, name: str, summary: dict[str, Any], out: Path) -> None:
+def _show(result: "ResponseResult", name: str, summary: dict[str, Any], out: Path) -> None:
     """Write and print a response; raises `KeyboardInterrupt` for one that was stopped."""
     write_response(result, name, summary, out)
     typer.echo(result.table().text())
@@ -167,7 +165,7 @@ def _show(result: ResponseResult, name: str, summary: dict[str, Any], out: Path)
 
 
 def write_response(
-    result: ResponseResult, name: str, summary: dict[str, Any], folder: Path
+    result: "ResponseResult", name: str, summary: dict[str, Any], folder: Path
 ) -> None:
     """Write the picture, the page and the numbers of a response; name: of the machine."""
     from ..plotting.figure_style import save
@@ -178,7 +176,7 @@ def write_response(
     write_json(summary, folder / "response.json")
 
 
-def _write_page(result: ResponseResult, name: str, path: Path) -> None:
+def _write_page(result: "ResponseResult", name: str, path: Path) -> None:
     """Write the page; where what draws it is not installed a warning says so instead."""
     from ..files import write_text
     from ..periodic.response_page import response_page
@@ -190,13 +188,15 @@ def _write_page(result: ResponseResult, name: str, path: Path) -> None:
 
 
 @contextmanager
-def _progress(length: float, before: int, axis: Shown) -> Iterator[Callable[[str, Solution], None]]:
+def _progress(
+    length: float, before: int, axis: Shown
+) -> "Iterator[Callable[[str, Solution], None]]":
     """Show how much of the range, so long, is covered, and where the curve is; before: points of an
     earlier call; axis: how its values are shown."""
     count, low, high = 0, math.inf, -math.inf
     with progress_of("response", length, _errors, first=2.0) as update:
 
-        def tell(label: str, point: Solution) -> None:
+        def tell(label: str, point: "Solution") -> None:
             """Take one more point."""
             nonlocal count, low, high
             count, low, high = count + 1, min(low, point.value), max(high, point.value)
@@ -208,7 +208,7 @@ def _progress(length: float, before: int, axis: Shown) -> Iterator[Callable[[str
         yield tell
 
 
-def _usual(machine: Rotor, over: str | None) -> str:
+def _usual(machine: "Rotor", over: str | None) -> str:
     """Return the speeds of a machine's response as an option gives them."""
     from ..operating_speeds import operating_speeds
 
@@ -228,7 +228,7 @@ def _varied(
     return (float(ends[0]), float(ends[1])), None
 
 
-def _folds(result: ResponseResult, text: str, units: Mapping[str, str]) -> dict[str, Any]:
+def _folds(result: "ResponseResult", text: str, units: Mapping[str, str]) -> dict[str, Any]:
     """Return where the first fold lies over the quantity of `--fold-over`."""
     name, low, high = _range(text, "--fold-over", units)
     folds = result.fold_curve(name, low, high)
@@ -240,7 +240,7 @@ def _folds(result: ResponseResult, text: str, units: Mapping[str, str]) -> dict[
     }
 
 
-def _checked(result: ResponseResult) -> list[dict[str, Any]]:
+def _checked(result: "ResponseResult") -> list[dict[str, Any]]:
     """Points of the branches, evenly chosen, in time; said one a line."""
     points = result.points[:: max(1, len(result.points) // _CHECKED)]
     rows, axis = [], result.axis

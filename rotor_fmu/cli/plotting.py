@@ -1,7 +1,5 @@
 """`rotor-fmu plot` and `report`."""
 
-from __future__ import annotations
-
 import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -150,7 +148,7 @@ def report(
 
 
 def _report_of_machine(
-    machine: Rotor,
+    machine: "Rotor",
     ends: tuple[float, float],
     probes: list[int] | None,
     mode: int | None,

@@ -1,7 +1,5 @@
 """The machine of a linear analysis, and the answer: printed, and written as numbers and picture."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,14 +18,14 @@ if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
 
 
-def machine_in_units(file: Path | None, units: str | None) -> Rotor:
+def machine_in_units(file: Path | None, units: str | None) -> "Rotor":
     """Return the machine; from here on what is shown is in the units asked for, or its own."""
     machine = load_rotor(file)[1]
     choose(units, machine.units, file or "")
     return machine
 
 
-def name_films(machine: Rotor) -> None:
+def name_films(machine: "Rotor") -> None:
     """Say of oil films where they are linearized."""
     from ..model.linear.journal_bearing_curves import journal_bearings
 
@@ -42,8 +40,8 @@ def print_answer(
     result: Any,
     out: Path,
     name: str,
-    table: Table | None = None,
-    figure: Figure | None = None,
+    table: "Table | None" = None,
+    figure: "Figure | None" = None,
     more: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Print the table of an answer, write its numbers and its picture, and return the numbers.

@@ -1,7 +1,5 @@
 """`rotor-fmu study`: many runs of a machine, their rows, and the evaluation."""
 
-from __future__ import annotations
-
 import math
 import os
 import sys

@@ -1,7 +1,5 @@
 """`rotor-fmu ssp`."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any

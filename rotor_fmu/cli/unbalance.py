@@ -1,7 +1,5 @@
 """`rotor-fmu unbalance`: the steady response to unbalance, and its check by API 617."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Annotated, Any

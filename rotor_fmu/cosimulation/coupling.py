@@ -1,7 +1,5 @@
 """Another FMU, the partner, coupled with the rotor's: its source lists the exchanged variables."""
 
-from __future__ import annotations
-
 import runpy
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -42,7 +40,7 @@ class CoupledRun:
             np.savez_compressed(part, t=self.t, **columns)
 
     @classmethod
-    def load(cls, path: Path) -> CoupledRun:
+    def load(cls, path: Path) -> "CoupledRun":
         """Read a run that `save` wrote."""
         sides: dict[str, dict[str, np.ndarray]] = {PARTNER: {}, ROTOR: {}}
         with np.load(path) as data:

@@ -1,8 +1,6 @@
 """A Jacobi master: at each communication point each of two FMUs gets the other's last outputs, then
 both step."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """One FMU of a coupled system, driven through FMPy."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 from collections.abc import Callable, Mapping
@@ -40,7 +38,7 @@ class Member:
         sys.path[:] = search_path
         self._parameters = parameters
 
-    def __enter__(self) -> Member:
+    def __enter__(self) -> "Member":
         self._call(self._fmu.setupExperiment, startTime=0.0)
         for name, value in self._parameters.items():
             kind = self._variables[name].type

@@ -1,7 +1,5 @@
 """FMUs that are coupled with the rotor's: each built from one script, which lists its variables."""
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 from collections.abc import Sequence

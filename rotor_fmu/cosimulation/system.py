@@ -4,8 +4,6 @@ terminals and units, parameters as SSV), and OSP's system structure with power b
 Neither holds the solver's enumerations: libcosim does not support them and aborts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path

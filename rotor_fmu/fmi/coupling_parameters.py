@@ -2,8 +2,6 @@
 sensitivities, the line through which a torque drives. Each is a number of the run's record; 0 asks
 for nothing."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..model.quantities import NOT_NEGATIVE, Quantity

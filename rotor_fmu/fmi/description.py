@@ -1,7 +1,5 @@
 """modelDescription.xml of FMI 2.0 and of FMI 3.0, made from the machine and its variable table."""
 
-from __future__ import annotations
-
 import math
 import uuid
 from collections import Counter

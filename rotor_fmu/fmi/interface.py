@@ -1,8 +1,6 @@
 """The FMU's variables: one table, from which the description, the slave, the command line and the
 documents are made."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ..model.machine.rotor import Name, Rotor

@@ -1,7 +1,5 @@
 """Messages of an FMU's log: a sentence and, in brackets, its machine-readable code."""
 
-from __future__ import annotations
-
 import re
 
 from ..model.message_templates import Message

@@ -4,8 +4,6 @@ A host that sets every start value must change nothing: so a start value that is
 run means "as the preset".
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

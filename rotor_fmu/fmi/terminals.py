@@ -1,7 +1,5 @@
 """Terminals of an FMU: which of its variables make one joint, as FMI 3.0 describes them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement

@@ -1,7 +1,5 @@
 """The variables of the FMU, and their units."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from functools import cache

@@ -3,8 +3,6 @@ WebAssembly has it among an FMU's binaries. Made once for each version of the so
 cache; a machine's table is put into its memory when an FMU is built.
 """
 
-from __future__ import annotations
-
 import hashlib
 import shutil
 import subprocess

@@ -5,8 +5,6 @@ numba is prevented from making what is not needed here: wrappers for callers in 
 machine code. That uses numba's internals; `emit` checks that the result is complete.
 """
 
-from __future__ import annotations
-
 import os
 
 if __name__ == "__main__":

@@ -7,8 +7,6 @@ block: of a run (`model.time_loop.block`), of laws or of periodic motions; given
 settings (`settings.resolver`); arguments: the numbers of the message, at most `MOST_ARGUMENTS`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """One macOS library for both of its processors: hosts of FMI 2.0 know one folder for macOS."""
 
-from __future__ import annotations
-
 import struct
 
 _MAGIC = 0xCAFEBABE

@@ -1,8 +1,6 @@
 """LLVM IR as an object file: `python -m rotor_fmu.library.objects TRIPLE PROCESSOR FEATURES IR
 OBJECT`. A process each, since llvmlite lets one thread of a process in at a time."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The platforms that the solver library is made for."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from datetime import date
 

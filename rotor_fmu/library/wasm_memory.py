@@ -5,8 +5,6 @@ component model's `Binary.md`: a head of eight bytes, then sections of an identi
 content.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 _HEAD = 8

@@ -1,7 +1,5 @@
 """The list of a machine's parts, shown with its picture."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..display import current

@@ -1,7 +1,5 @@
 """What pictures of linear analyses share."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any

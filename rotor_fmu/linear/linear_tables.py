@@ -1,7 +1,5 @@
 """Tables of linear analyses: as text, as HTML for notebooks, and as numbers for JSON."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Self

@@ -1,7 +1,5 @@
 """Warnings about a machine before a run, from its linear analyses."""
 
-from __future__ import annotations
-
 from ..model.linear.linear_machine import OPEN, LinearError, LinearMachine
 from ..model.linear.modes import modes
 from ..model.machine.rotor import Rotor

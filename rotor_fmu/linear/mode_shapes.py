@@ -1,7 +1,5 @@
 """Mode shapes in three dimensions: the shaft at one instant, and the orbits of its nodes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

@@ -1,8 +1,6 @@
 """The controls of the page: a field, and where its range is known a slider, for everything that a
 host may set in the FMU; and what a run records."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

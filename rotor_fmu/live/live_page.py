@@ -1,7 +1,5 @@
 """The page on which a machine runs, in one file that needs no network."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import zlib

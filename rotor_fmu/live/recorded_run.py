@@ -1,7 +1,5 @@
 """The settings of a recorded run, for the controls of the page."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..errors import InputError

@@ -1,7 +1,5 @@
 """The tables of a machine file with their keys, as the data classes declare them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields
 from typing import Any

@@ -4,8 +4,6 @@
 tables are added to, its numbers and words replaced, its lists of parts continued.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import tomllib

@@ -1,7 +1,5 @@
 """Values that a machine may have but that nobody means: asked about, not refused."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple

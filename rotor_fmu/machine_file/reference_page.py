@@ -1,7 +1,5 @@
 """docs/reference/machine.md: all tables and keys of a machine file."""
 
-from __future__ import annotations
-
 from .declared_tables import Key, Table, own_tables, part_tables
 
 _HEAD = """# A machine file

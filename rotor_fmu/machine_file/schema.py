@@ -1,7 +1,5 @@
 """A JSON schema of machine files, for editors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..model.quantities import NOT_NEGATIVE, POSITIVE

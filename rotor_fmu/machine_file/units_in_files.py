@@ -4,8 +4,6 @@ A table may also name the unit of a whole column or key: `units = { speed = "rpm
 holds for all plain numbers of that name in its table.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 from typing import Any

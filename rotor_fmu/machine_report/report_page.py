@@ -1,8 +1,6 @@
 """The report of a machine as one page: what it is, its linear analyses against API 617 and 684, and
 what it does where its response closes a clearance."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

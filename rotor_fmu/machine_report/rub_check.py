@@ -1,8 +1,6 @@
 """The check of clearances carried on into contact: where the linear response closes a clearance,
 the machine is run up and down with its contacts, and the runs say what the rub does."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The picture of the check of clearances with contacts."""
 
-from __future__ import annotations
-
 import math
 
 from matplotlib.figure import Figure

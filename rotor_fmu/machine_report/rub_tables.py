@@ -1,7 +1,5 @@
 """Tables of the check of clearances with contacts."""
 
-from __future__ import annotations
-
 import math
 
 from ..display import current

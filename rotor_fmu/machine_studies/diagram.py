@@ -5,8 +5,6 @@ Where the motion repeats itself every turn, the sections lie on the stable curve
 it is unstable, or there is none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -40,10 +38,10 @@ class Panel(NamedTuple):
     section: np.ndarray
     falls: np.ndarray
     others: Sequence[str]
-    response: ResponseResult | None
+    response: "ResponseResult | None"
 
 
-def diagrams(study: Study, data: xarray.Dataset, say: Say) -> dict[str, Figure]:
+def diagrams(study: Study, data: "xarray.Dataset", say: Say) -> "dict[str, Figure]":
     """Return the diagram of every Poincare section that a study keeps, by its column.
 
     say: hears of what is computed, and of what cannot be drawn. Raises `InputError` for a study
@@ -72,7 +70,7 @@ def _across(axes: tuple[Axis, ...]) -> Axis:
 
 
 def _panels(
-    study: Study, data: xarray.Dataset, runs: MachineRuns, axis: Axis | None, say: Say
+    study: Study, data: "xarray.Dataset", runs: MachineRuns, axis: Axis | None, say: Say
 ) -> dict[str, list[Panel]]:
     """Return the panels of each section: one a combination of what else is varied."""
     rest = [a for a in study.design.axes if a is not axis]
@@ -126,7 +124,7 @@ def _points(
 
 def _response(
     runs: MachineRuns, axis: Axis | None, settings: Mapping[str, float], over: np.ndarray, say: Say
-) -> ResponseResult | None:
+) -> "ResponseResult | None":
     """Return the periodic motions over the range of a diagram, None where there can be none."""
     from ..periodic.request import answer
 
@@ -157,7 +155,7 @@ def _text(axis: Axis, value: float) -> str:
     return f"{axis.name} = {factor * value:.6g}{'' if unit in ('', '1') else f' {unit}'}"
 
 
-def _figure(metric: Metric, runs: MachineRuns, axis: Axis | None, panels: list[Panel]) -> Figure:
+def _figure(metric: Metric, runs: MachineRuns, axis: Axis | None, panels: list[Panel]) -> "Figure":
     from ..plotting.figure_style import new_panels
 
     figure, axes = new_panels(7.2, 0.8 + 3.2 * len(panels), len(panels), 1, share_x=True)
@@ -169,7 +167,7 @@ def _figure(metric: Metric, runs: MachineRuns, axis: Axis | None, panels: list[P
     return figure
 
 
-def _draw(metric: Metric, unit: str, panel: Panel, ax: Axes) -> None:
+def _draw(metric: Metric, unit: str, panel: Panel, ax: "Axes") -> None:
     """Draw a panel; unit: the SI unit of its parameter."""
     from ..plotting.figure_style import BLUE, GREY, ORANGE
 

@@ -1,7 +1,5 @@
 """A machine's runs as the subject of a study."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Collection, Mapping, Sequence

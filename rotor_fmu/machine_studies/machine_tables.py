@@ -1,7 +1,5 @@
 """A machine's runs from the tables of a study's file: machine, parameters, run and metrics."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -40,7 +38,7 @@ def read_study(path: Path, *, is_quick: bool = False) -> Study:
     return read_study_file(path, read_machine, is_quick=is_quick)
 
 
-def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> MachineSubject:
+def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "MachineSubject":
     """Return a machine as the subject of a study; folder: of the study's file; kinds: of runs that
     it may have."""
     machine_file = tables.get("machine")

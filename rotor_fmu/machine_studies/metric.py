@@ -3,8 +3,6 @@
 A quantity is an output by its name, or PART.r, the distance of PART.x and PART.y from zero.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -42,12 +40,12 @@ class MetricKind:
 
     name: str
     text: str
-    make: Callable[[Metric, Any], Any]
+    make: "Callable[[Metric, Any], Any]"
     needed: tuple[str, ...] = ()
     optional: Mapping[str, Any] = field(default_factory=dict)
     unit: str = ""
-    axis: Callable[[Metric, Excitation], ListAxis] | None = None
-    check: Callable[[Metric, Excitation], None] | None = None
+    axis: "Callable[[Metric, Excitation], ListAxis] | None" = None
+    check: "Callable[[Metric, Excitation], None] | None" = None
     outputs: tuple[str, ...] | None = ()
     also: tuple[str, ...] = ()
     held: tuple[str, ...] = ()

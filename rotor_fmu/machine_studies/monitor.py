@@ -1,7 +1,5 @@
 """Sampling a run of a study: at the solver's own steps, and in turns at equal angles."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple

@@ -4,8 +4,6 @@ A quantity is PART.QUANTITY as `rf.response(...).curve` has it, such as `disc[3]
 whole curve also `parameter`, the one along it, `stable`, 1 or 0, and `branch`, from 1.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import partial
@@ -44,14 +42,14 @@ def check(metric: Metric, how: Excitation) -> None:
 
 
 @_kind("largest of the stable motions, of {of}")
-def _peak(metric: Metric, result: ResponseResult) -> float:
+def _peak(metric: Metric, result: "ResponseResult") -> float:
     """Return the largest stable value; nan without stable motions."""
     curve = result.curve(metric.of)
     return max(curve.value[curve.stable].tolist(), default=math.nan)
 
 
 @_kind("largest of the stable motions at {at:g}, of {of}", "at")
-def _value(metric: Metric, result: ResponseResult) -> float:
+def _value(metric: Metric, result: "ResponseResult") -> float:
     """Return the largest stable value at a value of the parameter; nan without stable motions."""
     part, _, quantity = metric.of.rpartition(".")
     stable = [p for p in result.at(metric.option("at")) if p.is_stable]
@@ -64,12 +62,12 @@ def _bin_axis(metric: Metric, how: Excitation) -> ListAxis:
 
 
 @_kind("largest of the stable motions in each bin, of {of}", "bins", axis=_bin_axis)
-def _amplitude(metric: Metric, result: ResponseResult) -> list[float]:
+def _amplitude(metric: Metric, result: "ResponseResult") -> list[float]:
     return _in_bins(result.curve(metric.of), metric.option("bins"))
 
 
 @_kind("{which} value with a {of}", optional={"which": _WHICH[0]}, outputs=None)
-def _bifurcation(metric: Metric, result: ResponseResult) -> float:
+def _bifurcation(metric: Metric, result: "ResponseResult") -> float:
     """Return the value of the parameter at a bifurcation; nan without one."""
     values = [b.value for b in result.bifurcations if b.kind == metric.of]
     pick = min if metric.option("which") == _WHICH[0] else max
@@ -81,7 +79,7 @@ def _point_axis(metric: Metric, how: Excitation) -> ListAxis:
 
 
 @_kind("{of} at every point of the curve", axis=_point_axis)
-def _curve(metric: Metric, result: ResponseResult) -> list[float]:
+def _curve(metric: Metric, result: "ResponseResult") -> list[float]:
     if metric.of == BRANCH:
         return [float(i) for i, b in enumerate(result.branches, 1) for _ in b.points]
     if metric.of in (PARAMETER, STABLE):
@@ -90,7 +88,7 @@ def _curve(metric: Metric, result: ResponseResult) -> list[float]:
     return result.curve(metric.of).value.tolist()
 
 
-def _in_bins(curve: Curve, bins: Mapping[str, Any]) -> list[float]:
+def _in_bins(curve: "Curve", bins: Mapping[str, Any]) -> list[float]:
     """Return the largest stable value in each bin, of the curve as lines between its points."""
     edges = edges_of(bins)
     largest = np.full(len(edges) - 1, math.nan)

@@ -1,7 +1,5 @@
 """Periodic responses as the subject of a study: a run is a whole curve with its jumps."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -116,7 +114,7 @@ class ResponseRuns(MachineRuns):
         cells = {metric.name: metric.kind.make(metric, result) for metric in self.metrics}
         return Result(status_of(result.notes), cells)
 
-    def response(self, values: Mapping[str, float]) -> ResponseResult:
+    def response(self, values: Mapping[str, float]) -> "ResponseResult":
         """Return the response of a run. Raises `InputError` for impossible values."""
         from ..periodic.request import answer
 

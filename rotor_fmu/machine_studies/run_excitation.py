@@ -5,8 +5,6 @@ of its own, of whole turns after it has settled. A window is sampled at the solv
 in whole turns, at equal angles too, so that one sample per turn is a point of the Poincare section.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Iterator, Mapping
@@ -44,7 +42,7 @@ class Excitation:
     over: str = ""
     abscissa_unit: str = "rad/s"
 
-    def changed(self, values: Mapping[str, float]) -> Excitation:
+    def changed(self, values: Mapping[str, float]) -> "Excitation":
         """Return the excitation with some of its numbers replaced; `InputError` for impossible
         ones."""
         if not values:

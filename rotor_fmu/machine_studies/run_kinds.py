@@ -1,7 +1,5 @@
 """The kinds of runs that a study of a machine may have, with their numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple

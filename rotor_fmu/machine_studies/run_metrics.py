@@ -1,7 +1,5 @@
 """The metrics of a run in time, a function a kind: what its windows come to."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Periodic answers about a machine, for Python: `rf.response(...)`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches

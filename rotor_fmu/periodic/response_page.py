@@ -1,7 +1,5 @@
 """The page of a periodic response: curves, and the orbit of the point under the pointer."""
 
-from __future__ import annotations
-
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +17,7 @@ _SAMPLES = 96  # of a turn of an orbit
 _MOST_VALUES = 3_000_000  # of all orbits
 
 
-def response_page(result: ResponseResult, name: str) -> str:
+def response_page(result: "ResponseResult", name: str) -> str:
     """Return the page as HTML; name: of the machine."""
     from .result import UNITS
 
@@ -71,12 +69,12 @@ def _shown(unit: str) -> tuple[float, str]:
     return (current().small, current().small_unit) if unit == "m" else (180.0 / np.pi, "deg")
 
 
-def _before(result: ResponseResult, branch: int, behind: int) -> int:
+def _before(result: "ResponseResult", branch: int, behind: int) -> int:
     """Return the point behind which a bifurcation lies, among those of all branches."""
     return sum(len(b.points) for b in result.branches[:branch]) + max(0, behind)
 
 
-def _place(result: ResponseResult, place: str, samples: int) -> dict[str, Any]:
+def _place(result: "ResponseResult", place: str, samples: int) -> dict[str, Any]:
     """Return the curves of a place and its orbits, one after another."""
     from .result import UNITS
 

@@ -1,7 +1,5 @@
 """The picture of a periodic response."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -22,7 +20,7 @@ _COLORS = (*COLORS[:4], SKY)
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
 
-def response_figure(result: ResponseResult, names: Sequence[str] | None = None) -> Figure:
+def response_figure(result: "ResponseResult", names: Sequence[str] | None = None) -> Figure:
     """Amplitudes of places over the parameter; by default of the three that move most."""
     if names is None:
         largest = {n: result.curve(n).value.max(initial=0.0) for n in result.probes}

@@ -1,7 +1,5 @@
 """What `rf.response` returns: branches with their curves, orbits, bifurcations and pictures."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence
@@ -233,7 +231,7 @@ class ResponseResult:
                 rows.append(row)
         return pd.DataFrame(rows)
 
-    def figure(self, names: Sequence[str] | None = None) -> Figure:
+    def figure(self, names: Sequence[str] | None = None) -> "Figure":
         """Amplitudes over the parameter: stable full, unstable dashed, bifurcations marked."""
         from .response_plots import response_figure
 

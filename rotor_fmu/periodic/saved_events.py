@@ -3,8 +3,6 @@
 FOLDER/points.jsonl     first what the response is of, then an event a line, whole or not counted
 """
 
-from __future__ import annotations
-
 import base64
 import json
 from collections.abc import Callable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """The common style of all pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

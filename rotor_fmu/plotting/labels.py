@@ -1,7 +1,5 @@
 """Texts beside points of a picture, so that none covers another, a point or the legend."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from itertools import product
 

@@ -1,7 +1,5 @@
 """The picture of the machine to scale, from the outlines of its parts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from matplotlib.axes import Axes

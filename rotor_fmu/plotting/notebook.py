@@ -1,7 +1,5 @@
 """Figures as notebooks show them."""
 
-from __future__ import annotations
-
 import io
 import sys
 from typing import TYPE_CHECKING
@@ -10,14 +8,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def png(figure: Figure) -> bytes:
+def png(figure: "Figure") -> bytes:
     """Return a figure as a PNG."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
 
 
-def shown(figure: Figure) -> Figure:
+def shown(figure: "Figure") -> "Figure":
     """Return the same figure, which a notebook shows although pyplot has no part in it."""
     ipython = sys.modules.get("IPython")
     shell = ipython and ipython.get_ipython()

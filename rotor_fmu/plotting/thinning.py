@@ -1,7 +1,5 @@
 """Curves of many samples thinned to their extremes, so that no peak is lost."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,7 +1,5 @@
 """The linear critical speeds of a machine that ran, to compare its peaks with."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

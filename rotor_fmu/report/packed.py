@@ -5,8 +5,6 @@ or 2^24 of them; a smooth signal's differences are small; their bytes, low ones 
 well. A browser undoes it with what it has built in.
 """
 
-from __future__ import annotations
-
 import base64
 import zlib
 from typing import Any

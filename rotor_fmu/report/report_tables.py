@@ -1,7 +1,5 @@
 """The text and the tables of the page, which need no script."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The data of the page of a run, computed here once, so that the browser only draws."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The page of a run or of two, one file that needs no network."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json
@@ -140,7 +138,7 @@ def json_in_script(data: object) -> str:
     return text.replace("<", "\\u003c")
 
 
-def machine_html(rotor: Rotor) -> str:
+def machine_html(rotor: "Rotor") -> str:
     """Return the machine's picture as HTML."""
     from ..plotting.machine_drawing import machine_figure
 
@@ -149,7 +147,7 @@ def machine_html(rotor: Rotor) -> str:
     return figure_html(machine_figure(rotor), "The machine to scale", alt)
 
 
-def figure_html(figure: Figure, caption: str, alt: str = "") -> str:
+def figure_html(figure: "Figure", caption: str, alt: str = "") -> str:
     """Return a picture as HTML, drawn as SVG; alt: what it shows, by default its caption."""
     import matplotlib
 

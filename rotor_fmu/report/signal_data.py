@@ -1,7 +1,5 @@
 """Signals over time for the page: every sample where there is room, else the extremes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The page of a study: a map whose points are runs, with what is known of each."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -25,7 +23,7 @@ _OK = "ok"
 
 def study_page(
     about: Mapping[str, Any],
-    rows: pyarrow.Table,
+    rows: "pyarrow.Table",
     pages: Mapping[str, str] | None = None,
     drawn: np.ndarray | None = None,
 ) -> str:
@@ -82,12 +80,12 @@ def _head(column: Mapping[str, Any]) -> dict[str, str]:
     return {"name": column["name"], "unit": unit, "text": column["text"]}
 
 
-def _numbers(rows: pyarrow.Table, name: str) -> np.ndarray:
+def _numbers(rows: "pyarrow.Table", name: str) -> np.ndarray:
     return np.asarray(rows[name].to_numpy(), dtype=float)
 
 
 def _curves(
-    columns: Sequence[Mapping[str, Any]], rows: pyarrow.Table, shown: np.ndarray
+    columns: Sequence[Mapping[str, Any]], rows: "pyarrow.Table", shown: np.ndarray
 ) -> list[dict[str, Any]]:
     """Return lists along a coordinate that is the same for all runs, as long as there is room."""
     result, room = [], _MOST_OF_CURVES

@@ -1,7 +1,5 @@
 """The comparison of a run with a finer one, in words and tables."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Pictures of recorded signals, one function a kind, for `rotor-fmu plot`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The view that a picture shows, and the common parts of all pictures of signals."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

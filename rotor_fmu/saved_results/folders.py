@@ -1,7 +1,5 @@
 """Read what a path holds: a run, with its recording and its figures, or a study, with its rows."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -46,7 +44,7 @@ def read_summary(path: Path) -> dict[str, Any]:
         raise InputError(f"{file}: cannot be read") from error
 
 
-def read_study(path: Path) -> tuple[dict[str, Any], pyarrow.Table]:
+def read_study(path: Path) -> "tuple[dict[str, Any], pyarrow.Table]":
     """Return what a study's folder says of it, and its rows, each once, in the order of the
     runs."""
     arrow_error = optional("pyarrow", "study", str(path)).ArrowException
@@ -59,7 +57,7 @@ def read_study(path: Path) -> tuple[dict[str, Any], pyarrow.Table]:
         raise InputError(f"{path}: its rows cannot be read: {error}") from error
 
 
-def rows_of_quantiles(about: dict[str, Any], rows: pyarrow.Table) -> np.ndarray:
+def rows_of_quantiles(about: dict[str, Any], rows: "pyarrow.Table") -> np.ndarray:
     """Return the rows of a study whose quantiles are meaningful for the varied parameters."""
     from ..studies.analysis import design_of, drawn_rows, is_estimate
 

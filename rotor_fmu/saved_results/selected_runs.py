@@ -1,7 +1,5 @@
 """Runs of a study that were made again with their signals: a page each, beside their recording."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from urllib.parse import quote

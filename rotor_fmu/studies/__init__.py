@@ -1,7 +1,5 @@
 """Studies: many runs of one machine, kept as rows, opened as one dataset."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +7,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-def open(folder: Path | str) -> xarray.Dataset:
+def open(folder: Path | str) -> "xarray.Dataset":
     """Return the rows of a study's folder, finished or not, as one dataset along `run`; see
     `dataset.open_dataset`."""
     from .dataset import open_dataset

@@ -1,7 +1,5 @@
 """Evaluation of a study: quantiles, how often a limit is passed, sensitivity to each parameter."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -162,7 +160,7 @@ def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, A
     return result
 
 
-def sensitivity(design: Design, data: xarray.Dataset, name: str) -> dict[str, Any]:
+def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, Any]:
     """Return the indices of a column by the names of what is varied, each with its half width at 95
     %.
 
@@ -206,7 +204,7 @@ def sensitivity(design: Design, data: xarray.Dataset, name: str) -> dict[str, An
     return {"blocks": int(whole.sum()), "of": len(whole), "indices": indices}
 
 
-def worst(data: xarray.Dataset, name: str, count: int = 10) -> list[dict[str, Any]]:
+def worst(data: "xarray.Dataset", name: str, count: int = 10) -> list[dict[str, Any]]:
     """Return the runs with the largest absolute value of a column, those that failed first."""
     if name not in data or data[name].ndim != 1:
         raise InputError(f"{name}: is no number that the study keeps")

@@ -1,7 +1,5 @@
 """A study's folder as one xarray.Dataset."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +14,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-def open_dataset(folder: Path) -> xarray.Dataset:
+def open_dataset(folder: Path) -> "xarray.Dataset":
     """Return the rows of a study, finished or not, along the dimension `run` in the order of the
     runs.
 
@@ -67,7 +65,7 @@ def about_of(folder: Path) -> dict[str, Any]:
     return about
 
 
-def _matrix(column: pyarrow.ChunkedArray, coordinate: list[float]) -> np.ndarray:
+def _matrix(column: "pyarrow.ChunkedArray", coordinate: list[float]) -> np.ndarray:
     """Return lists as rows, shape (runs, longest); nan where a run failed."""
     lengths = np.array([0 if item is None else item for item in _lengths(column)])
     width = len(coordinate) or int(lengths.max(initial=0))
@@ -77,7 +75,7 @@ def _matrix(column: pyarrow.ChunkedArray, coordinate: list[float]) -> np.ndarray
     return matrix
 
 
-def _lengths(column: pyarrow.ChunkedArray) -> list[int | None]:
+def _lengths(column: "pyarrow.ChunkedArray") -> list[int | None]:
     import pyarrow.compute as pc
 
     return pc.list_value_length(column).to_pylist()

@@ -4,8 +4,6 @@ A sample is drawn in the unit cube and mapped by the inverse of each distributio
 design serves every distribution. Run i takes the grid's point i mod g and the sample's i div g.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

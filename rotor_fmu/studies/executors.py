@@ -4,8 +4,6 @@ Both are executors in the sense of the standard library; what is sent is a chunk
 comes back their results and the seconds they took.
 """
 
-from __future__ import annotations
-
 import contextlib
 import multiprocessing
 import os

@@ -1,8 +1,6 @@
 """Carry out a study, from its list of runs to its rows, continuing where an earlier call
 stopped."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import AbstractContextManager, ExitStack, suppress

@@ -5,8 +5,6 @@ FOLDER/study.lock          held by the call that is at work
 FOLDER/rows/*.parquet      rows, in no order; one that stands in two parts counts once
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import uuid
@@ -57,7 +55,7 @@ class Store:
         self._schema = schema_of(study)
         self._refuse_another()
 
-    def __enter__(self) -> Store:
+    def __enter__(self) -> "Store":
         writable_folder(self._folder / "rows")
         filelock = optional("filelock", "study", "study")
         # on the file of this name: a lock of the system, which ends with the process that holds it
@@ -127,7 +125,7 @@ class Store:
         for path in small:
             path.unlink()
 
-    def _put(self, table: pyarrow.Table) -> None:
+    def _put(self, table: "pyarrow.Table") -> None:
         path = self._folder / "rows" / f"{uuid.uuid4().hex}.parquet"
         unfinished = path.with_suffix(".unfinished")
         try:
@@ -146,7 +144,7 @@ class Store:
         )
 
 
-def write_part(table: pyarrow.Table, path: Path) -> None:
+def write_part(table: "pyarrow.Table", path: Path) -> None:
     """Write a table and wait until it is on the disk."""
     import pyarrow.parquet as pq
 
@@ -161,7 +159,7 @@ def _cells(row: Row) -> dict[str, Any]:
     return {**head, **row.point, **row.result.cells}
 
 
-def schema_of(study: Study) -> pyarrow.Schema:
+def schema_of(study: Study) -> "pyarrow.Schema":
     """Return the columns of the parts; cells of a failed run are null."""
     import pyarrow as pa
 
@@ -174,7 +172,7 @@ def schema_of(study: Study) -> pyarrow.Schema:
     return pa.schema(fields)
 
 
-def read_rows(folder: Path, columns: list[str] | None = None) -> pyarrow.Table:
+def read_rows(folder: Path, columns: list[str] | None = None) -> "pyarrow.Table":
     """Return all rows there are, each once, in the order of the runs; `InputError` without a
     study."""
     import pyarrow as pa

@@ -1,7 +1,5 @@
 """The definition of a study: its subject, the varied parameters, and the identity of each run."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field

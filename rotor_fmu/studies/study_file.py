@@ -4,8 +4,6 @@ What runs is the business of the subject, whose reader is handed the tables: the
 or that of the module that the file names.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping

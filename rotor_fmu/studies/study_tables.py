@@ -1,7 +1,5 @@
 """Tables of a study's file: known names, and suggestions for misspelt ones."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any

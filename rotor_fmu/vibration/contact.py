@@ -1,7 +1,5 @@
 """A contact over a run: where it rubs, how hard, how long; and the power of each sink of energy."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -9,8 +9,6 @@ unbalance u_k in the correction plane k changes it to v_k, so that the influence
 and the correction unbalances w, those for which v + A w is smallest in the sense of least squares.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Orbits, Poincare sections and the sense of whirl."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

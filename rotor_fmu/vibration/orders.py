@@ -4,8 +4,6 @@ Terms are those of API RP 684 (synchronous response, amplification factor) and I
 (phase from a mark on the rotor).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

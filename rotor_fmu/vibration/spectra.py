@@ -5,8 +5,6 @@ The full spectrum of z = x + i y (Southwick, Orbit 14 (1993); Muszynska, Rotordy
 forward whirl at positive and backward whirl at negative orders; a straight line is equal halves.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """How long a place points in each direction, over the speed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

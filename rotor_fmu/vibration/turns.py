@@ -9,8 +9,6 @@ within one passage, a stretch in which it neither stands nor turns back; a block
 lies within one passage too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -210,7 +208,7 @@ class _Passage(ShortRepr):
 
     rows: np.ndarray
     reached: np.ndarray
-    time: PchipInterpolator
+    time: "PchipInterpolator"
     first: float
     turns: Turns
 

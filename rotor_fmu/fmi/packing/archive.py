@@ -1,7 +1,5 @@
 """FMUs as archives: equal contents give equal bytes."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import zipfile

@@ -1,7 +1,5 @@
 """A WebAssembly component in an FMU, as the draft of a layered standard of FMI 3.0 lays it out."""
 
-from __future__ import annotations
-
 from ...library.component import component
 from ...library.platforms import COMPONENT, DRAFT
 from .archive import xml_bytes

@@ -1,7 +1,5 @@
 """The FMU's documents for people and tools: pages, picture, licences, terminals."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Sequence
 from importlib.resources import files

@@ -1,7 +1,5 @@
 """Which FMU is built of a machine: in Python, of libraries or of C source."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

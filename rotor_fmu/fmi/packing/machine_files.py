@@ -1,7 +1,5 @@
 """The files that every FMU of a machine holds: description, table, documents."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

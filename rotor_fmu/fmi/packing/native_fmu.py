@@ -1,7 +1,5 @@
 """Building the FMU that needs no Python: a library a platform, and the machine as data."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 """Building the FMU that pythonfmu wraps: a thin layer of Python over the library that it
 carries."""
 
-from __future__ import annotations
-
 import hashlib
 import tempfile
 import zipfile

@@ -1,8 +1,6 @@
 """The reference result that the FMU carries: `python -m rotor_fmu.fmi.packing.reference` makes it
 anew after a change of the model."""
 
-from __future__ import annotations
-
 import csv
 import io
 import tempfile

@@ -1,7 +1,5 @@
 """Files beside the model in the FMU: a reference result, laid out as FMI-LS-REF asks."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 from pathlib import Path
 from string import Template

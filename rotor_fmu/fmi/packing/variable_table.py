@@ -1,7 +1,5 @@
 """The FMU's variables as a table for people."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

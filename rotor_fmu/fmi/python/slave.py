@@ -4,8 +4,6 @@ function of FMI 2.0 in the library beside this file.
 Standard library and pythonfmu only: a host needs nothing beside Python.
 """
 
-from __future__ import annotations
-
 import ctypes
 import sys
 from array import array
@@ -94,7 +92,7 @@ def _guarded(method: Callable[..., Any]) -> Callable[..., Any]:
     """Wrap a call so that the host gets the reason of a failure."""
 
     @wraps(method)
-    def call(self: RotorBearing, *arguments: object) -> object:
+    def call(self: "RotorBearing", *arguments: object) -> object:
         try:
             return method(self, *arguments)
         except BaseException as error:  # whatever leaves here unheld would crash the host

@@ -1,7 +1,5 @@
 """Workarounds for pythonfmu's native wrapper (0.7.0), without which it crashes its host."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import sys
