@@ -74,32 +74,12 @@ def critical_map(
 ) -> CriticalMap:
     """Return the undamped critical speed map of a machine without its seals.
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The machine.
-    stiffness : sequence of float
-        Ascending stiffnesses of the bearings [N/m], at least 2.
-    count : int
-        Number of lines, the lowest ones.
-    synchronous : bool
-        Whether the rotor turns at its critical speeds, with gyroscopic moments; otherwise the
-        natural frequencies at standstill are given.
-    rigid_pedestals : bool
-        Whether housings are taken as ground.
-    contacts : str, optional
-        `open`: clearance contacts do not act; `pinned`: they are bearings too. By default open
-        where the machine is held without them.
-
-    Returns
-    -------
-    CriticalMap
-        The lines and the bearings' own stiffness.
-
-    Raises
-    ------
-    LinearError
-        If the stiffnesses do not ascend from above 0, or the machine has no bearing.
+    stiffness: ascending ones of the bearings [N/m], at least 2; count: number of lines, the lowest
+    ones; synchronous: whether the rotor turns at its critical speeds, with gyroscopic moments,
+    otherwise natural frequencies at standstill are given; rigid_pedestals: whether housings are
+    taken as ground; contacts: `open`, they do not act, or `pinned`, they are bearings too, by
+    default open where the machine is held without them. Raises `LinearError` if the stiffnesses do
+    not ascend from above 0, or the machine has no bearing.
     """
     values = np.array(stiffness, dtype=float)
     if len(values) < 2 or not (values > 0).all() or not (np.diff(values) > 0).all():

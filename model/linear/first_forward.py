@@ -102,14 +102,9 @@ class FirstForward:
     logarithmic decrement, alone and with what is added.
 
     Cross coupling acts about the equilibrium without it: it is none of a part that would carry.
-
-    Attributes
-    ----------
-    scale : float
-        The rotor's mass times the mode's natural frequency squared [N/m].
-    threshold : float or None
-        Cross coupling from which the rotor is unstable [N/m], None where there is none up to ten
-        times the one that is expected and ten times `scale`.
+    scale: the rotor's mass times the mode's natural frequency squared [N/m]; threshold: cross
+    coupling from which the rotor is unstable [N/m], None where there is none up to ten times the
+    one that is expected and ten times `scale`.
     """
 
     def __init__(

@@ -133,34 +133,14 @@ def level_1(
 ) -> StabilityLevel1:
     """Return the forward modes over the cross-coupled stiffness.
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The machine.
-    speed : float
-        Maximum continuous speed [rad/s], above 0.
-    node : int, optional
-        Node (from 1) of the cross coupling. By default that in the middle between the bearings;
-        where all stages (or, without stages, all bodies on the shaft) stand beyond the bearings,
-        that of the largest.
-    anticipated : float or mapping of int to float
-        QA, the cross coupling that is expected [N/m], or what each stage has of it by its node.
-    stiffness : sequence of float, optional
-        Cross-coupled stiffnesses [N/m]. By default from 0 to the larger of 10 QA and 1.2 Q0.
-    seals : bool
-        Whether the machine's seals act; API 617 leaves them out of level 1.
-    contacts : str, optional
-        `open` or `pinned`. By default open where the machine is held without them.
-
-    Returns
-    -------
-    StabilityLevel1
-        The curve, Q0 and the sensitivity.
-
-    Raises
-    ------
-    LinearError
-        If the speed, the node or a stiffness cannot be, or the machine has no forward mode.
+    speed: maximum continuous speed [rad/s], above 0; node: of the cross coupling (from 1), by
+    default that in the middle between the bearings, or, where all stages (without stages, all
+    bodies on the shaft) stand beyond the bearings, that of the largest; anticipated: QA, the cross
+    coupling that is expected [N/m], or what each stage has of it by its node; stiffness: of the
+    cross coupling [N/m], by default from 0 to the larger of 10 QA and 1.2 Q0; seals: whether the
+    machine's seals act, which API 617 leaves out of level 1; contacts: `open` or `pinned`, by
+    default open where the machine is held without them. Raises `LinearError` if the speed, the node
+    or a stiffness cannot be, or the machine has no forward mode.
     """
     stages = anticipated if isinstance(anticipated, Mapping) else {}
     expected = sum(stages.values()) if isinstance(anticipated, Mapping) else anticipated

@@ -32,27 +32,13 @@ def correction(
     trials: Sequence[Sequence[complex]] | np.ndarray,
     unbalances: Sequence[complex] | np.ndarray,
 ) -> Correction:
-    """Return the correction unbalances by influence coefficients.
+    """Return influence coefficients, correction unbalances and the vibration expected.
 
-    Parameters
-    ----------
-    initial : sequence of complex
-        Once-per-revolution vibration without a trial unbalance, shape (m,) [m].
-    trials : sequence of sequences of complex
-        The same with the trial unbalance of each plane in turn, shape (p, m) [m].
-    unbalances : sequence of complex
-        The trial unbalances, shape (p,) [kg.m]; each trial is removed before the next.
-
-    Returns
-    -------
-    Correction
-        Influence coefficients, correction unbalances and the vibration expected.
-
-    Raises
-    ------
-    InputError
-        If the shapes do not fit, a trial unbalance is 0, or there are fewer measurements than
-        planes.
+    initial: once-per-revolution vibration without a trial unbalance, complex of shape (m,) [m];
+    trials: the same with the trial unbalance of each plane in turn, shape (p, m) [m]; unbalances:
+    the trial unbalances, complex of shape (p,) [kg.m]; each is removed before the next. Raises
+    `InputError` if the shapes do not fit, a trial unbalance is 0, or there are fewer measurements
+    than planes.
     """
     v, seen = np.asarray(initial, complex), np.atleast_2d(np.asarray(trials, complex))
     u = np.asarray(unbalances, complex)

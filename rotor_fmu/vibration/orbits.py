@@ -13,19 +13,8 @@ _NOTHING = 1e-12  # share of a mean square that rounding may leave of nothing
 
 @dataclass(frozen=True, repr=False)
 class Orbit(ShortRepr):
-    """The path of a place over whole turns at one speed.
-
-    Attributes
-    ----------
-    speed : float
-        Speed of rotation [rad/s].
-    t : numpy.ndarray
-        Times [s], shape (n,).
-    z : numpy.ndarray
-        Displacement x + i y from a keyphasor mark on [m], shape (n,).
-    marks : numpy.ndarray
-        Displacements at the marks [m], shape (turns,).
-    """
+    """The path of a place over whole turns at a speed [rad/s]: times [s] and displacements x + i y
+    [m] from a keyphasor mark on, shape (n,); displacements at the marks [m], shape (turns,)."""
 
     speed: float
     t: np.ndarray

@@ -23,21 +23,13 @@ _SLOW = 25.0
 class OrderTrack(ShortRepr):
     """Vectors of orders over a run, one row a turn: z = f exp(i k phi) + b exp(-i k phi).
 
+    t: middles of the blocks of turns that were read [s], shape (m,); speed: their mean speed,
+    negative where the angle falls [rad/s], shape (m,); orders: k [1]; forward, backward: f and b,
+    complex, NaN where the recorded rows are too few for the order [m], shape (m, orders).
+
     Amplitudes and angles of x and y are those of Re(X exp(i k |phi|)): a lag is negative whichever
     way the shaft turns. Each method takes one of `orders` [1] and returns an array of shape (m,);
     `ValueError` for another order.
-
-    Attributes
-    ----------
-    t : numpy.ndarray
-        Middles of the blocks of turns that were read [s], shape (m,).
-    speed : numpy.ndarray
-        Their mean speed, negative where the angle falls [rad/s], shape (m,).
-    orders : tuple of float
-        The orders k [1].
-    forward, backward : numpy.ndarray
-        f and b, complex, NaN where the recorded rows are too few for the order [m], shape
-        (m, orders).
     """
 
     t: np.ndarray

@@ -18,16 +18,10 @@ MOST_ORDER = 8.0
 
 @dataclass(frozen=True, repr=False)
 class FullSpectrum(ShortRepr):
-    """Amplitudes over signed orders of a block of turns at one speed.
+    """Amplitudes over signed orders of a block of turns at one speed [rad/s].
 
-    Attributes
-    ----------
-    speed : float
-        Speed of rotation [rad/s].
-    order : numpy.ndarray
-        Ascending orders, negative ones whirl backward [1], shape (k,).
-    amplitude : numpy.ndarray
-        Radius of the circle that each draws, 0-p, without the mean position [m], shape (k,).
+    order: ascending, negative ones whirl backward [1]; amplitude: radius of the circle that each
+    draws, 0-p, without the mean position [m]; shape (k,).
     """
 
     speed: float
@@ -36,24 +30,12 @@ class FullSpectrum(ShortRepr):
 
     @property
     def frequency(self) -> np.ndarray:
-        """Whirl frequencies.
-
-        Returns
-        -------
-        numpy.ndarray
-            Frequencies, negative backward [rad/s], shape (k,).
-        """
+        """Whirl frequencies, negative backward [rad/s], shape (k,)."""
         return self.order * abs(self.speed)
 
     @property
     def resolution(self) -> float:
-        """Distance of two lines.
-
-        Returns
-        -------
-        float
-            The distance [orders].
-        """
+        """Distance of two lines [orders]."""
         return float(self.order[1] - self.order[0])
 
 

@@ -11,15 +11,8 @@ from .python_fmu import SYSTEMS
 
 @dataclass(frozen=True)
 class FmuKind:
-    """An FMU as it was asked for.
-
-    Attributes
-    ----------
-    is_native, is_source : bool
-        Whether it carries libraries, or C source, and needs no Python.
-    fmi : int
-        Version of FMI, 2 or 3.
-    """
+    """An FMU as it was asked for: whether it carries libraries, or C source, and needs no Python;
+    the version of FMI, 2 or 3."""
 
     is_native: bool = False
     is_source: bool = False
@@ -33,23 +26,11 @@ class FmuKind:
     def check(
         self, fmi: str, step: str | None, chosen: Sequence[str], options: Sequence[str]
     ) -> None:
-        """Raise where the choices do not go together.
+        """Raise `InputError` where the choices do not go together.
 
-        Parameters
-        ----------
-        fmi : str
-            The choice of the version, in the words of who asked, such as `fmi = 3`.
-        step : str or None
-            The choice of a step for real time, likewise, if there is one.
-        chosen : sequence of str
-            Platforms that were chosen.
-        options : sequence of str
-            What the choices of native, source and platforms are called.
-
-        Raises
-        ------
-        InputError
-            If they do not.
+        fmi, step: the choices of the version and, if there is one, of a step for real time, in the
+        words of who asked, such as `fmi = 3`; chosen: platforms; options: what the choices of
+        native, source and platforms are called.
         """
         native, source, platforms = options
         needs_no_python = self.is_native or self.is_source
