@@ -244,16 +244,13 @@ def _sub(parent: Element, tag: str, /, **attributes: str) -> Element:
 def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, stop: float) -> System:
     """Return a machine's FMU on a drive that holds its inertia, `J_rotor`."""
     inertia = float(assemble(machine.rotor).numbers[0].inertia)
-    load = {"tau_load": "tau_load"}
     drive = replace(
         drive,
         values={"J_rotor": inertia, **drive.values},
-        terminals=[shaft_terminal({"w": "w"} | load)],
+        terminals=[shaft_terminal({"w": "w", "tau_load": "tau_load"})],
     )
-    shaft, *bodies = terminals_of(machine.table)
-    terminals = [shaft_terminal({**shaft.members, **load}), *bodies]
     speed = {"speed": drive.values.get("w_start", 0.0)}
-    rotor = Component("rotor", fmu, machine.table, speed, terminals)
+    rotor = Component("rotor", fmu, machine.table, speed, terminals_of(machine.table))
     bond = Bond(
         SHAFT,
         (drive.name, "w", "rotor", "speed"),

@@ -8,7 +8,8 @@ from .variables import Variable
 
 SHAFT = "shaft"
 _FREE = {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"}
-_DRIVEN = {"w": "speed", "phi": "phi", "tau": "tau"}
+# for a drive that takes the whole torque, or that holds the rotor's inertia itself
+_DRIVEN = {"w": "speed", "phi": "phi", "tau": "tau", "tau_load": "tau_load"}
 _OF_BODIES = ("fx", "fy", "x", "y")
 
 

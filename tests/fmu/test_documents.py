@@ -64,7 +64,7 @@ def test_terminals_refer_to_variables_that_exist(fmu, contents):
     }
     assert set(members.values()) <= names
     shaft = next(t for t in root.iter("Terminal") if t.get("name") == "shaft")
-    assert {m.get("variableName") for m in shaft} == {"speed", "phi", "tau"}
+    assert {m.get("variableName") for m in shaft} == {"speed", "phi", "tau", "tau_load"}
     assert {t.get("name") for t in root.iter("Terminal")} >= {"disc[1]", "disc[3]", "coupling"}
 
 
@@ -74,7 +74,7 @@ def test_the_terminals_members_are_the_motion_and_the_torque_of_the_shaft_and_of
     with zipfile.ZipFile(free_fmu) as archive:
         free = archive.read("terminalsAndIcons/terminalsAndIcons.xml")
     shafts = (
-        {"w": "speed", "phi": "phi", "tau": "tau"},
+        {"w": "speed", "phi": "phi", "tau": "tau", "tau_load": "tau_load"},
         {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"},
     )
     for xml, shaft in zip(
