@@ -19,6 +19,7 @@ from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.loading import load_rotor, machine_text
 
 ROSS = Path(__file__).parent / "reference" / "ross"
+EXAMPLES = Path(__file__).parents[1] / "examples"
 PNG = b"\x89PNG"
 
 
@@ -270,6 +271,20 @@ def test_a_result_is_a_line_in_a_console():
     ):
         assert "\n" not in repr(result)
         assert len(repr(result)) < 120
+
+
+@pytest.mark.parametrize("top", [1.01, 20.0])
+def test_the_threshold_of_stability_is_named_within_the_diagram(top):
+    """Of a rotor that becomes unstable at the end of the speeds, and soon after their beginning."""
+    rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")[1]
+    threshold = answers.campbell(rotor, np.linspace(100.0, 1000.0, 20)).threshold
+    result = answers.campbell(rotor, np.linspace(100.0, top * threshold, 20))
+    figure = result.figure()
+    figure.draw_without_rendering()
+    below = figure.axes[1]
+    (text,) = (text for text in below.texts if text.get_text().startswith("unstable"))
+    box = Text.get_window_extent(text)
+    assert below.bbox.x0 < box.x0 < box.x1 < below.bbox.x1
 
 
 def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():

@@ -164,8 +164,10 @@ class Campbell(Displayed, linear.Campbell):
             for axes in panels:
                 axes.axvline(at, color=PURPLE, lw=1.2, ls=":")
             text = f"unstable above {shown_speed(self.threshold)} {current().speed_unit}"
-            within = {"xycoords": ("data", "axes fraction"), "va": "top", "ha": "right"}
-            annotate(below, text, (at, 0.97), (-4, 0), color=PURPLE, **within)
+            # on the side of the line that has more room
+            ha, away = ("right", -4) if at > speed[[0, -1]].mean() else ("left", 4)
+            within = {"xycoords": ("data", "axes fraction"), "va": "top", "ha": ha}
+            annotate(below, text, (at, 0.97), (away, 0), color=PURPLE, **within)
         seen = {word for words in self.whirl[1:] for word in words if word}
         handles = [Line2D([], [], color=c, lw=1.6, label=w) for w, c in _WHIRL.items() if w in seen]
         label = "1x, the speed" if self.harmonics == (1.0,) else f"{self._orders} times the speed"
