@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from rotor_fmu.model.film.bearing_film import bearing_of
 from rotor_fmu.model.film.tilting_pads import pad_balance
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.linear import (
     LinearError,
     bearing_curves,
@@ -75,8 +76,11 @@ def test_position_and_reduced_coefficients_against_a_grid(shape, S, y, K_grid, C
 
 def _borne(law, d, v):
     """Size of what each pad bears as it was put last [N]."""
-    at = (bearing_of(law.record), law.tables, law.alone._moving(d, v))
-    return np.array([abs(pad_balance(*at, i).force) for i in range(len(law.alone.part.pads))])
+    at, balance = (
+        (bearing_of(law.record), law.tables, law.alone._moving(d, v)),
+        interpreted(pad_balance),
+    )
+    return np.array([abs(balance(*at, i).force) for i in range(len(law.alone.part.pads))])
 
 
 def _states(part, count, seed):
