@@ -10,10 +10,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
-from .errors import UserInputError
+from .errors import InputError
 
 
-class QuantityError(UserInputError, ValueError):
+class QuantityError(InputError):
     """An impossible value; the message names the quantity, its value and what is allowed."""
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import messages, outcomes
 from .backend import Backend, bound_entry_points, selected_backend
-from .errors import UserInputError
+from .errors import InputError
 from .kernels.jit import INTERPRETED_WARNING
 from .kernels.kernel import interpreted
 from .kernels.library import RAISED
@@ -31,7 +31,7 @@ from .time_loop.recorder import Record, channels_of
 from .warnings import RUN_WARNINGS
 
 
-class EquilibriumError(UserInputError, RuntimeError):
+class EquilibriumError(InputError, RuntimeError):
     """There is no static equilibrium at the start."""
 
 

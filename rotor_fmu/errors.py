@@ -10,24 +10,12 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
-from .model.errors import UserInputError
+from .model.errors import InputError as InputError
 
 if TYPE_CHECKING:
     import typer
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
-
-
-class InputError(UserInputError, ValueError):
-    """Invalid input; the message names it, its value and what is allowed.
-
-    >>> import rotor_fmu as rf
-    >>> try:
-    ...     rf.simulate(rf.load(), speed=185.0, stop=-1.0)
-    ... except rf.InputError as error:
-    ...     print(error)
-    stop = -1.0 s: must be > 0 and finite
-    """
 
 
 class RunFailed(RuntimeError):
@@ -58,7 +46,7 @@ def run(app: Callable[..., int | None]) -> None:
         if not error.format_message():  # the help was printed, nothing being asked
             sys.exit(0)
         _end(_one_line(error), BAD_INPUT)
-    except UserInputError as error:
+    except InputError as error:
         _end(str(error), BAD_INPUT)
     except OSError as error:
         _end(_unreachable(error), FAILED)

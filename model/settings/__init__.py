@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UserInputError
+from ..errors import InputError
 from ..kernels.kernel import interpreted
 from ..message_templates import MOST_ARGUMENTS, Message, fill_template
 from ..schemes.family import Scheme
@@ -42,7 +42,7 @@ __all__ = [
 ]
 
 
-class SettingsError(UserInputError, ValueError):
+class SettingsError(InputError):
     """Impossible settings; the message names the setting, its value and what is allowed."""
 
 

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 from numpy.polynomial import polynomial
-from rotor_fmu.model.errors import UserInputError
+from rotor_fmu.model.errors import InputError
 from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.quantities import between
 from rotor_fmu.model.schemes import family
@@ -21,7 +21,7 @@ ALPHA, RHO = between(-1.0, 1.0, is_below=True), between(0.0, 1.0)
 _ROUNDING = 1e-12
 
 
-class SchemeError(UserInputError, ValueError):
+class SchemeError(InputError):
     """Parameters with which no step can be made."""
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 from ..machine_file.loading import load_rotor, si_text
 from ..model.machine.toml import parse_rotor
-from ..model.quantities import QuantityError
 from ..model.simulation import RotorWarning
 from ..model.time_loop.recorder import recordable
 from ..plotting.notebook import png, shown
@@ -169,13 +168,10 @@ def parse(toml: str) -> Machine:
     Examples
     --------
     >>> import rotor_fmu as rf
-    >>> rf.parse(rf.load().toml.replace("clearance = 50e-6", "clearance = -1e-6"))
+    >>> rf.parse(rf.load().toml.replace("clearance = 50e-6", "clearance = -1.0"))
     Traceback (most recent call last):
         ...
-    rotor_fmu.errors.InputError: bearing[1].clearance = -1e-06 m: must be > 0 and finite
+    rotor_fmu.model.quantities.QuantityError: bearing[1].clearance = -1 m: must be > 0 and finite
     """
-    try:
-        plain = si_text(toml)
-        return Machine(parse_rotor(plain), plain)
-    except QuantityError as error:
-        raise InputError(str(error)) from error
+    plain = si_text(toml)
+    return Machine(parse_rotor(plain), plain)

@@ -16,9 +16,8 @@ from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.message_templates import Message
-from ..model.quantities import QuantityError
-from ..model.settings import Settings, SettingsError
-from ..model.simulation import EquilibriumError, Simulation, StepFailure
+from ..model.settings import Settings
+from ..model.simulation import Simulation, StepFailure
 from ..model.time_loop.recorder import Record, recordable
 from ..run_status import FAILED, messages_and_codes, status_of, with_doubt
 from ..runs.recording import Recording
@@ -152,7 +151,7 @@ class MachineRuns:
             _, simulation = self._prepared({}, [], self.samples(False))
             speed = 0.0 if self.how.kind.is_free else self.how.start["speed"]
             simulation.advance(1e-6, speed)
-        except (InputError, EquilibriumError, StepFailure):
+        except (InputError, StepFailure):
             return  # which each run reports in its own row
 
     def run(self, values: Mapping[str, float]) -> Result:
@@ -181,9 +180,7 @@ class MachineRuns:
                 simulation, self.samples(False), self.samples(True), has_exponent=has_exponent
             )
             windows = list(excite(simulation, how, monitor))
-        except StepFailure as error:
-            return Result(f"{FAILED}{error}", {}), settings
-        except (InputError, QuantityError, SettingsError, EquilibriumError) as error:
+        except (InputError, StepFailure) as error:
             return Result(f"{FAILED}{error}", {}), settings
         return Result(status_of(messages), self.cells_of(windows, how)), settings
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..errors import InputError
 from ..fmi.variables import Variable
-from ..model.quantities import QuantityError
 from ..run_status import FAILED, status_of
 from ..studies.study import Column, Result
 from ..studies.study_tables import known_name
@@ -109,7 +108,7 @@ class ResponseRuns(MachineRuns):
         """Compute one response; a failure in it, impossible values included, is its status."""
         try:
             result = self.response(values)
-        except (InputError, QuantityError) as error:
+        except InputError as error:
             return Result(f"{FAILED}{error}", {})
         cells = {metric.name: metric.kind.make(metric, result) for metric in self.metrics}
         return Result(status_of(result.notes), cells)

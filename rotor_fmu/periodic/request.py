@@ -21,7 +21,6 @@ from ..model.periodic.continuation import ReportPoint
 from ..model.periodic.harmonic_count import Accuracy
 from ..model.periodic.problem import SPEED, Task, check
 from ..model.periodic.response import response
-from ..model.quantities import QuantityError
 from .result import ResponseResult, check_names
 
 
@@ -83,10 +82,7 @@ def found(
     asked: Question, tell: ReportPoint = lambda _, __: None, journal: EventLog | None = None
 ) -> ResponseResult:
     """The answer to a question; see `answer`."""
-    try:
-        return ResponseResult(response(asked.rotor, asked.task, tell, journal))
-    except QuantityError as error:
-        raise InputError(str(error)) from error
+    return ResponseResult(response(asked.rotor, asked.task, tell, journal))
 
 
 def question(
@@ -111,10 +107,7 @@ def question(
     rotor = rotor_of(machine)
     if parameters:
         check_names(rotor, parameters)
-        try:
-            rotor = rotor.with_values({n: float(v) for n, v in parameters.items()})
-        except QuantityError as error:
-            raise InputError(str(error)) from error
+        rotor = rotor.with_values({n: float(v) for n, v in parameters.items()})
     if not 1 <= period <= 16:
         raise InputError(f"period = {period}: must be an integer from 1 to 16")
     if not 1 <= harmonics <= 500:
@@ -160,8 +153,5 @@ def question(
         None if start is None else start.orbit,
         branches,
     )
-    try:
-        check(rotor, task)
-    except QuantityError as error:
-        raise InputError(str(error)) from error
+    check(rotor, task)
     return Question(rotor, task)

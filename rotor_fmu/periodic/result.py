@@ -21,7 +21,6 @@ from ..model.periodic.folds import FoldCurve
 from ..model.periodic.problem import Note, Response
 from ..model.periodic.queries import folds_over, motions_at, persists_in_time
 from ..model.periodic.starting_points import Persistence
-from ..model.quantities import QuantityError
 from ..plotting.notebook import png
 
 if TYPE_CHECKING:
@@ -185,10 +184,7 @@ class ResponseResult:
 
     def check(self, point: Solution, turns: int = 50) -> Persistence:
         """Start the integrator on a motion: whether it stays there for so many turns."""
-        try:
-            return persists_in_time(self._found, point, turns)
-        except QuantityError as error:
-            raise InputError(str(error)) from error
+        return persists_in_time(self._found, point, turns)
 
     def amplitude(self, point: Solution, name: str, quantity: str = "r_amp") -> float:
         """A quantity of a probe, as `curve` has them, of a motion [m, rad]."""
@@ -205,8 +201,6 @@ class ResponseResult:
         check_names(self._found.rotor, {name: 0.0})
         try:
             return folds_over(self._found, folds[i], name, low, high)
-        except QuantityError as error:
-            raise InputError(str(error)) from error
         except NotConverged as error:
             raise InputError(f"{name}: no curve of folds begins there: {error}") from error
 

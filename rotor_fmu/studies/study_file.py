@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from ..errors import InputError, read_text
-from ..model.quantities import QuantityError
 from .design import DESIGNS, GRID, Axis, Design, axis_of, number, whole
 from .study import Column, Model, Study
 from .study_tables import Tables, known_name, nearest, table_of
@@ -70,7 +69,7 @@ def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = F
         for name, value in table_of(tables, "limits").items():
             unit = numbers[known_name("limits", name, numbers)]
             limits[name] = number(f"limits {name}", value, unit)
-    except (InputError, QuantityError) as error:
+    except InputError as error:
         raise InputError(f"{path}: {error}") from error
     name = str(tables.get("name", path.stem))
     return Study(name, model, design, limits, text, subject.display_units)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rotor_fmu.model.errors import UserInputError
+from rotor_fmu.model.errors import InputError
 
 
-class ImpactError(UserInputError, ValueError):
+class ImpactError(InputError):
     """An experiment that cannot be; names the thing, its value and what is allowed."""
