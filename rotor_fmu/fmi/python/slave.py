@@ -101,6 +101,23 @@ def _guarded(method: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+def _exchange(call: str, kind: str) -> Callable[..., Any]:
+    """Return the method that gets variables, or sets them; kind: of `array`."""
+
+    @_guarded
+    def exchange(self: "RotorBearing", vrs: list[int], given: Any = None) -> list[Any]:
+        if not vrs:
+            return []
+        if given is None or kind == "q":
+            given = bytes(8 * len(vrs))
+        values, references = array(kind, given), array("i", vrs)
+        place = *references.buffer_info(), values.buffer_info()[0]
+        self._call(getattr(_LIBRARY, f"fmi2{call}"), *place)
+        return values.tolist()
+
+    return exchange
+
+
 class _Reals:
     """Room for references and values of Reals that a host asks for together, and where it lies."""
 
@@ -297,42 +314,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         except BaseException as error:
             raise self._failed(error) from None
 
-    def _exchange(self, call: str, kind: str, vrs: list[int], given: Any = None) -> list[Any]:
-        """Get variables, or set them to the values `given`; kind: of `array`."""
-        if not vrs:
-            return []
-        values = array(kind, bytes(8 * len(vrs)) if given is None else given)
-        references = array("i", vrs)
-        place = *references.buffer_info(), values.buffer_info()[0]
-        self._call(getattr(_LIBRARY, call), *place)
-        return values.tolist()
-
-    @_guarded
-    def get_integer(self, vrs: list[int]) -> list[int]:
-        """Return the values of Integer variables."""
-        return self._exchange("fmi2GetInteger", "i", vrs)
-
-    @_guarded
-    def get_boolean(self, vrs: list[int]) -> list[int]:
-        """Return the values of Boolean variables."""
-        return self._exchange("fmi2GetBoolean", "i", vrs)
-
-    @_guarded
-    def get_string(self, vrs: list[int]) -> list[str]:
-        """Return the values of String variables, of which there are none."""
-        return self._exchange("fmi2GetString", "q", vrs)
-
-    @_guarded
-    def set_integer(self, vrs: list[int], values: list[int]) -> None:
-        """Set Integer variables."""
-        self._exchange("fmi2SetInteger", "i", vrs, values)
-
-    @_guarded
-    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
-        """Set Boolean variables."""
-        self._exchange("fmi2SetBoolean", "i", vrs, values)
-
-    @_guarded
-    def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """Set String variables, of which there are none."""
-        self._exchange("fmi2SetString", "q", vrs, [0] * len(vrs))
+    # there are no String variables: the library refuses them, whatever their values
+    get_integer, set_integer = _exchange("GetInteger", "i"), _exchange("SetInteger", "i")
+    get_boolean, set_boolean = _exchange("GetBoolean", "i"), _exchange("SetBoolean", "i")
+    get_string, set_string = _exchange("GetString", "q"), _exchange("SetString", "q")
