@@ -9,6 +9,7 @@ import typer
 
 from ..errors import InputError, writable_folder
 from ..files import write_text
+from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options
 from .shared import PictureFolder, Units
 from .show_result import machine_in_units, print_answer
@@ -16,7 +17,6 @@ from .speeds import number_range, speed_range
 
 if TYPE_CHECKING:
     from ..linear.bearing_answers import BearingCurves, DamperCurves, RingCurves, RollingCurves
-    from ..model.machine.rotor import Rotor
 
 
 @with_output_options
@@ -79,7 +79,7 @@ def bearing(
 
 
 def _result(
-    machine: "Rotor", name: str | None, speeds: np.ndarray, loads: np.ndarray | None
+    machine: Rotor, name: str | None, speeds: np.ndarray, loads: np.ndarray | None
 ) -> "BearingCurves | DamperCurves | RingCurves | RollingCurves":
     """Return the curves of the bearing of that name, by default the first."""
     from ..linear import bearing_answers as answers
@@ -120,7 +120,7 @@ def _result(
 
 def _linear_bearing(
     result: "BearingCurves | DamperCurves | RingCurves | RollingCurves",
-    machine: "Rotor",
+    machine: Rotor,
     file: Path,
 ) -> str:
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""

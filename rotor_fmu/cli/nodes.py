@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import InputError
+from ..model.machine.rotor import Rotor
 from ..units import in_si
 
 if TYPE_CHECKING:
     from ..model.linear import Stage
-    from ..model.machine.rotor import Rotor
 
 Clearances = Annotated[
     list[str] | None,
@@ -35,7 +35,7 @@ CrossCouplings = Annotated[
 ]
 
 
-def check_nodes(machine: "Rotor", option: str, numbers: Iterable[int]) -> None:
+def check_nodes(machine: Rotor, option: str, numbers: Iterable[int]) -> None:
     """Raise `InputError` for a number that is of no node."""
     for number in numbers:
         if not 1 <= number <= len(machine.nodes):
@@ -54,7 +54,7 @@ def clearances_of(texts: list[str] | None) -> dict[int, float]:
 
 
 def cross_couplings(
-    machine: "Rotor", speed: float, stages: list[str] | None, given: list[str] | None
+    machine: Rotor, speed: float, stages: list[str] | None, given: list[str] | None
 ) -> dict[int, float]:
     """Cross-coupled stiffness by node [N/m] of `--stage`, at a speed [rad/s], and
     `--cross-coupling`."""

@@ -13,6 +13,7 @@ from rich.console import Console
 from ..display import Shown, choose, current
 from ..errors import InputError, writable_folder
 from ..machine_file.loading import load_rotor
+from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
 from ..screen import progress_of
 from ..units import in_si
@@ -20,7 +21,6 @@ from .shared import RotorFile, Units
 from .speeds import number_range, one_speed, speed_range
 
 if TYPE_CHECKING:
-    from ..model.machine.rotor import Rotor
     from ..model.periodic.branch import Solution
     from ..periodic.result import ResponseResult
 
@@ -133,7 +133,7 @@ def response(
 
 
 def _found(
-    machine: "Rotor", toml: str, asked: dict[str, Any], out: Path, axis: Shown
+    machine: Rotor, toml: str, asked: dict[str, Any], out: Path, axis: Shown
 ) -> "ResponseResult":
     """Compute a response, continuing from the points that are saved in the folder."""
     from ..model.periodic.laws import waits_for_compiler
@@ -208,7 +208,7 @@ def _progress(
         yield tell
 
 
-def _usual(machine: "Rotor", over: str | None) -> str:
+def _usual(machine: Rotor, over: str | None) -> str:
     """Return the speeds of a machine's response as an option gives them."""
     from ..operating_speeds import operating_speeds
 

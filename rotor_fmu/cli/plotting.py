@@ -2,13 +2,14 @@
 
 import difflib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from ..display import choose
 from ..errors import InputError, writable_folder
 from ..files import write_text
+from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
 from ..runs import PLOTS
 from ..units import in_si
@@ -17,9 +18,6 @@ from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_o
 from .shared import Page, Units, check_page
 from .show_result import machine_in_units
 from .speeds import OperatingRange, Rated, operating_range
-
-if TYPE_CHECKING:
-    from ..model.machine.rotor import Rotor
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
@@ -148,7 +146,7 @@ def report(
 
 
 def _report_of_machine(
-    machine: "Rotor",
+    machine: Rotor,
     ends: tuple[float, float],
     probes: list[int] | None,
     mode: int | None,

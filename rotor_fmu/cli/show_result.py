@@ -8,24 +8,23 @@ import typer
 
 from ..display import choose
 from ..errors import writable_folder
+from ..linear.linear_tables import Table, numbers
 from ..machine_file.loading import load_rotor
+from ..model.machine.rotor import Rotor
 from ..output_options import write_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..linear.linear_tables import Table
-    from ..model.machine.rotor import Rotor
 
-
-def machine_in_units(file: Path | None, units: str | None) -> "Rotor":
+def machine_in_units(file: Path | None, units: str | None) -> Rotor:
     """Return the machine; from here on what is shown is in the units asked for, or its own."""
     machine = load_rotor(file)[1]
     choose(units, machine.units, file or "")
     return machine
 
 
-def name_films(machine: "Rotor") -> None:
+def name_films(machine: Rotor) -> None:
     """Say of oil films where they are linearized."""
     from ..model.linear.journal_bearing_curves import journal_bearings
 
@@ -40,7 +39,7 @@ def print_answer(
     result: Any,
     out: Path,
     name: str,
-    table: "Table | None" = None,
+    table: Table | None = None,
     figure: "Figure | None" = None,
     more: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
@@ -49,7 +48,6 @@ def print_answer(
     table, figure: by default the answer's own; more: further answers by name, whose tables follow,
     whose numbers stand under the name, and whose pictures have the name behind that of the first.
     """
-    from ..linear.linear_tables import numbers
     from ..plotting.figure_style import save
 
     further = more or {}

@@ -1,7 +1,6 @@
 """The picture of a periodic response."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -11,16 +10,13 @@ from ..display import current
 from ..linear.linear_plots import titled
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS
 from ..plotting.figure_style import COLORS, DASHED, GREY, SKY, entitle, new_figure
-from .result import pieces
-
-if TYPE_CHECKING:
-    from .result import ResponseResult
+from .result import ResponseResult, pieces
 
 _COLORS = (*COLORS[:4], SKY)
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
 
-def response_figure(result: "ResponseResult", names: Sequence[str] | None = None) -> Figure:
+def response_figure(result: ResponseResult, names: Sequence[str] | None = None) -> Figure:
     """Amplitudes of places over the parameter; by default of the three that move most."""
     if names is None:
         largest = {n: result.curve(n).value.max(initial=0.0) for n in result.probes}

@@ -15,6 +15,7 @@ from ..about import __version__
 from ..display import current
 from ..errors import InputError, optional
 from ..files import write_text
+from ..model.machine.rotor import Rotor
 from ..output_options import as_json_value
 from ..runs.recording import Recording
 from .criticals import criticals_of
@@ -24,8 +25,6 @@ from .signal_data import ROOM, signal_data
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from ..model.machine.rotor import Rotor
 
 _ALWAYS = ("unpack.js", "chart.js")
 _OF_RUNS = ("signals.js", "curves.js", "cascade.js", "bode.js", "over_speed.js", "run.js")
@@ -138,7 +137,7 @@ def json_in_script(data: object) -> str:
     return text.replace("<", "\\u003c")
 
 
-def machine_html(rotor: "Rotor") -> str:
+def machine_html(rotor: Rotor) -> str:
     """Return the machine's picture as HTML."""
     from ..plotting.machine_drawing import machine_figure
 
