@@ -1,7 +1,5 @@
 """A run of one rotor: its state, `advance(to)`, `snapshot()` and `restore()`."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Messages for speeds outside a range, such as that of a part's table over the speed."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ..parts.journal_bearing import JournalBearing

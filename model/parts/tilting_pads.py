@@ -5,8 +5,6 @@ a pad on a flexible pivot the pivot's displacement [m]. In an equilibrium the pa
 vibration they follow at the frequency. Fixed pads need nothing of this.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

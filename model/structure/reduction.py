@@ -5,8 +5,6 @@ rest of the shaft follows them statically, q_i = Psi q_b, and vibrates in its lo
 those deflections fixed (Craig and Bampton 1968).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """The linear analyses of a machine: natural frequencies, responses, statics, checks by API 617."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -31,7 +29,7 @@ class LinearAnalyses:
 
     rotor: Rotor = field(repr=False)
 
-    def modes(self, speed: float = 0.0, **options: Any) -> Modes:
+    def modes(self, speed: float = 0.0, **options: Any) -> "Modes":
         """Return the natural frequencies, damping and shapes at a speed.
 
         Parameters
@@ -64,7 +62,7 @@ class LinearAnalyses:
 
         return modes(self.rotor, speed, **options)
 
-    def campbell(self, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
+    def campbell(self, speeds: Sequence[float] | np.ndarray, **options: Any) -> "Campbell":
         """Return the frequencies over speeds, critical speeds and the threshold of stability.
 
         Parameters
@@ -94,7 +92,7 @@ class LinearAnalyses:
 
     def unbalance_response(
         self, speeds: Sequence[float] | np.ndarray, **options: Any
-    ) -> UnbalanceResponse:
+    ) -> "UnbalanceResponse":
         """Steady response to unbalances over speeds.
 
         Parameters
@@ -123,7 +121,7 @@ class LinearAnalyses:
 
     def unbalance_check(
         self, low: float, high: float, probes: Sequence[int], **options: Any
-    ) -> UnbalanceCheck:
+    ) -> "UnbalanceCheck":
         """Response to unbalance held against API 617 and 684 in an operating range.
 
         Parameters
@@ -157,7 +155,7 @@ class LinearAnalyses:
 
     def critical_map(
         self, stiffness: Sequence[float] | np.ndarray | None = None, **options: Any
-    ) -> CriticalMap:
+    ) -> "CriticalMap":
         """Undamped critical speeds over the stiffness of the bearings.
 
         Parameters
@@ -190,7 +188,7 @@ class LinearAnalyses:
 
     def stability(
         self, speed: float, level: int = 1, **options: Any
-    ) -> StabilityLevel1 | StabilityLevel2:
+    ) -> "StabilityLevel1 | StabilityLevel2":
         """Stability of the forward modes by API 617 and 684.
 
         Parameters
@@ -236,7 +234,7 @@ class LinearAnalyses:
         force: int | tuple[int, float],
         nodes: Sequence[int | tuple[int, float]],
         **options: Any,
-    ) -> FrequencyResponse:
+    ) -> "FrequencyResponse":
         """Displacements of nodes by a force on a node, over the frequency.
 
         Parameters
@@ -266,7 +264,7 @@ class LinearAnalyses:
 
         return frequency_response(self.rotor, frequencies, force, nodes, **options)
 
-    def static(self, speed: float | None = None, **options: Any) -> Static:
+    def static(self, speed: float | None = None, **options: Any) -> "Static":
         """Deflection and loads on the supports under gravity.
 
         Parameters

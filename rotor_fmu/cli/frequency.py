@@ -1,7 +1,5 @@
 """`rotor-fmu frequency-response`: displacements by a force, and control loops' sensitivity."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """`rotor-fmu run-down`, `variables` and `host-env`."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, replace
@@ -155,13 +153,13 @@ class _Outcome(NamedTuple):
     """A run that was carried out: its result, the recording of the run without the FMU, and by how
     much the latter ends apart from the FMU's, as a share of full scale; None without an FMU."""
 
-    job: Job
-    result: Run
-    recording: Recording
+    job: "Job"
+    result: "Run"
+    recording: "Recording"
     apart: float | None
 
 
-def _carry_out(job: Job, fmu: Path | None, label: str, verify: bool) -> _Outcome:
+def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outcome:
     """Make the run through the FMU, if there is one, and recorded without it."""
     from ..runs import job as jobs
     from ..runs.verify_run import verified

@@ -1,7 +1,5 @@
 """Speeds as options give them: one, a range, and the operating range of a machine."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -93,7 +91,7 @@ def _ends(pieces: list[str], points: int, shown: str) -> tuple[float, float, int
 
 
 def operating_range(
-    text: str | None, rated: str | None, machine: Rotor
+    text: str | None, rated: str | None, machine: "Rotor"
 ) -> tuple[float, float] | None:
     """The minimum and maximum continuous speed [rad/s] of `--range` and `--rated`, the range alone
     where both are given; without either those of the machine's own `[operation]`, None if it has
@@ -110,7 +108,7 @@ def operating_range(
     return float(ends[0]), float(ends[1])
 
 
-def rated_speed(text: str | None, machine: Rotor) -> float:
+def rated_speed(text: str | None, machine: "Rotor") -> float:
     """The speed [rad/s] of `--rated`, or the machine's own."""
     if text is None:
         own = machine.operation.rated_speed
@@ -126,7 +124,7 @@ def rated_speed(text: str | None, machine: Rotor) -> float:
 
 
 def usual_speeds(
-    machine: Rotor, contacts: str | None, ends: tuple[float, float] | None, points: int
+    machine: "Rotor", contacts: str | None, ends: tuple[float, float] | None, points: int
 ) -> np.ndarray:
     """Return speeds [rad/s] from 0, or from where oil films begin to carry the machine, to half
     above the operating range, or, where there is none, to a quarter above the lowest critical
@@ -143,7 +141,7 @@ def usual_speeds(
 
 
 def usual_frequencies(
-    machine: Rotor, speed: float, contacts: str | None, points: int
+    machine: "Rotor", speed: float, contacts: str | None, points: int
 ) -> np.ndarray:
     """Return frequencies [rad/s] from 1 Hz, or half the lowest natural frequency at a speed
     [rad/s], to three times the machine's highest speed and a quarter above the lowest natural

@@ -1,7 +1,5 @@
 """Values of the FMU's variables -> a `Simulation`: shared by the slave and the command line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np

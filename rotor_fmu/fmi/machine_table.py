@@ -3,8 +3,6 @@ places in the run, limits and messages, and the initial block of memory, before 
 set.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Sequence

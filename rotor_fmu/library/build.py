@@ -2,8 +2,6 @@
 instance in C. Built once for each version of the sources.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import os

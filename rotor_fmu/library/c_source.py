@@ -2,8 +2,6 @@
 `wasm2c`. Made once for each version of the kernels, in the user's cache.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import tempfile

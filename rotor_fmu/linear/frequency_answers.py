@@ -1,7 +1,5 @@
 """Frequency responses and the sensitivity of control loops, for Python and the command line."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Sequence

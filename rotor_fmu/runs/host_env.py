@@ -1,7 +1,5 @@
 """The environment that a host that is not a Python program needs on this machine."""
 
-from __future__ import annotations
-
 import sys
 import sysconfig
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The inputs of a run over time: from a law, from a CSV file, or held constant."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

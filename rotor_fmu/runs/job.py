@@ -1,7 +1,5 @@
 """A run as the user specified it: checked before anything is written, then carried out."""
 
-from __future__ import annotations
-
 import difflib
 import math
 from collections.abc import Mapping, Sequence

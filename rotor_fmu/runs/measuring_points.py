@@ -1,7 +1,5 @@
 """What is measured in a run: places that move, contacts, and how their names are shown."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Whether a run has one speed, and where an amplitude over its speed has a peak."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..vibration.turns import TURN

@@ -1,7 +1,5 @@
 """Progress of a run, with the length of its steps and what limits it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 

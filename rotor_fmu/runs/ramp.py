@@ -1,7 +1,5 @@
 """A run-down or a run-up as a user gives it, completed by how the machine is run."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The recording of a run at the solver's own steps, in memory and as a file."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 from collections.abc import Mapping
@@ -53,7 +51,7 @@ class Recording(ShortRepr):
         with unfinished(path) as part:
             np.savez(part, t=self.t, values=values, head=json.dumps(head))
 
-    def named(self, name: str) -> Recording:
+    def named(self, name: str) -> "Recording":
         """Return the same recording under another name."""
         return replace(self, name=name)
 

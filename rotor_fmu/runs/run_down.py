@@ -1,7 +1,5 @@
 """A run, through the built FMU with FMPy or directly through the model."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import signal

@@ -1,7 +1,5 @@
 """The files that a run leaves in its folder."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Values of variables from texts `NAME=VALUE`, as commands and Python take them."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Sequence
 

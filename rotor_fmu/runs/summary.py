@@ -1,7 +1,5 @@
 """The figures of a run: its peaks, and what the solver did."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection
 from typing import Any

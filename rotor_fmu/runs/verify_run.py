@@ -5,8 +5,6 @@ Where the amplitudes alone agree it is sensitive: small errors change when thing
 chaos, long transients and limit cycles, but not how large the motion is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Building the FMU of C source, for platforms that no library is made for."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
