@@ -17,12 +17,20 @@ from ..model.linear import frequency_response as model
 from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
 from ..model.parts.base import PortElement, ProbeElement
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE
-from .answers import Displayed, Machine, displayed, rotor_of
-from .linear_plots import PURPLE, new_figure, plain_ticks, titled
-from .linear_tables import Table, turns
+from ..plotting.figure_style import (
+    COLORS,
+    DASHED,
+    DOTTED,
+    LIMIT,
+    annotate,
+    entitle,
+    new_figure,
+    new_panels,
+)
+from .displayed import Displayed, Machine, answer_of, rotor_of
+from .linear_plots import plain_ticks, titled
+from .linear_tables import Table, peaks, turns
 
-_COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
 ZONES = "ABCD"
 
 
@@ -40,52 +48,33 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         return f"a force on node {_shown(self.force, self.force_offset)}"
 
     def table(self) -> Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row for each resonance of each node.
-        """
+        """Return a table with one row for each resonance of each node."""
         d = current()
         heads = (
             *("node", "direction", f"[{d.frequency_unit}]", f"{d.small_word}/{d.force_unit}"),
             "phase [deg]",
         )
-        rows = []
-        for k, node in enumerate(self.shown_nodes):
-            for i, axis in enumerate("xy"):
-                values = self.receptance[:, k, i, i]
-                rows += [
-                    (
-                        node,
-                        f"{axis} by {axis}",
-                        float(self.frequencies[at]) * d.speed,
-                        abs(values[at]) * d.small / d.force,
-                        math.degrees(np.angle(values[at])),
-                    )
-                    for at in _peaks(np.abs(values))
-                ]
-        title = (
-            f"Frequency response to {self.shown_force} where it peaks, "
-            f"{turns(self.speed, self.contacts)}"
-        )
+        rows = [
+            (
+                *(node, f"{axis} by {axis}", float(self.frequencies[at]) * d.speed),
+                *(abs(values[at]) * d.small / d.force, math.degrees(np.angle(values[at]))),
+            )
+            for k, node in enumerate(self.shown_nodes)
+            for i, axis in enumerate("xy")
+            for values in (self.receptance[:, k, i, i],)
+            for at in peaks(np.abs(values))
+        ]
+        state = turns(self.speed, self.contacts)
+        title = f"Frequency response to {self.shown_force} where it peaks, {state}"
         return Table(title, heads, rows)
 
     def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Sizes and phases of x by x and y by y, and the size of y by x.
-        """
-        figure, grid = new_figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
-        above, below = grid[:, 0]
+        """Draw sizes and phases of x by x and y by y, and the size of y by x."""
+        figure, (above, below) = new_panels(6.8, 6.0, 2, share_x=True, heights=(2, 1))
         d = current()
         frequency = self.frequencies * d.speed
-        for k, (node, color) in enumerate(zip(self.shown_nodes, _COLORS, strict=False)):
-            for (i, j), dashes in (((0, 0), "-"), ((1, 1), (0, (4, 2))), ((1, 0), (0, (1, 1.5)))):
+        for k, (node, color) in enumerate(zip(self.shown_nodes, COLORS, strict=False)):
+            for (i, j), dashes in (((0, 0), "-"), ((1, 1), DASHED), ((1, 0), DOTTED)):
                 values = self.receptance[:, k, i, j]
                 if i != j and not (np.abs(values) > 0).any():
                     continue
@@ -102,118 +91,59 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         below.set_xlabel(d.frequency_label)
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         state = turns(self.speed, self.contacts)
-        figure.suptitle(
-            titled(self.machine_name, f"Response to {self.shown_force}, {state}"),
-            fontsize=10,
-            x=0.01,
-            ha="left",
-        )
+        entitle(figure, titled(self.machine_name, f"Response to {self.shown_force}, {state}"))
         return figure
 
 
 @dataclass(frozen=True)
 class Sensitivity(model.Sensitivity, Displayed):
-    """`model.linear.frequency_response.Sensitivity` with the bounds of the zones, shown.
-
-    Attributes
-    ----------
-    zones : tuple of float
-        Largest sensitivity of zones A, B and C [1], as the user gave them; empty without.
-    """
+    """`model.linear.frequency_response.Sensitivity`, shown; zones: largest sensitivities of zones
+    A, B and C [1], as the user gave them, empty without."""
 
     zones: tuple[float, ...] = ()
 
     def zone(self, largest: float) -> str:
-        """Return the zone of a largest sensitivity.
-
-        Parameters
-        ----------
-        largest : float
-            Largest size of a loop's sensitivity [1].
-
-        Returns
-        -------
-        str
-            `A` to `D`; `-` where no bounds were given.
-        """
-        if not self.zones:
-            return "-"
-        return ZONES[int(np.searchsorted(self.zones, largest, side="left"))]
+        """Return the zone of a loop's largest sensitivity [1], `A` to `D`; `-` without bounds."""
+        return ZONES[int(np.searchsorted(self.zones, largest))] if self.zones else "-"
 
     def table(self) -> Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row for each loop and axis.
-        """
+        """Return a table with one row for each loop and axis."""
         size = np.abs(self.sensitivity)
-        rows = [
-            (
-                name,
-                float(size[:, k].max()),
-                20 * math.log10(size[:, k].max()),
-                float(self.frequencies[int(np.argmax(size[:, k]))]) * current().speed,
-                self.zone(float(size[:, k].max())),
-            )
-            for k, name in enumerate(self.loops)
-        ]
+        largest, d = size.max(axis=0), current()
         title = f"Sensitivity of the control loops at {turns(self.speed, 'open')}"
         if not self.is_stable:
             title += "; THE CLOSED LOOP IS UNSTABLE, so that these numbers mean nothing"
-        at = f"at [{current().frequency_unit}]"
-        return Table(title, ("loop", "largest", "[dB]", at, "zone"), rows)
+        columns = (
+            ("loop", self.loops),
+            ("largest", largest),
+            ("[dB]", 20 * np.log10(largest)),
+            (f"at [{d.frequency_unit}]", self.frequencies[size.argmax(axis=0)] * d.speed),
+            ("zone", [self.zone(each) for each in largest]),
+        )
+        return Table.of(title, columns)
 
     def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The size of each sensitivity over the frequency, with the bounds of the zones.
-        """
-        figure, grid = new_figure(6.8, 4.4, 1)
-        axes = grid[0, 0]
-        frequency = self.frequencies * current().speed
-        for k, (name, color) in enumerate(zip(self.loops, _COLORS * 4, strict=False)):
-            dashes = "-" if name.endswith("x") else (0, (4, 2))
-            axes.plot(
-                frequency,
-                np.abs(self.sensitivity[:, k]),
-                color=color,
-                ls=dashes,
-                lw=1.4,
-                label=name,
-            )
+        """Draw the size of each sensitivity over the frequency, with the bounds of the zones."""
+        figure, axes = new_figure(6.8, 4.4)
+        frequency, size = self.frequencies * current().speed, np.abs(self.sensitivity)
+        for k, (name, color) in enumerate(zip(self.loops, COLORS * 4, strict=False)):
+            dashes = "-" if name.endswith("x") else DASHED
+            axes.plot(frequency, size[:, k], color=color, ls=dashes, lw=1.4, label=name)
         for bound, names in zip(self.zones, ("A | B", "B | C", "C | D"), strict=False):
-            axes.axhline(bound, color="black", lw=0.9, ls=(0, (4, 3)))
-            axes.annotate(
-                names,
-                (1.0, bound),
-                xycoords=("axes fraction", "data"),
-                xytext=(-2, 2),
-                textcoords="offset points",
-                ha="right",
-                fontsize=8,
-            )
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_xlim(frequency[0], frequency[-1])
+            axes.axhline(bound, color="black", lw=0.9, ls=LIMIT)
+            within = {"xycoords": ("axes fraction", "data"), "ha": "right"}
+            annotate(axes, names, (1.0, bound), (-2, 2), **within)
+        axes.set(xscale="log", yscale="log", xlim=(frequency[0], frequency[-1]))
         plain_ticks(axes.xaxis)
         plain_ticks(axes.yaxis)
-        axes.set_xlabel(current().frequency_label)
-        axes.set_ylabel("Sensitivity [1]")
+        axes.set(xlabel=current().frequency_label, ylabel="Sensitivity [1]")
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         title = f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}"
-        axes.set_title(titled(self.machine_name, title), loc="left", fontsize=10)
+        entitle(axes, titled(self.machine_name, title))
         return figure
 
 
-@on_one_thread
-def frequency_response(machine: Machine, *arguments: Any, **options: Any) -> FrequencyResponse:
-    """Return `model.linear.frequency_response.frequency_response` of a machine."""
-    return displayed(FrequencyResponse, model.frequency_response, machine, *arguments, **options)
+frequency_response = answer_of(FrequencyResponse, model.frequency_response)
 
 
 @on_one_thread
@@ -226,11 +156,6 @@ def sensitivity(
     return Sensitivity(
         **{field.name: getattr(result, field.name) for field in fields(result)}, zones=tuple(zones)
     )
-
-
-def _peaks(size: np.ndarray) -> list[int]:
-    inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
-    return inner.tolist() if len(inner) else [int(np.argmax(size))]
 
 
 def _shown(node: int, offset: float) -> str:

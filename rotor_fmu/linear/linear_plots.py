@@ -2,30 +2,17 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from scipy.interpolate import BPoly
 
 from ..display import current
-from ..plotting.figure_style import PURPLE as PURPLE
-from ..plotting.figure_style import SKY, new_panels
+from ..plotting.figure_style import SKY
 
 _FINE = 12  # points an element of a curve through the nodes
-
-
-def new_figure(
-    width: float, height: float, rows: int, columns: int = 1, **options: Any
-) -> tuple[Figure, np.ndarray]:
-    """Return a figure with a grid of axes, shape (rows, columns); size in inches."""
-    figure, panels = new_panels(
-        width, height, rows, columns, options.get("sharex", False), options.get("height_ratios")
-    )
-    return figure, panels.reshape(rows, columns)
 
 
 def curve(
