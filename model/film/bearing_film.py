@@ -7,8 +7,6 @@ centre is d + (c_p - c) exp(i pivot), and the film is that of `zone_pressure`.
 A table of numbers, `Law.table`: the count of pads, a row of `PAD` for each, and the work array.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

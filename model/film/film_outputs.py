@@ -1,7 +1,5 @@
 """Torque, flow and maximum pressure of an oil film at an instant."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

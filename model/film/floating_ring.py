@@ -18,8 +18,6 @@ frequency 0 b is conj(a), and a matrix of them is the real-linear map p z + q co
 first row.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

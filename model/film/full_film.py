@@ -8,8 +8,6 @@ changes smoothly when it changes its sign. In a film that is fed at a higher pre
 ruptures in the middle of its length first, the part below rupture is cut off across the length.
 """
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.jit import jit, jit_not_inlined

@@ -1,8 +1,6 @@
 """Derivatives of a zone's load: one adjoint solution each for its x, its y and the flows at its
 free ends, all four at once, with the factors of the pressure's own matrix (`zone_pressure`)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..kernels.jit import jit, jit_not_inlined

@@ -1,8 +1,6 @@
 """A journal that touches its pads: where the film is thinner than the surfaces' roughness, they
 touch, pad by pad, by the law of `wall` with the friction of `rubbing`."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..contact.rubbing import Friction, contact_tangent, friction

@@ -4,8 +4,6 @@ In Sommerfeld's angle gamma about the thinnest film, cos(theta) = (e + cos(gamma
 cos(gamma)), the integrands over H = 1 - e cos(theta) are polynomials of cos(gamma) and sin(gamma).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

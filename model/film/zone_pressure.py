@@ -13,8 +13,6 @@ film is in one piece there, and its ends are unknowns of their own: `n` equal el
 them and move with them. So force and tangent have no jump, wherever the ends are.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

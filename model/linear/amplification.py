@@ -13,8 +13,6 @@ continuous speed for one above it (API 617, 7th edition, part 1, 2.6.2), is none
     above:  min(0.26, 0.10 + 0.17 (1 - 1 / (AF - 1.5)))
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

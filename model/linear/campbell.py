@@ -1,8 +1,6 @@
 """Campbell diagram: the modes over the speed, each followed by its shape; critical speeds; the
 speed at which the machine loses its stability."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -13,8 +13,6 @@ it. And a rotor is not stable because one of its modes is. So:
    that do not clearly whirl backward, and of all of the lowest modes that grow.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple

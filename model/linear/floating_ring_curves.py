@@ -1,8 +1,6 @@
 """A bearing with a floating ring alone over speed or load: where journal and ring rest, how fast
 the ring turns, and the coefficients of both films in series."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -9,8 +9,6 @@ the j-th diagonal element of (1 + G H)^-1: what remains of a disturbance that is
 while all loops are closed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 """A bearing alone over speed or load: where its journal rests, its eight coefficients there, and
 the mass that they carry without whirling."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

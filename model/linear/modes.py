@@ -5,8 +5,6 @@ inverse at a real shift sigma, whose largest eigenvalues 1 / (lambda - sigma) ar
 these come out exact to rounding however stiff the shaft is, its stiffness being inverted only.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ In complex coordinates x + i y = f exp(i w t) + b exp(-i w t), with f = (X + i Y
 with and b = conj(X - i Y) / 2 that turns against the shaft.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,8 +1,6 @@
 """A machine's matrices over x and y of every dof, housing and ground, and how unknowns are made of
 these: dofs that are pinned to one another, and differences of dofs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple
 

@@ -1,8 +1,6 @@
 """Reynolds' equation of a film in both directions, by finite differences: what the
 quasi-one-dimensional film of a journal bearing is measured against."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,8 +1,6 @@
 """A rolling bearing alone: where its shaft rests under a load, its coefficients there, what each
 element carries, and how both change while the elements pass."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Frequencies, damping ratio and logarithmic decrement from eigenvalues."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

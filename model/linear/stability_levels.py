@@ -15,8 +15,6 @@ forward mode; both levels judge by the least of all forward ones and give both: 
 `first_forward`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Static deflection under gravity and loads, and the loads on the bearings."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What holds the shaft of a machine: names of its supports, its interfaces."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 

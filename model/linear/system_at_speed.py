@@ -5,8 +5,6 @@ pulls with Z k e, where Z, complex or a matrix of x and y, is made of the share 
 -i kappa of the damping that rotates, and of eta_v d/dt.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

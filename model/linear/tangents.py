@@ -1,7 +1,5 @@
 """Forces and tangents of all interfaces at given displacements, at rest."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y:
     (K + i Omega D - Omega^2 M) u = f,   u(t) = Re(u exp(i Omega t))
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 """The response to unbalance held against API 617 and 684: critical speeds with amplification
 factors and separation margins, vibration at the probes, clearances."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -178,7 +176,7 @@ def critical_peaks(
 
 
 def _criticals(
-    response: _Response, nodes: Sequence[int], speeds: np.ndarray
+    response: "_Response", nodes: Sequence[int], speeds: np.ndarray
 ) -> list[ProbeCritical]:
     result = []
     for node in nodes:
@@ -201,7 +199,7 @@ def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
     )
 
 
-def _level(response: _Response, node: int, speeds: np.ndarray) -> ProbeLevel:
+def _level(response: "_Response", node: int, speeds: np.ndarray) -> ProbeLevel:
     major = [response.major(speed, node) for speed in speeds]
     at = int(np.argmax(major))
     return ProbeLevel(node, 2 * major[at], float(speeds[at]))

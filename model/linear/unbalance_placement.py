@@ -14,8 +14,6 @@ edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
   moves most, W its mass.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import replace

@@ -6,8 +6,6 @@ circle: at -1 the period doubles, a complex pair begins a torus (Neimark-Sacker)
 branch passes through.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field, replace
@@ -68,7 +66,7 @@ class Bifurcation(NamedTuple):
     multiplier: complex
     behind: int
 
-    def is_pair_of(self, other: Bifurcation) -> bool:
+    def is_pair_of(self, other: "Bifurcation") -> bool:
         """Return whether both belong to one complex pair of multipliers."""
         apart = abs(abs(self.multiplier.imag) - abs(other.multiplier.imag))
         return self.kind == other.kind == TORUS and apart < 1e-3

@@ -1,7 +1,5 @@
 """The task of a response computation, and its result."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -82,7 +80,7 @@ class Note(Message):
     parts: tuple[str | float, ...]
     unit: str
 
-    def __new__(cls, code: str, unit: str, *parts: str | float) -> Note:
+    def __new__(cls, code: str, unit: str, *parts: str | float) -> "Note":
         """Return a message of texts and values; unit: of the values."""
         note = cast(Note, super().__new__(cls, _joined(parts, 1.0, unit), code))
         note.parts, note.unit = parts, unit

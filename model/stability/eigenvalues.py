@@ -1,8 +1,6 @@
 """All eigenvalues of a real matrix: Hessenberg form by elimination, then Francis' double-shift QR
 (Wilkinson and Reinsch, Handbook for Automatic Computation II, contributions 13 to 15)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ matrix, at omega h = |lambda| h and a damping ratio xi = -Re lambda / |lambda| <
 damping, which prevents the false state, hides a growth that is slower than it.
 """
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.functions import logarithm, modulus
