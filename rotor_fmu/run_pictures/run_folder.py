@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from .. import vibration
 from ..display import current, shown_speed, speed_with_unit
-from ..plotting.figure_style import BLUE, GREY, ORANGE, new_figure, new_panels, save
+from ..plotting.figure_style import BLUE, GREY, ORANGE, entitle, new_figure, new_panels, save
 from ..plotting.thinning import extremes
 from ..runs.measuring_points import display_name
 from ..runs.peaks import is_constant, peak_index, start_up
@@ -25,10 +25,6 @@ _STRETCHES = 1500  # of a curve over time, whose extremes are drawn
 _DIRECTIONS = (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical"))
 
 
-def _titled(axes: Axes, caption: str) -> None:
-    axes.set_title(caption, loc="left", fontsize=10)
-
-
 def amplitude(run: Run, place: str, axis: str, caption: str) -> Figure:
     """Draw the largest displacement of a place over a revolution against speed, the start-up apart;
     axis: `x` or `y`."""
@@ -36,7 +32,7 @@ def amplitude(run: Run, place: str, axis: str, caption: str) -> Figure:
     draw_amplitude(axes, run, place, axis, "this run")
     amplitude_axes(axes, run, place, axis)
     legend_below(figure)
-    _titled(axes, caption)
+    entitle(axes, caption)
     return figure
 
 
@@ -109,7 +105,7 @@ def journal_angle(recording: Recording, caption: str) -> Figure:
     legend_below(figure, markerscale=4)
     speed_axis(axes, n)
     angle_axis(axes, f" of {display_name(part)}")
-    _titled(axes, caption)
+    entitle(axes, caption)
     return figure
 
 
@@ -136,7 +132,7 @@ def motion(recording: Recording, place: str, caption: str) -> Figure:
         axes.plot(recording.t[rows], values[rows], color=color, lw=0.8)
         axes.set_ylabel(f"{display_name(place)},\n{direction} [{current().small_unit}]")
     both[1].set_xlabel("Time [s]")
-    _titled(both[0], caption)
+    entitle(both[0], caption)
     return figure
 
 
@@ -161,7 +157,7 @@ def spectra(recording: Recording, place: str, caption: str) -> Figure:
     axes.legend(frameon=False, loc="upper right")
     axes.set_xlabel(d.frequency_label)
     axes.set_ylabel(f"Displacement of {display_name(place)} [{d.amplitude_unit}]")
-    _titled(axes, caption)
+    entitle(axes, caption)
     return figure
 
 
@@ -186,7 +182,7 @@ def _each_step(recording: Recording, values: np.ndarray, caption: str) -> tuple[
     n = recording.w[1:] * current().speed
     axes.plot(n, values[1:], ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
     speed_axis(axes, n)
-    _titled(axes, caption)
+    entitle(axes, caption)
     return figure, axes
 
 

@@ -10,7 +10,19 @@ from matplotlib.figure import Figure
 
 from .. import vibration
 from ..display import current, frequency_unit, shown_speed
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, empty_figure, new_figure
+from ..plotting.figure_style import (
+    BLACK,
+    BLUE,
+    COLORS,
+    DASHED,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    annotate,
+    empty_figure,
+    new_figure,
+)
 from .view import (
     View,
     angle_axis,
@@ -20,8 +32,6 @@ from .view import (
     two_over_speed,
 )
 
-PURPLE, BLACK = "#cc79a7", "#000000"
-_SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
 _ORBIT_TURNS = 4
 FINE = 24  # rows a turn, below which a curve between them is drawn, not computed
@@ -38,7 +48,7 @@ def bode(view: View) -> Figure:
     n = _speed(track.speed)
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", (0, ())),
-        (track.y(), ORANGE, "1x of y", (0, (4, 2))),
+        (track.y(), ORANGE, "1x of y", DASHED),
     ):
         length = broken_at_reversals(n, np.abs(vector) * view.scale)
         above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
@@ -67,7 +77,7 @@ def polar(view: View) -> Figure:
     n = _speed(track.speed)
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", "-"),
-        (track.y(), ORANGE, "1x of y", (0, (4, 2))),
+        (track.y(), ORANGE, "1x of y", DASHED),
     ):
         radius = np.abs(vector) * view.scale
         axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
@@ -87,9 +97,7 @@ def _speeds_along(axes: Axes, vector: np.ndarray, n: np.ndarray, color: str) -> 
         i = int(np.searchsorted(length, share * length[-1]))
         where = (float(np.angle(vector[i])), float(np.abs(vector[i])))
         axes.plot(*where, "o", color=color, ms=3)
-        axes.annotate(
-            f"{n[i]:.1f}", where, xytext=(4, 3), textcoords="offset points", fontsize=7, color=color
-        )
+        annotate(axes, f"{n[i]:.1f}", where, (4, 3), fontsize=7, color=color)
 
 
 def orbit(view: View, caption: str = "") -> Figure:
@@ -130,14 +138,8 @@ def spectrum(view: View) -> Figure:
     amplitude = result.amplitude * view.scale
     axes.vlines(frequency, 0, amplitude, color=BLUE, lw=1.2)
     for i in _lines(amplitude):
-        axes.annotate(
-            f"{result.order[i]:+.3g}x",
-            (frequency[i], amplitude[i]),
-            xytext=(0, 3),
-            textcoords="offset points",
-            ha="center",
-            fontsize=8,
-        )
+        top = frequency[i], amplitude[i]
+        annotate(axes, f"{result.order[i]:+.3g}x", top, (0, 3), ha="center")
     axes.axvline(0, color=GREY, lw=0.8)
     axes.set_ylim(bottom=0)
     # as far as there is something to see, on either side
@@ -195,11 +197,9 @@ def cascade(view: View) -> Figure:
         axes.plot(order * once, down, color="white", lw=0.6, ls=(0, (3, 4)))
         x, y = order * float(once[fastest]), float(down[fastest])
         if abs(x) < limit:
-            axes.annotate(
-                f"{order:+d}x", (x, y), xytext=(0, 2), textcoords="offset points",
-                ha="center", va="bottom", fontsize=8, annotation_clip=False,
-                color=BLACK if is_top else "white",
-            )  # fmt: skip
+            color = BLACK if is_top else "white"
+            above = {"ha": "center", "va": "bottom", "annotation_clip": False}
+            annotate(axes, f"{order:+d}x", (x, y), (0, 2), color=color, **above)
     axes.set_xlim(-limit, limit)
     axes.grid(visible=False)
     figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.unit}]")
@@ -272,12 +272,10 @@ def contact_force(view: View) -> Figure:
     contact = view.run.contact(view.name)
     result = vibration.contact(view.run.t, view.run.phi, contact.psi, contact.fn)
     n, d = _speed(result.speed), current()
-    largest, mean = (
-        broken_at_reversals(n, result.peak * d.force),
-        broken_at_reversals(n, result.mean * d.force),
-    )
+    largest = broken_at_reversals(n, result.peak * d.force)
+    mean = broken_at_reversals(n, result.mean * d.force)
     above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
-    above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
+    above.plot(n, mean, color=ORANGE, lw=1.2, ls=DASHED, label="mean of the turn")
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
     above.set_ylabel(f"Normal force [{d.force_unit}]")
@@ -296,7 +294,7 @@ def energy(view: View) -> Figure:
     taking = [name for name in powers if run.losses[name][-1] != 0.0]
     sinks = sorted(taking or powers, key=lambda name: -run.losses[name][-1])
     for i, name in enumerate(sinks):
-        color, style = _SINKS[i % len(_SINKS)], ("-", (0, (4, 2)), (0, (1, 1)))[i % 3]
+        color, style = COLORS[i % len(COLORS)], ("-", DASHED, (0, (1, 1)))[i % 3]
         energy = run.losses[name]
         label = f"{name}: {_joules(energy[-1])}"
         power = broken_at_reversals(speed, powers[name])
