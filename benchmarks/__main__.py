@@ -1,7 +1,5 @@
 """`python -m benchmarks`: all measurements, resumed where they were stopped, then the report."""
 
-from __future__ import annotations
-
 import os
 
 # before numpy: one thread, so that CPU time is time

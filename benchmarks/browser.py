@@ -4,8 +4,6 @@ The size of the page of a recording in closed form, as the tests have it, and ho
 takes to the first picture and to each zoom. Needs selenium, chromium and chromedriver.
 """
 
-from __future__ import annotations
-
 import contextlib
 import shutil
 import tempfile

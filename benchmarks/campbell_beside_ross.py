@@ -4,8 +4,6 @@ A disc in the middle of 24 elements on two bearings, 25 speeds, six modes, in on
 turns; medians of CPU time after a first one of each. Needs ROSS.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from collections.abc import Callable

@@ -5,8 +5,6 @@ cycle, called as often as a run-down of the rig makes steps, beside the CPU time
 At the start: the survey of growing whirls, of the rig and of the examples.
 """
 
-from __future__ import annotations
-
 import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: CPU time is time

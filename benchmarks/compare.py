@@ -1,7 +1,5 @@
 """Work at equal precision: what is read off the results of the race."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable

@@ -4,8 +4,6 @@ What it adds to an FMU, what making it takes, and a run-down of the rig in wasmt
 the native library of the same FMU. Needs Node.js, jco and wasmtime.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 import zipfile

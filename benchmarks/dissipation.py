@@ -1,7 +1,5 @@
 """Which high-frequency dissipation serves best: spectral radii in fixed steps."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

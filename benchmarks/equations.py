@@ -9,8 +9,6 @@ with q = (x of rotor and housings, y of rotor and housings) and, at a bearing, d
 journal's displacement relative to its housing. Right-hand side and Jacobian are compiled.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -6,8 +6,6 @@ three runs of a second; of a Campbell diagram and a response to unbalance at `SP
 stand and that tilt, the median of three.
 """
 
-from __future__ import annotations
-
 import os
 
 os.environ["OMP_NUM_THREADS"] = "1"

@@ -1,7 +1,5 @@
 """What acts on the machine beside M, C and K, for programs that want matrices and a force."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What was wanted of this project's speed, against what was measured."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from .compare import OWN, front, growth_exponent, own_front, rows, within_one_percent, work_at

@@ -1,7 +1,5 @@
 """How the cost of a step grows with the machine: more elements, more bearings."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

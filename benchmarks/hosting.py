@@ -1,7 +1,5 @@
 """What the FMU's face adds: the cost of a run through FMPy over the communication step."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import replace

@@ -5,8 +5,6 @@ with its own step length, clearance, friction and unbalance, against the same so
 beside it how uneven machines are, for which lanes wait. Needs `pip install ziglang`; CPU time.
 """
 
-from __future__ import annotations
-
 import ctypes
 import statistics
 import subprocess

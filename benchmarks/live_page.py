@@ -4,8 +4,6 @@ Its size, and how long a browser takes to its first picture and for its run-down
 FMU's run-down in a C master. Needs selenium, chromium, chromedriver and cc.
 """
 
-from __future__ import annotations
-
 import statistics
 import tempfile
 import time

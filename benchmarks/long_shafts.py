@@ -5,8 +5,6 @@ two touchdown bearings in which they lie and slide, the speed changing with ever
 several stretches.
 """
 
-from __future__ import annotations
-
 import time
 
 from rotor_fmu.model.machine.rotor import Rotor

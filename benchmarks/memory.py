@@ -5,8 +5,6 @@ making and the row), by `rotor-fmu study`; resident memory of the process that c
 the largest of its workers over time. Needs psutil.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

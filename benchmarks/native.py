@@ -6,8 +6,6 @@ numba's own code for the same processor, which compiles for minutes. CPU time; m
 measured in turn.
 """
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 import os

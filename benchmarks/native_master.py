@@ -1,7 +1,5 @@
 """The native FMU under a C master, beside its kernels by themselves."""
 
-from __future__ import annotations
-
 import resource
 import shutil
 import statistics

@@ -6,8 +6,6 @@ step that is made of such steps can be better than this. Beside it error control
 the truth is error control at 1e-6.
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

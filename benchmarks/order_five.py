@@ -7,8 +7,6 @@ shows that both find the same motion. CPU time: the least of some runs. Writes
 `papers/integrators/order_five.csv`, of which docs/explanation/integrators.md is made.
 """
 
-from __future__ import annotations
-
 import csv
 import os
 import sys

@@ -1,7 +1,5 @@
 """Pictures of a benchmark's results."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

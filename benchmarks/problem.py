@@ -1,7 +1,5 @@
 """What every program is given, what it gives back, and how far that is from the truth."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What only a process of its own can tell: from its start to the result, without numba, memory."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import subprocess

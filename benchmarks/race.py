@@ -1,7 +1,5 @@
 """All programs on the same problems, in turns, so that a busy machine slows all of them alike."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

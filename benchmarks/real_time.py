@@ -7,8 +7,6 @@ clock on the wall tells only of a core of its own. CPU time leaves other process
 what they and interrupts throw out of the caches; the least of equal runs, step for step, does that.
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import statistics

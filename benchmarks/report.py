@@ -4,8 +4,6 @@ python -m benchmarks.report FOLDER --docs writes them anew from saved results, a
 that docs/explanation/performance.md and docs/development/benchmarks.md show into these pages.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path

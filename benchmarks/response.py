@@ -4,8 +4,6 @@ benchmarks.response [harmonics ...]
 Seconds of CPU; the second of two calls, the first of which compiles or loads the laws.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import time

@@ -7,8 +7,6 @@ of its surface, the same at every angle. Of ROSS the function that computes the 
 of its file and run as it is, so that none of its dependencies is needed.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 from importlib.metadata import PackageNotFoundError, distribution

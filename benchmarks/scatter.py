@@ -1,7 +1,5 @@
 """Twenty run-downs that differ by a hundred-thousandth of a radian in the unbalance's phase."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

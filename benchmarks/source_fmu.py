@@ -4,8 +4,6 @@ What it holds, what the C compiler takes for it, and the rig's run-down with the
 makes over that with the native FMU's, in the same C master. Needs cc and wasm2c.
 """
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 import zipfile

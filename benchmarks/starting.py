@@ -1,7 +1,5 @@
 """What is paid before the first step, and what many contacts cost: python -m benchmarks.starting"""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 CPU time of a step of 0.1 and of 4 ms, this project's beside Exudyn's, in turns.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Results on disk, kept after every measurement, so that a benchmark can be stopped and resumed."""
 
-from __future__ import annotations
-
 import datetime
 import hashlib
 import importlib.metadata
@@ -32,7 +30,7 @@ class Store:
                 self.is_resumed = len(before) > 1
 
     @classmethod
-    def read(cls, folder: Path) -> Store:
+    def read(cls, folder: Path) -> "Store":
         """What a folder holds, whatever the sources are now; raises `OSError` if nothing."""
         store = cls.__new__(cls)
         store.path = folder / "results.json"

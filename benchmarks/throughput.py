@@ -6,8 +6,6 @@ the first rows on, without start and compiling; CPU time is all that the process
 included, and hangs less on what else the machine does.
 """
 
-from __future__ import annotations
-
 import os
 import tempfile
 import time

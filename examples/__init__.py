@@ -1,7 +1,5 @@
 """Machines, runs and systems that the rotor is part of, a folder each."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A machine in dense matrices, its clearance contacts and its static equilibrium."""
 
-from __future__ import annotations
-
 import numpy as np
 from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.kernels.kernel import interpreted

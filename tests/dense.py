@@ -1,7 +1,5 @@
 """The machine in plain dense matrices: the oracle for the band form, and for eigenvalues."""
 
-from __future__ import annotations
-
 import numpy as np
 from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.structure.structure import Structure

@@ -5,8 +5,6 @@ takes equations written anew (`benchmarks.equations`, `parts.equations`). The co
 the largest change of its orbits over that of the start, a shift of the rotor sideways.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path

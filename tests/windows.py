@@ -4,8 +4,6 @@ CVODE (SUNDIALS) solves the equations of `benchmarks.equations`, which share the
 project and nothing of its time integration.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

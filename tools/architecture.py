@@ -1,8 +1,6 @@
 """The packages of the project, the imports between them, and the picture of ARCHITECTURE.md:
 `python -m tools.architecture` prints the packages and writes `docs/figures/architecture.svg`."""
 
-from __future__ import annotations
-
 import ast
 from collections import Counter
 from graphlib import TopologicalSorter

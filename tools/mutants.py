@@ -5,8 +5,6 @@ is reported as unseen, one whose file or test has changed as outdated, and the e
 there is one of either. WORD: only mutants that have it in file, text or test.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

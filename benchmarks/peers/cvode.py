@@ -1,7 +1,5 @@
 """CVODE of SUNDIALS: backward differentiation with error control, order held to 2 or up to 5."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -6,8 +6,6 @@ Python. Exudyn's fast build, full Newton above and modified Newton below `_FINE`
 its iteration that costs no accuracy: what was quickest of what was tried.
 """
 
-from __future__ import annotations
-
 import sys
 from functools import partial
 

@@ -4,8 +4,6 @@ Residual and Jacobian are compiled, the linear solver is the direct dense one; e
 through Python, so that it is given the beginning of the run-down only.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numba

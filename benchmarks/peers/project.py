@@ -1,7 +1,5 @@
 """This project: fixed steps, adaptive ones, and error-controlled ones."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

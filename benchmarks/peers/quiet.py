@@ -1,7 +1,5 @@
 """Other programs talk while they are loaded, some past Python: nothing of that on the screen."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import sys

@@ -4,8 +4,6 @@
 so displacements are counted from rest and the contacts enter explicitly.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """SciPy's stiff solvers with error control, on compiled right-hand side and Jacobian."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -5,8 +5,6 @@ which costs as much as CVODE's own work on a machine of this size. Here the same
 compiled callbacks, and tell the number of steps, which scikit-sundae does not.
 """
 
-from __future__ import annotations
-
 import ctypes
 import importlib.metadata
 from collections.abc import Callable

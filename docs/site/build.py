@@ -5,8 +5,6 @@ with the repository's layout, so that their links hold, and Sphinx makes HTML fr
 such as a broken link, is an error.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

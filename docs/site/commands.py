@@ -1,7 +1,5 @@
 """Make the page of all commands from the commands themselves."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterator
 from importlib import import_module

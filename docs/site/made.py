@@ -1,7 +1,5 @@
 """Write the pages and the figure that are made from the code: `make pages`."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 """A motor on a stiff shaft and the rotor through libcosim: its ECCO, which chooses communication
 steps by the energy that a power bond loses, and its fixed steps."""
 
-from __future__ import annotations
-
 import csv
 import io
 import subprocess

@@ -13,8 +13,6 @@ the shaft's law holds. Where libcosim is installed its ECCO is held against its 
 the same motor and shaft as an FMU (`motor_on_shaft.py`).
 """
 
-from __future__ import annotations
-
 import math
 import shutil
 from importlib.util import find_spec

@@ -4,8 +4,6 @@ agree on the power that crosses from one to the other.
     python run_up.py [--ample TORQUE] [--small TORQUE] [--step SECONDS] [--out FOLDER]
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from hashlib import sha256

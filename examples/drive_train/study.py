@@ -5,8 +5,6 @@ A study names this module: `module = "rotor_fmu.examples.drive_train.study"`. A 
 rotor by its variables' names, of the drive train as `drive.NAME`.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

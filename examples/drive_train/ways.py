@@ -3,8 +3,6 @@
 J_motor w_motor' = torque - tau,    tau = k (phi_motor - phi) + c (w_motor - w)
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable
@@ -29,7 +27,7 @@ class Motor:
     phi: float = 0.0
     w: float = START
 
-    def stepped(self, h: float, tau: float, slope: float = 0.0) -> Motor:
+    def stepped(self, h: float, tau: float, slope: float = 0.0) -> "Motor":
         """Return it after h [s] under the shaft's torque [N.m] with its slope [N.m/s]."""
         rate = (TORQUE - tau) / J_MOTOR
         jerk = -slope / J_MOTOR

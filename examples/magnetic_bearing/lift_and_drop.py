@@ -7,8 +7,6 @@ controller does: it reads, computes for a sample, and holds the result over the 
     python lift_and_drop.py [--speed RAD/S] [--step SECONDS] [--volts VOLTS] [--out FOLDER]
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

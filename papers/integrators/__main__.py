@@ -1,7 +1,5 @@
 """`python -m papers.integrators`: the survey of integrators, and what a scheme does by itself."""
 
-from __future__ import annotations
-
 import typer
 
 from rotor_fmu.errors import run

@@ -3,8 +3,6 @@
 They turn no rotor here: they stand beside the others in the survey of spectral radii.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 """Members of the generalized-alpha family (`model.schemes.family`), classical and optimal ones, and
 their properties."""
 
-from __future__ import annotations
-
 import cmath
 import math
 

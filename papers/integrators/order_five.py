@@ -1,8 +1,6 @@
 """What an error costs with generalized-alpha and with Radau IIA: the rows that
 `benchmarks.order_five` makes, and what the page of integrators says of them."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Sequence
 from itertools import pairwise

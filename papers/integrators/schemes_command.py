@@ -1,7 +1,5 @@
 """`python -m papers.integrators schemes`: what each time integrator does to an oscillation."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Callable, Sequence

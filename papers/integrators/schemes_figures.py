@@ -1,7 +1,5 @@
 """Pictures of what integrators do to one oscillation: paper B's Figure 1 and two beside it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path

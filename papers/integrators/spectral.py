@@ -4,8 +4,6 @@ One step of a free oscillator (omega, damping ratio xi) multiplies its state by 
 matrix A (Ishikawa and Koguchi, eq. 15), a function of w = omega h alone; w / 2 pi is their dt/T.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import pairwise

@@ -3,8 +3,6 @@
 The rows are kept beside this module; `python -m tests.population` makes them anew.
 """
 
-from __future__ import annotations
-
 import csv
 import statistics
 from collections.abc import Sequence

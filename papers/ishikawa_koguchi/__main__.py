@@ -1,7 +1,5 @@
 """`python -m papers.ishikawa_koguchi`: paper B's experiments, its impact option on bearings."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Annotated, Any

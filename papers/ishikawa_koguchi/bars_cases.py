@@ -1,7 +1,5 @@
 """`python -m papers.ishikawa_koguchi bars`: its runs, table, pictures and status logs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """`bearings`: paper B's impact option on a rotor in hard stops."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the impact experiments share: integrators as cases, progress, the end of a command."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Pictures of paper B's experiments: its figures 3 to 7 and 10 to 12, and some beside them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

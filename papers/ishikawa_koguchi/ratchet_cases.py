@@ -1,7 +1,5 @@
 """`python -m papers.ishikawa_koguchi ratchet`: its runs, table, pictures and animation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The ratchet drawn: wheel, pawl and its deformation, at a few instants and in motion."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

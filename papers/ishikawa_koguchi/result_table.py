@@ -1,7 +1,5 @@
 """A table that goes to the screen, to a CSV file and to a Markdown page."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """`python -m papers.zigulic2003`: what paper A ran, through the FMU."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """The figures of paper A, drawn again from what was run again."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """What paper A ran, run again: every case through the FMU, beside what the paper says of it."""
 
-from __future__ import annotations
-
 import json
 import statistics
 from collections.abc import Callable, Mapping

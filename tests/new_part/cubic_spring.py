@@ -1,7 +1,5 @@
 """A part that exists in the tests alone: a cubic spring to ground with a viscous damper."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """A drop into two touchdown bearings, with a bearing told by tables, and what CVODE makes of it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -6,8 +6,6 @@ Of a race of inertia J under friction T, its surface at the radius R + s:
     J w' = (R + s) T - drag w / sqrt(w^2 + w_s^2) - damping w
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Sequence

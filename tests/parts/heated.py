@@ -1,7 +1,5 @@
 """Machines with a heated contact: a run, and the bow that it has reached."""
 
-from __future__ import annotations
-
 import cmath
 
 from rotor_fmu.model.machine.toml import parse_rotor

@@ -1,8 +1,6 @@
 """A bearing with a floating ring: its numbers, a machine that rests in two, and closed forms of its
 short films."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

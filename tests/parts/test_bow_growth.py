@@ -1,7 +1,5 @@
 """Bows that grow and turn with the heat of a rub, against closed forms and eigenvalues."""
 
-from __future__ import annotations
-
 import cmath
 import math
 

@@ -1,7 +1,5 @@
 """Viscosity over the speed, and over the temperature of a film whose heat leaves with its oil."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

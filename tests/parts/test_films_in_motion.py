@@ -1,7 +1,5 @@
 """Rotors in oil films that move: threshold, limit cycle, touching, dampers; ledger and backends."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Bearings with floating rings: closed forms, their own differences, CVODE on equations of its own,
 ledger and backends."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

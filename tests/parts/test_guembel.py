@@ -1,7 +1,5 @@
 """Guembel's rupture: against closed forms, a solution in two dimensions, its own differences."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

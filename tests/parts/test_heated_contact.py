@@ -1,7 +1,5 @@
 """Bows of the shaft by the heat of a rub: ledger, shape, what they have to be equal to."""
 
-from __future__ import annotations
-
 import cmath
 import math
 

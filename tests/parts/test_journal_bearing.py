@@ -1,7 +1,5 @@
 """The film of a journal bearing: against closed forms, a grid's solution, its own differences."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,8 +1,6 @@
 """The whirl of a rigid rotor in two short films past its threshold, against CVODE (SUNDIALS) on
 equations of its own: Ocvirk's pressure, what is positive of it summed up over the circle."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

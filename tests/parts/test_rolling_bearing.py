@@ -1,7 +1,5 @@
 """Rolling bearings: their elements' loads, passing, tangent and power, against closed forms."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Journal bearings whose pads tilt: against a grid's solution, their own differences, in motion."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 `python -m tests.population [machines] [processes]`; by default 204 and 2.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import sys

@@ -1,7 +1,5 @@
 """This project's runs of drawn machines, beside CVODE's."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Machines drawn at random: every kind of part, responses of all sizes, constant speeds, ramps."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

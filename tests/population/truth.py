@@ -4,8 +4,6 @@ CVODE (SUNDIALS) solves the equations of `tests.parts.equations`, which share th
 and bodies with this project and nothing else.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

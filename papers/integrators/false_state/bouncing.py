@@ -7,8 +7,6 @@ Along one axis a step is linear but for one number, the wall's force at its end,
 so that many impacts, of all speeds and at all instants of a step, are followed at once.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from papers.integrators.members import Scheme

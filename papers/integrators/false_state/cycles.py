@@ -20,8 +20,6 @@ For the word RRLL between hard walls only z = i counts, and the inequalities say
 -1 / H(i) is below 45 degrees: `quarter_phase`.
 """
 
-from __future__ import annotations
-
 import cmath
 import itertools
 import math

@@ -3,8 +3,6 @@
 The scheme's step along such an axis: as the answer to a force z^n, and as matrices.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Simulations that begin where they are put: in a cycle of the false state, or before an impact."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whether a journal that hits a wall ends in the false state: the survey's map of one impact."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Pictures of the false state: what it is, who has it, how a run gets into it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The page's numbers of the false state: where it is, how long it lasts, the power it makes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the survey's table says: rows of one kind, medians, shares."""
 
-from __future__ import annotations
-
 import statistics
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence

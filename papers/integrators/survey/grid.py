@@ -1,7 +1,5 @@
 """A grid of runs on all cores: rows kept as they finish, nothing run twice."""
 
-from __future__ import annotations
-
 import csv
 import gzip
 import hashlib

@@ -1,7 +1,5 @@
 """What numerical damping hides: the steps at which integrators still see an oscillation grow."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from rotor_fmu.model.kernels.kernel import interpreted

@@ -1,7 +1,5 @@
 """The survey's runs of paper B's experiments: two elastic bars, a pawl in a ratchet wheel."""
 
-from __future__ import annotations
-
 import math
 import time
 from importlib.resources import files
@@ -67,7 +65,7 @@ def slide(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     return row
 
 
-def _ended(run: Run, begun: float) -> Row:
+def _ended(run: "Run", begun: float) -> Row:
     return {
         "status": "ok" if run.is_done else f"{_end_of(run)} at {run.t[-1]:.4g} s",
         "steps": float(run.increments),
@@ -77,7 +75,7 @@ def _ended(run: Run, begun: float) -> Row:
     }
 
 
-def _end_of(run: Run) -> str:
+def _end_of(run: "Run") -> str:
     return "stalled" if run.is_capped else run.status.split()[0]
 
 

@@ -1,7 +1,5 @@
 """The page's numbers of paper B's impacts: bars that collide, and the ratchet."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

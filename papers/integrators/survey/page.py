@@ -1,7 +1,5 @@
 """`docs/explanation/integrators.md`: a template, and the numbers of a survey's table."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path

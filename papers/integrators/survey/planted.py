@@ -1,7 +1,5 @@
 """The survey's cycles of the false state: predicted, planted in the rig, and watched."""
 
-from __future__ import annotations
-
 import time
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The survey's run-downs of the rig: converged, perturbed, in the false state."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The page's numbers of the run-downs: error, work, energy made, runs in the false state."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The version of what a module computes: its source and that of all it imports of this project."""
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import importlib.util

@@ -1,7 +1,5 @@
 """`python -m papers.integrators survey`: which integrator, at which step, survives contact."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

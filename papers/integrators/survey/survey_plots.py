@@ -1,7 +1,5 @@
 """Pictures of a survey, one a finding."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Numbers, names and tables of schemes as the page writes them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 

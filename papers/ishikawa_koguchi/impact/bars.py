@@ -5,8 +5,6 @@ the wave equation: the ends that meet have the velocity v until t0 = g / (2 v), 
 time in which the wave runs to the far end and back, then -v.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

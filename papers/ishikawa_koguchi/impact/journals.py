@@ -5,8 +5,6 @@ IMPACT=AVERAGE TIME, which is made for hard contacts, can be tried on a rotor.
 Unknowns, real: x of the rotor's nodes and housings, then y; see `structure.Structure`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

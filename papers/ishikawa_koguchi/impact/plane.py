@@ -1,7 +1,5 @@
 """Bilinear quadrilaterals in plane strain, in band storage (matrices by scikit-fem)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

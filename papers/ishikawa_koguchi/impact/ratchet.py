@@ -8,8 +8,6 @@ locking face of the next tooth meets it. Openings, frictionless and hard (u: nod
     locking face        s = slip + R theta - u_x
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

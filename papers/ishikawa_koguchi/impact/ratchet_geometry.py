@@ -9,8 +9,6 @@ nose, which lies d below the pin, the wheel turns the pawl by i = m R / (L + m d
     (J + I i^2) theta'' = -(T + i L F)
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Mapping, Sequence

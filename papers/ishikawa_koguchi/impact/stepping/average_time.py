@@ -9,8 +9,6 @@
 (Abaqus Theory 2.4.2; paper B, section 3.1.5 and Figure 8.)
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from .hard_stop import held

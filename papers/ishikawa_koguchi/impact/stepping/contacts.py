@@ -4,8 +4,6 @@ A contact force lambda acts on p along the opening's gradient N = ds/dp. Flat st
 one; a journal in a round stop has s = clearance - |p|, whose gradient turns with the journal.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """What can be wrong with an experiment."""
 
-from __future__ import annotations
-
 from rotor_fmu.model.errors import InputError
 
 

@@ -5,8 +5,6 @@ a symmetric positive definite A: for the forces of a step, for the impulses of a
 accelerations after it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from rotor_fmu.model.kernels.jit import jit
 from rotor_fmu.model.step.interface_problem import solve_columns

@@ -7,8 +7,6 @@ at the closed contacts (Abaqus Theory 2.4.2), solved as complementarity problems
 nor lambda pulls.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from .hard_stop import complementarity

@@ -1,7 +1,5 @@
 """Increments whose contacts are solved at their end: IMPACT=NO and IMPACT=CURRENT TIME."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .hard_stop import unilateral

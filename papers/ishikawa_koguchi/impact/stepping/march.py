@@ -9,8 +9,6 @@ current-time  no cutback; the velocities and accelerations of contacts that have
               made compatible at the end of the increment
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

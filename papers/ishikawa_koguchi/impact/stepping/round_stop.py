@@ -8,8 +8,6 @@ the conditions of a projection onto discs, which has one solution. As with a tru
 Sorensen 1983), 1 / |p_j| is nearly linear in nu, and Newton's method takes a few iterations.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from .contacts import RoundStops

@@ -1,7 +1,5 @@
 """What one increment of an experiment hands to the next, and the status log that it writes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 

@@ -8,8 +8,6 @@ displacements p = B^T q at the contacts, p1'' = w + W F; displacements as unknow
 in very short steps.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ s: openings of the contacts, N their gradient (see `contacts`), lambda: contact 
 stop, whose compliance is zero, lambda s = 0; a penalty law has lambda = -s / compliance.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
