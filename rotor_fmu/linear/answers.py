@@ -178,8 +178,7 @@ class Campbell(Displayed, linear.Campbell):
         highest = 1.05 * np.nanmax(frequency, initial=0.0)
         # not so far that the line of the speed, and what it meets, becomes flat
         reach = max(_REACH * max(self.harmonics) * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
-        above.set_ylim(0, max(min(highest, reach), 1e-9))
-        above.set_xlim(speed[0], speed[-1])
+        above.set(ylim=(0, max(min(highest, reach), 1e-9)), xlim=(speed[0], speed[-1]))
         above.set_ylabel(f"Frequency [{frequency_unit()}]")
         below.set_ylabel("Logarithmic decrement [1]")
         finite = self.log_dec[np.isfinite(self.log_dec)]
@@ -272,8 +271,7 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
         above.legend(handles=handles, frameon=False, fontsize=8, loc="best")
         above.set_ylim(bottom=0)
         above.set_ylabel(f"Amplitude [{current().amplitude_unit}]")
-        below.set_ylabel("Phase to the mark [deg]")
-        below.set_ylim(-185, 185)
+        below.set(ylabel="Phase to the mark [deg]", ylim=(-185, 185))
         below.set_yticks([-180, -90, 0, 90, 180])
         below.set_xlabel(current().speed_label)
         title = f"Steady response to unbalance, contacts {self.contacts}"

@@ -16,11 +16,8 @@ def machine_warnings(rotor: Rotor) -> list[str]:
     rest."""
     result = []
     machine = LinearMachine(rotor)
-    if (
-        rotor.gravity * rotor.weight_share != 0.0
-        and not machine.is_held
-        and not _is_released(rotor)
-    ):
+    is_released = bool(rotor.elements_of_kind(ReleaseElement))
+    if rotor.gravity * rotor.weight_share != 0.0 and not (machine.is_held or is_released):
         result.append(f"{machine.why_not_held()}, or give a [start] in the air")
     try:
         at_rest = modes(rotor, 0.0, contacts=OPEN)
@@ -32,7 +29,3 @@ def machine_warnings(rotor: Rotor) -> list[str]:
     if growing:
         result.append(grows_at_rest(max(growing, key=lambda r: r.real / abs(r))))
     return result
-
-
-def _is_released(rotor: Rotor) -> bool:
-    return bool(rotor.elements_of_kind(ReleaseElement))

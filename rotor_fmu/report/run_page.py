@@ -45,11 +45,12 @@ def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -
 def runs_page(runs: Sequence[Recording], summaries: Sequence[Mapping[str, Any]]) -> str:
     """Return the page of one or two runs as HTML."""
     data = [run_data(run) for run in runs]
+    criticals = criticals_of(runs[0]).sentence
     body = template("run.html").substitute(
         notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
         machine="" if runs[0].rotor is None else machine_html(runs[0].rotor),
-        criticals=_paragraph(criticals_of(runs[0]).sentence),
+        criticals=f'<p class="about">{escape(criticals)}</p>\n' if criticals else "",
         **{word: " selected" * is_shown for word, is_shown in _chosen().items()},
         hidden=" hidden" if all(d["why"] for d in data) else "",
         single=" hidden" if len(runs) == 1 else "",
@@ -75,10 +76,6 @@ def _chosen() -> dict[str, bool]:
         "mil": is_mil and not shown.is_pp,
         "milpp": is_mil and shown.is_pp,
     }
-
-
-def _paragraph(text: str) -> str:
-    return f'<p class="about">{escape(text)}</p>\n' if text else ""
 
 
 def page(

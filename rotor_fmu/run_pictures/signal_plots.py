@@ -280,8 +280,7 @@ def contact_force(view: View) -> Figure:
     above.set_ylim(bottom=0)
     above.set_ylabel(f"Normal force [{d.force_unit}]")
     below.plot(n, broken_at_reversals(n, 100 * result.share), color=GREEN, lw=1.0)
-    below.set_ylim(0, 105)
-    below.set_ylabel("Touches [% of the turn]")
+    below.set(ylim=(0, 105), ylabel="Touches [% of the turn]")
     view.title(above, f"contact force of {contact.label}")
     return figure
 

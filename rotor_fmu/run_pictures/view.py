@@ -134,8 +134,7 @@ def speed_axis(axes: Axes, speed: np.ndarray) -> None:
 def angle_axis(axes: Axes, label: str) -> None:
     """Make the upward axis one of contact angles [deg]."""
     axes.set_yticks(*ANGLES)
-    axes.set_ylim(0, 360)
-    axes.set_ylabel(f"Contact angle ψ{label} [deg]")
+    axes.set(ylim=(0, 360), ylabel=f"Contact angle ψ{label} [deg]")
 
 
 def displacement_axes(axes: Axes, place: MeasuringPoint) -> None:
