@@ -7,8 +7,10 @@ import math
 
 import numpy as np
 import pytest
+import scipy.linalg
 from rotor_fmu.model.linear import (
     LinearError,
+    LinearMachine,
     critical_map,
     critical_peaks,
     level_1,
@@ -302,6 +304,59 @@ def test_the_own_stiffness_of_a_bearing_is_that_of_its_force_where_the_machine_r
         stiffness = np.diag(loaded @ np.linalg.inv(moved))
         axis = "xy".index(crossing.axis)
         assert crossing.stiffness == pytest.approx(stiffness[axis], rel=2e-3)
+
+
+def on_pedestals(kx, ky, bearings=1e6):
+    """Two discs, one overhung, on bearings in housings of 4 kg."""
+    more = "[[disc]]\nnode = 7\ndiameter = 0.25\nwidth = 0.03\n"
+    for node in (1, 5):
+        more += f'[[housing]]\nname = "h{node}"\nmass = 4.0\nkx = {kx}\nky = {ky}\ncx = 0\ncy = 0\n'
+        more += f'[[linear_bearing]]\nnode = {node}\nhousing = "h{node}"\n'
+        more += f"kxx = {bearings}\nkyy = {bearings}\ncxx = 0.0\ncyy = 0.0\n"
+    return parse_rotor(SHAFT.replace("node = 4", "node = 3") + more)
+
+
+def dense_synchronous(kx, ky, bearings):
+    """Synchronous critical speeds [rad/s] and forwardness of the dense matrices."""
+    machine = LinearMachine(on_pedestals(kx, ky, bearings))
+    rest, turning = machine.at(0.0), machine.at(1.0)
+    G = (turning.D - rest.D).toarray()
+    values, shapes = scipy.linalg.eigh(rest.M.toarray() - 1j * G, rest.K.toarray())
+    x, y = shapes[: 4 * 7 : 4], shapes[1 : 4 * 7 : 4]
+    forward, backward = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
+    some = values > 1e-12 * values.max()
+    return values[some] ** -0.5, ((forward - backward) / (forward + backward))[some]
+
+
+@pytest.mark.parametrize(("kx", "ky"), [(5e6, 2e7), (8e6, 9e6), (2e7, 5e6)])
+def test_lines_of_the_map_on_pedestals_that_differ_are_the_dense_eigenvalues_and_do_not_jump(
+    kx, ky
+):
+    """All that do not clearly whirl backward lie on one; u^H K_b u / u^H K u is between 0 and 1, so
+    that the square of a critical speed grows at most as the stiffness does."""
+    stiffness = np.geomspace(1e5, 1e9, 25)
+    lines = critical_map(on_pedestals(kx, ky), stiffness, count=6).speeds
+    for k, found in zip(stiffness, lines, strict=True):
+        speeds, forwardness = dense_synchronous(kx, ky, k)
+        here = found[np.isfinite(found)]
+        for speed in here:
+            assert np.abs(speeds / speed - 1).min() < 1e-6
+        for speed in speeds[(forwardness > -0.49) & (speeds < np.sort(here)[3])]:
+            assert np.abs(here / speed - 1).min() < 1e-6
+    growth = lines[1:] / lines[:-1]
+    growth = growth[np.isfinite(growth)]
+    assert len(growth) > 90
+    assert growth.min() > 1 - 1e-9
+    assert growth.max() < math.sqrt(stiffness[1] / stiffness[0]) * (1 + 1e-9)
+
+
+def test_lines_on_pedestals_that_hardly_differ_are_those_of_alike_ones():
+    """Where a forward line crosses a backward one too, which both then only seem to avoid."""
+    stiffness = np.geomspace(1e5, 1e9, 25)
+    alike, others = (
+        critical_map(on_pedestals(5e6, ky), stiffness, count=5).speeds for ky in (5e6, 5.00001e6)
+    )
+    np.testing.assert_allclose(others, alike, rtol=1e-5)
 
 
 def test_the_own_stiffness_of_a_damper_is_that_of_its_springs():

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..machine.rotor import Rotor
+from .forward_branches import ForwardBranches
 from .linear_machine import LinearError
 from .undamped import UndampedMachine
 
@@ -49,9 +50,10 @@ class CriticalMap:
 
     stiffness: of every bearing, shape (s,) [N/m]; speeds: forward critical speeds, or natural
     frequencies at standstill where `synchronous` is false, ascending, shape (s, m) [rad/s], NaN
-    where there are fewer; bearings: names of what the stiffness replaces; own: the stiffness of
-    these bearings; crossings: where that meets a line; rigid: the first critical speed on rigid
-    bearings [rad/s].
+    where there are fewer; where pedestals differ in x and y each line is followed by its shape, and
+    is NaN where it clearly whirls backward (see `forward_branches`); bearings: names of what the
+    stiffness replaces; own: the stiffness of these bearings; crossings: where that meets a line;
+    rigid: the first critical speed on rigid bearings [rad/s].
     """
 
     stiffness: np.ndarray
@@ -86,8 +88,10 @@ def critical_map(
         raise LinearError("stiffness: must be at least 2 values, ascending from above 0")
     if count < 1:
         raise LinearError(f"count = {count}: must be at least 1")
-    lines = _Lines(UndampedMachine(rotor, contacts, rigid_pedestals), synchronous)
-    speeds = np.array([lines(k, count) for k in values])
+    lines = _Lines(UndampedMachine(rotor, contacts, rigid_pedestals), synchronous, values, count)
+    speeds = np.array([lines(k) for k in values])
+    if lines.branches is not None:
+        speeds[:, : lines.branches.is_backward.shape[1]][lines.branches.is_backward] = np.nan
     top = 1.1 * float(np.nanmax(speeds, initial=0.0))
     own = _own_stiffness(lines.machine, np.linspace(0.0, top, _SAMPLES))
     return CriticalMap(
@@ -110,19 +114,28 @@ def first_rigid_critical(rotor: Rotor, contacts: str | None = None) -> float:
 
 
 class _Lines:
-    """The critical speeds over the stiffness, each solved for once."""
+    """The `count` lowest critical speeds over the stiffness, each solved for once."""
 
-    def __init__(self, machine: UndampedMachine, is_synchronous: bool) -> None:
+    def __init__(
+        self, machine: UndampedMachine, is_synchronous: bool, stiffness: np.ndarray, count: int
+    ) -> None:
         self.machine = machine
-        self._solve = machine.forward_criticals if is_synchronous else machine.natural_frequencies
+        self._count = count
         self._known: dict[float, np.ndarray] = {}
+        self.branches: ForwardBranches | None = None
+        self._solve: Callable[[float], np.ndarray] = machine.natural_frequencies
+        if is_synchronous and machine.is_circular:
+            self._solve = machine.forward_criticals
+        elif is_synchronous:
+            self._solve = self.branches = ForwardBranches(machine, stiffness, count)
 
-    def __call__(self, stiffness: float, count: int) -> np.ndarray:
+    def __call__(self, stiffness: float) -> np.ndarray:
         """Return the lowest ones, shape (count,) [rad/s], NaN where there are fewer."""
         if stiffness not in self._known:
-            self._known[stiffness] = self._solve(stiffness)
-        speeds = self._known[stiffness][:count]
-        return np.append(speeds, np.full(count - len(speeds), np.nan))
+            speeds = self._solve(stiffness)[: self._count]
+            missing = np.full(self._count - len(speeds), np.nan)
+            self._known[stiffness] = np.append(speeds, missing)
+        return self._known[stiffness]
 
 
 def mean_stiffness(rotor: Rotor, contacts: str | None = None) -> float:
@@ -154,7 +167,7 @@ def _crossings(
     """Return where each bearing's own stiffness meets the lines."""
     places = {name: i for i, name in enumerate(lines.machine.bearings)}
     return [
-        Crossing(of.bearing, of.axis, mode, k, float(lines(k, mode + 1)[mode]))
+        Crossing(of.bearing, of.axis, mode, k, float(lines(k)[mode]))
         for of in own
         for mode in range(speeds.shape[1])
         for k in _meetings(
@@ -170,7 +183,7 @@ def _excess(lines: _Lines, place: int, axis: int, mode: int) -> Callable[[float]
     critical speed with it, over it; NaN where it has none."""
 
     def excess(k: float) -> float:
-        own = lines.machine.own_stiffness(float(lines(k, mode + 1)[mode]))[place, axis]
+        own = lines.machine.own_stiffness(float(lines(k)[mode]))[place, axis]
         return math.log(own / k) if own > 0 else math.nan
 
     return excess
@@ -179,11 +192,12 @@ def _excess(lines: _Lines, place: int, axis: int, mode: int) -> Callable[[float]
 def _meetings(
     stiffness: np.ndarray, speeds: np.ndarray, excess: Callable[[float], float]
 ) -> list[float]:
-    known = stiffness[np.isfinite(speeds)]
-    values = [excess(k) for k in known]
+    values = [
+        excess(k) if math.isfinite(w) else math.nan for k, w in zip(stiffness, speeds, strict=True)
+    ]
     found = [
         brentq(excess, a, b, rtol=1e-12)
-        for a, b, before, after in zip(known, known[1:], values, values[1:], strict=False)
+        for a, b, before, after in zip(stiffness, stiffness[1:], values, values[1:], strict=False)
         if before * after <= 0 and before != 0
     ]
     return [k for k in found if math.isfinite(excess(k))]

@@ -11,6 +11,7 @@ without G it gives the natural frequencies at standstill.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -28,6 +29,18 @@ _APART = 1e-9  # of a matrix: what is smaller couples nothing
 _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
+
+
+class Synchronous(NamedTuple):
+    """Synchronous modes with a stiffness of all bearings [N/m], ascending: critical speeds [rad/s]
+    and forwardness (see `Modes`), shape (m,); shapes by the unknowns, (N, m), and their modal
+    masses."""
+
+    stiffness: float
+    speeds: np.ndarray
+    forwardness: np.ndarray
+    shapes: np.ndarray
+    norms: np.ndarray
 
 
 class UndampedMachine:
@@ -55,23 +68,39 @@ class UndampedMachine:
         self.rigid_stiffness = _RIGID * mass * float(machine.structure.numbers[0].lowest_omega) ** 2
         self._nodes = len(rotor.nodes)
 
+    @property
+    def mass(self) -> np.ndarray:
+        """The mass matrix of the unknowns."""
+        return self._matrices.M
+
+    @property
+    def is_circular(self) -> bool:
+        """Whether all modes are circles: no pedestal differs in x and y."""
+        return _half(self._synchronous(self.rigid_stiffness), _FORWARD)[1]
+
     def forward_criticals(self, stiffness: float) -> np.ndarray:
         """Return the forward critical speeds, ascending [rad/s], with this stiffness of all
-        bearings [N/m]."""
-        matrices = self._matrices
-        inverse = self._inverse(stiffness, matrices.M - 1j * matrices.gyroscopic)
-        forward, is_apart = _half(inverse, _FORWARD)
-        if is_apart:
-            return _solve(forward)[0]
-        speeds, shapes = _solve(inverse)
-        x, y = shapes[::2], shapes[1::2]
+        bearings [N/m], of a machine whose modes are circles."""
+        return _solve(_half(self._synchronous(stiffness), _FORWARD)[0])[0]
+
+    def synchronous(self, stiffness: float) -> Synchronous:
+        """Return the synchronous modes with this stiffness of all bearings [N/m], whichever way
+        they whirl."""
+        speeds, shapes = _solve(self._synchronous(stiffness))
+        x, y = (shapes[axis : 4 * self._nodes : 4] for axis in (0, 1))
         turning, against = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
-        return speeds[turning > against]
+        norms = np.einsum("im,ij,jm->m", shapes.conj(), self.mass, shapes).real
+        forwardness = (turning - against) / (turning + against)
+        return Synchronous(stiffness, speeds, forwardness, shapes, norms)
+
+    def _synchronous(self, stiffness: float) -> np.ndarray:
+        """Return K^-1 (M - i G)."""
+        return self._inverse(stiffness, self.mass - 1j * self._matrices.gyroscopic)
 
     def natural_frequencies(self, stiffness: float) -> np.ndarray:
         """Return the natural frequencies at standstill, ascending [rad/s], with this stiffness of
         all bearings [N/m]; of two planes that are alike those of one."""
-        inverse = self._inverse(stiffness, self._matrices.M.astype(complex))
+        inverse = self._inverse(stiffness, self.mass.astype(complex))
         planes = [_half(inverse, plane)[0] for plane in (_ACROSS, _UP)]
         speeds = [_solve(plane)[0] for plane in planes]
         if np.abs(planes[0] - planes[1]).max() < _APART * np.abs(planes[0]).max():
@@ -101,7 +130,7 @@ class UndampedMachine:
         ascending frequency, shape (m, n); with the mean of both direct stiffnesses that each
         bearing has at a speed [rad/s]."""
         own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
-        inverse = self._inverse(own, self._matrices.M.astype(complex))
+        inverse = self._inverse(own, self.mass.astype(complex))
         _, shapes = _solve(_half(inverse, _ACROSS)[0])
         w = shapes[: 2 * self._nodes : 2].T
         return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
