@@ -16,6 +16,7 @@ from rotor_fmu.model.linear import (
 )
 from rotor_fmu.model.linear.rolling_bearing_curves import RollingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.housing import Housing
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
@@ -24,6 +25,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers, bearing_answers
 
 from .parts.films import DAMPER, in_films
+from .parts.machines import rigid
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 OIL, ROLLING, SQUEEZE = (
@@ -154,6 +156,63 @@ def test_a_damper_without_a_spring_lies_on_its_wall_or_has_no_equilibrium():
     hung = replace(on_wall, k=0.0, stiffness=1e5)
     with pytest.raises(LinearError, match=r"its load is 50 N, and its spring carries 9\.9 N"):
         damper_curves(_with(hung), 80.0, bearing=name, load=50.0)
+
+
+CAGE = """
+[[housing]]
+name = "outer"
+mass = 0.5
+kx = 8e4
+ky = 1e5
+cx = 30.0
+cy = 40.0
+[[linear_bearing]]
+node = 1
+housing = "outer"
+kxx = 1e7
+kyy = 1e7
+cxx = 0.0
+cyy = 0.0
+[[support]]
+node = 3
+stiffness = 1e7
+[[squeeze_film_damper]]
+node = 1
+ring = "outer"
+journal_radius = 0.05
+length = 0.02
+clearance = 1e-4
+viscosity = 0.01
+short = true
+k = 1e8
+"""
+
+
+def test_a_ring_rests_in_its_cage_as_in_the_machine_and_has_its_stiffness_and_damping():
+    """Without a load the film's damping is mu R L^3 / c^3 pi / 2."""
+    name = "squeeze_film_damper[1]"
+    rotor = parse_rotor(rigid(mass=1.0, gravity=9.81, rest=CAGE))
+    whole, found = static(rotor, 80.0), damper_curves(rotor, 80.0, bearing=name)
+    assert complex(found.x, found.y) == pytest.approx(whole.housing_x[0] + 1j * whole.housing_y[0])
+    assert found.load == pytest.approx([0.0, -9.81 * (0.5 + 0.5)], rel=1e-6)
+    assert found.eccentricity == pytest.approx(9.81 / 1e5 / 1e-4, rel=1e-6)
+    np.testing.assert_allclose(found.cage, [8e4, 1e5])
+    none = damper_curves(rotor, 80.0, bearing=name, load=0.0)
+    film = 0.01 * 0.05 * 0.02**3 / 1e-12 * math.pi / 2
+    np.testing.assert_allclose(none.K, np.diag([8e4, 1e5]), atol=1e-6)
+    np.testing.assert_allclose(none.C, np.diag([30.0 + film, 40.0 + film]), rtol=1e-6)
+    # the orbits are of the film alone
+    uncaged = replace(rotor.of_kind(Housing)[0], kx=1e3, ky=1e3)
+    bare = damper_curves(rotor.with_parts(Housing, uncaged), 80.0, bearing=name, load=0.0)
+    np.testing.assert_allclose(none.stiffness, bare.stiffness)
+    half = damper_curves(rotor, 80.0, bearing=name, load=5.0)
+    assert half.y == pytest.approx(-5.0 / 1e5, rel=1e-9)
+    on_wall = damper_curves(rotor, 80.0, bearing=name, load=50.0)
+    reach = 1e-4 - 1e-6  # where it touches
+    assert on_wall.y == pytest.approx(-(50.0 + 1e8 * reach) / (1e8 + 1e5), rel=1e-6)
+    free = replace(rotor.of_kind(SqueezeFilmDamper)[0], k=0.0)
+    with pytest.raises(LinearError, match=r"its load is 50 N, and its cage carries 9\.9 N"):
+        damper_curves(rotor.with_parts(SqueezeFilmDamper, free), 80.0, bearing=name, load=50.0)
 
 
 def test_a_damper_is_said_with_coefficients_that_a_linear_bearing_takes(command, tmp_path):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,10 +16,12 @@ from ..film.zone_pressure import vectors, zone_bound
 from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..parts import LAWS
+from ..parts.base import MountElement, Part
 from ..parts.film_equilibrium import FilmProbe
 from ..parts.film_law import bearing_at
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
+from ..parts.law import Weights
 from ..parts.law_probe import BY_D
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..parts.tilting_pads import states_of_pad
@@ -86,10 +88,31 @@ class RingAlone(FilmAtRest):
         )
 
 
+class Cage(NamedTuple):
+    """What centres a damper's ring beside its film: stiffness [N/m] and damping [N.s/m] in x and
+    y, shape (2,)."""
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+
+
+NO_CAGE = Cage(np.zeros(2), np.zeros(2))
+
+
+def cage_of(rotor: Rotor, part: Part) -> Cage:
+    """Return the springs of the housing that is a damper's ring, none of another part."""
+    for _, mount in rotor.elements_of_kind(MountElement):
+        if isinstance(part, SqueezeFilmDamper) and mount.name == part.ring:
+            of = mount.source
+            return Cage(np.array([of.kx, of.ky]), np.array([of.cx, of.cy]))
+    return NO_CAGE
+
+
 class BearingAlone(FilmAtRest):
     """A journal bearing or a damper whose journal is moved by hand at a speed [rad/s].
 
-    part: the bearing; where: its name, for messages.
+    part: the bearing; where: its name, for messages; cage: acts beside its film, on a housing that
+    does not move.
     """
 
     def __init__(
@@ -97,9 +120,10 @@ class BearingAlone(FilmAtRest):
         part: JournalBearing | SqueezeFilmDamper,
         speed: float,
         where: str = "journal_bearing",
+        cage: Cage = NO_CAGE,
     ) -> None:
         super().__init__(part, speed, where)
-        self.part = part
+        self.part, self.cage = part, cage
         is_journal = isinstance(part, JournalBearing)
         record, tables = self._record, self._tables
         self._bearing = (
@@ -107,6 +131,29 @@ class BearingAlone(FilmAtRest):
             if is_journal
             else interpreted(bearing_of)(record)
         )
+
+    def force(self, d: complex, v: complex = 0j) -> complex:
+        """Return the force on the journal or ring [N], its cage's included."""
+        (kx, ky), (cx, cy) = self.cage
+        of_cage = complex(kx * d.real + cx * v.real, ky * d.imag + cy * v.imag)
+        return super().force(d, v) - of_cage
+
+    def tangent(self, d: complex, v: complex, weights: Weights) -> np.ndarray:
+        """Return the force's derivative for `Weights`, shape (2, 2)."""
+        of_cage = weights.displacement * self.cage.stiffness + weights.velocity * self.cage.damping
+        return super().tangent(d, v, weights) - np.diag(of_cage)
+
+    def coefficients(self, d: complex) -> tuple[np.ndarray, np.ndarray]:
+        """Return K [N/m] and C [N.s/m] at rest at a displacement, shape (2, 2) each, the cage's
+        included."""
+        K, C = super().coefficients(d)
+        return K + np.diag(self.cage.stiffness), C + np.diag(self.cage.damping)
+
+    def is_centred(self, load: complex) -> bool:
+        """Return whether a spring, or a cage within the clearance, centres the ring under a load
+        [N]."""
+        most = abs(load) / self.part.clearance
+        return super().is_centred(load) or bool((self.cage.stiffness > most).all())
 
     @property
     def viscosity(self) -> float:
@@ -173,6 +220,7 @@ class BearingAlone(FilmAtRest):
         """Return the error of a load [N] that is not carried: with the load and what is."""
         is_damper = isinstance(self.part, SqueezeFilmDamper)
         at, what = ("", "spring") if is_damper else (f" at {self.speed:g} rad/s", "film")
+        what = "cage" if self.cage.stiffness.any() else what
         return LinearError(
             f"{self.where}: no equilibrium{at}: its load is "
             f"{abs(load):.4g} N, and its {what} carries {self._capacity(load):.4g} N in that "
@@ -180,9 +228,11 @@ class BearingAlone(FilmAtRest):
         )
 
     def _capacity(self, load: complex) -> float:
-        """Return the largest share of a load that the film, or a damper's spring, carries [N]."""
+        """Return the largest share of a load that the film, or a damper's springs, carry [N]."""
         if isinstance(self.part, SqueezeFilmDamper):
-            return self.part.stiffness * (self.part.clearance - self.part.roughness)
+            ahead = np.array([load.real, load.imag]) / abs(load) if load else np.array([0.0, 1.0])
+            stiffness = self.part.stiffness + float(self.cage.stiffness @ ahead**2)
+            return stiffness * (self.part.clearance - self.part.roughness)
         if self._law.vibrate is not None:  # each force takes a while then
             return self._carried_at_roughness(load) if self.speed != 0.0 else 0.0
         low, high = 0.0, 1.0
@@ -260,6 +310,9 @@ def check_films(
         part = parts.get(name)
         if isinstance(part, JournalBearing | SqueezeFilmDamper):
             if laws.is_invalid(j, at):
-                raise BearingAlone(part, speed, name).no_equilibrium(-complex(on))
+                alone = BearingAlone(part, speed, name, cage_of(rotor, part))
+                kx, ky = alone.cage.stiffness
+                of_cage = complex(kx * at.real, ky * at.imag)
+                raise alone.no_equilibrium(of_cage - complex(on))
         elif isinstance(part, FloatingRingBearing) and laws.is_invalid(j, at):
             raise RingAlone(part, speed, name).no_equilibrium(-complex(on))

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..machine.rotor import Rotor
+from ..parts.base import GROUND, MountElement
 from ..parts.law_probe import cleared
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
-from .bearing_equilibrium import BearingAlone
-from .static import speeds_and_loads
+from .bearing_equilibrium import NO_CAGE, BearingAlone, cage_of
+from .static import speeds_and_loads, static
 from .system_at_speed import LinearError
 
 _ORBITS = np.linspace(0.05, 0.95, 19)
@@ -21,16 +22,18 @@ _ORBITS = np.linspace(0.05, 0.95, 19)
 class DamperCurves:
     """A squeeze film damper over n centred circular orbits of a frequency [rad/s].
 
-    bearing: its name; clearance [m]; spring: stiffness of the centring spring [N/m]; load: on the
-    ring, to the right and upwards [N]; x, y [m], eccentricity [1] of the ring at rest; K [N/m], C
-    [N.s/m] there, shape (2, 2), of a ring that begins to sink; frequency [rad/s]; orbit: radius
-    over the clearance [1]; stiffness [N/m]: of the film, negative where it pulls outwards; damping
-    [N.s/m], pressure: the largest [Pa], power [W], shape (n,).
+    bearing: its name; clearance [m]; spring: stiffness of the centring spring [N/m]; cage: that of
+    the housing that is the ring, in x and y, 0 without, shape (2,) [N/m]; load: on the ring, to the
+    right and upwards [N]; x, y [m], eccentricity [1] of the ring at rest; K [N/m], C [N.s/m] there,
+    the cage's included, shape (2, 2), of a ring that begins to sink; frequency [rad/s]; orbit:
+    radius over the clearance [1]; stiffness [N/m]: of the film, negative where it pulls outwards;
+    damping [N.s/m], pressure: the largest [Pa], power [W], shape (n,).
     """
 
     bearing: str
     clearance: float
     spring: float
+    cage: np.ndarray
     load: np.ndarray
     x: float
     y: float
@@ -51,17 +54,21 @@ def damper_curves(
     """Return a squeeze film damper's equilibrium and coefficients, and those of the orbits of a
     frequency [rad/s] up to where its surfaces touch.
 
-    bearing: its name; load: downwards [N], by default what the machine's weight puts on it. Raises
-    `LinearError` if there is no equilibrium.
+    bearing: its name; load: downwards on the ring, which its cage bears too [N], the damper's own
+    housing being fixed; by default what the machine's weight puts on it. Raises `LinearError` if
+    there is no equilibrium.
     """
     if not 0.0 < frequency < np.inf:
         raise LinearError(f"frequency of the orbit = {frequency:g} rad/s: must be > 0 and finite")
     part = dict(rotor.named_parts())[bearing]
     assert isinstance(part, SqueezeFilmDamper)
-    on = complex(speeds_and_loads(rotor, bearing, [frequency], load)[1][0])
-    alone = BearingAlone(part, 0.0, bearing)
-    d = alone.rest(on)
-    K, C = alone.coefficients(d)
+    alone, hung = (BearingAlone(part, 0.0, bearing, c) for c in (NO_CAGE, cage_of(rotor, part)))
+    if part.ring and load is None:
+        on, d = _ring_at_rest(rotor, part, bearing, frequency, hung)
+    else:
+        on = complex(speeds_and_loads(rotor, bearing, [frequency], load)[1][0])
+        d = hung.rest(on)
+    K, C = hung.coefficients(d)
     c = part.clearance
     orbit = _ORBITS[_ORBITS * c <= c - part.roughness]
     rows = [_orbit(alone, part.stiffness, e * c, frequency) for e in orbit]
@@ -69,6 +76,7 @@ def damper_curves(
         bearing=bearing,
         clearance=c,
         spring=part.stiffness,
+        cage=hung.cage.stiffness,
         load=np.array([on.real, on.imag]),
         x=d.real,
         y=d.imag,
@@ -79,6 +87,22 @@ def damper_curves(
         orbit=orbit,
         **{name: np.array([row[name] for row in rows]) for name in rows[0]},
     )
+
+
+def _ring_at_rest(
+    rotor: Rotor, part: SqueezeFilmDamper, name: str, speed: float, hung: BearingAlone
+) -> tuple[complex, complex]:
+    """Return the load on the housing that is the ring, to the right and upwards [N], and its
+    displacement from the damper's housing [m], where gravity holds the machine at a speed
+    [rad/s]."""
+    whole = static(rotor, speed)
+    names = [mount.name for _, mount in rotor.elements_of_kind(MountElement)]
+    moved = whole.housing_x + 1j * whole.housing_y
+    places = {GROUND: 0j} | dict(zip(names, moved.tolist(), strict=True))
+    at = places[part.ring]
+    (kx, ky), i = hung.cage.stiffness, whole.supports.index(name)
+    of_film = complex(whole.load_x[i], whole.load_y[i])
+    return of_film + complex(kx * at.real, ky * at.imag), at - places[part.housing]
 
 
 def _orbit(alone: BearingAlone, spring: float, radius: float, frequency: float) -> dict[str, float]:

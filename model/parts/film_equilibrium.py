@@ -26,9 +26,8 @@ class FilmProbe(LawProbe):
     def equilibrium(self, load: complex, start: complex | None = None) -> complex | None:
         """Return the equilibrium of the journal under a load [N], by Newton's method from `start`
         on [m]; None if none is found."""
-        c, stiffness = self._part.clearance, self._law.stiffness
-        has_spring = stiffness is not None and stiffness(self._part) > 0.0
-        if self.speed == 0.0 and not has_spring:  # it rests on its wall, if there is one
+        c = self._part.clearance
+        if self.speed == 0.0 and not self.is_centred(load):  # it rests on its wall, if there is one
             if load == 0.0:
                 return 0j
             if self._part.k == 0.0:
@@ -54,6 +53,11 @@ class FilmProbe(LawProbe):
                 return d
             before = size
         return None
+
+    def is_centred(self, load: complex) -> bool:
+        """Return whether a spring centres the journal under a load [N]."""
+        stiffness = self._law.stiffness
+        return stiffness is not None and stiffness(self._part) > 0.0
 
     def is_invalid(self, d: complex) -> bool:
         """Return whether the film is thinner than its roughness, without a contact behind it."""

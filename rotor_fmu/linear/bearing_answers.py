@@ -153,9 +153,10 @@ class DamperCurves(Displayed, linear.DamperCurves):
         )
         (kxx, kxy), (kyx, kyy) = self.K * d.stiffness
         (cxx, cxy), (cyx, cyy) = self.C * d.damping
+        what = "there with its cage" if self.cage.any() else "there"
         title = (
             f"{self.bearing}: rests at e/c = {self.eccentricity:.4g} under "
-            f"{np.hypot(*self.load) * d.force:.4g} {d.force_unit}; there kxx {kxx:.4g}, "
+            f"{np.hypot(*self.load) * d.force:.4g} {d.force_unit}; {what} kxx {kxx:.4g}, "
             f"kxy {kxy:.4g}, kyx {kyx:.4g}, kyy {kyy:.4g} {d.stiffness_unit}, "
             f"cxx {cxx:.4g}, cxy {cxy:.4g}, cyx {cyx:.4g}, cyy {cyy:.4g} {d.damping_unit}\n"
             f"Centred circular orbits at {speed_with_unit(self.frequency)}"
@@ -180,11 +181,15 @@ class DamperCurves(Displayed, linear.DamperCurves):
             axes.semilogy(self.orbit, values, "-", color=BLUE, lw=1.4)
             axes.set(xlabel="Orbit over the clearance [1]", ylabel=name, xlim=(0.0, 1.0))
             axes.yaxis.set_major_formatter("{x:g}")
-        if self.spring > 0.0:
-            stiffness.lines[0].set_label("film")
-            spring = self.spring * d.stiffness
-            stiffness.axhline(spring, color=ORANGE, lw=1.2, ls="--", label="spring")
-            stiffness.legend(frameon=False, fontsize=8)
+        springs = {"spring": self.spring, "cage in x": self.cage[0], "cage in y": self.cage[1]}
+        if self.cage[0] == self.cage[1]:
+            springs = {"spring": self.spring, "cage": self.cage[0]}
+        for (name, spring), dashes in zip(springs.items(), ("--", ":", "-."), strict=False):
+            if spring > 0.0:
+                at = spring * d.stiffness
+                stiffness.axhline(at, color=ORANGE, lw=1.2, ls=dashes, label=name)
+                stiffness.lines[0].set_label("film")
+                stiffness.legend(frameon=False, fontsize=8)
         orbits = f"centred circular orbits at {speed_with_unit(self.frequency)}"
         entitle(figure, f"{self.bearing}: {orbits}")
         return figure
