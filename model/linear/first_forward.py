@@ -10,7 +10,8 @@ it. And a rotor is not stable because one of its modes is. So:
    of both that cross coupling makes grow first.
 2. It is followed by its eigenvalue while seals and cross coupling are added.
 3. The verdict is about the least logarithmic decrement of it, of the modes up to twice the speed
-   that do not clearly whirl backward, and of all of the lowest modes that grow.
+   that do not clearly whirl backward, and of all of the lowest modes that grow. What grows
+   without oscillating, as with a negative stiffness, is unstable whatever these are.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -43,7 +44,7 @@ _ROUNDING = 1e-9  # of an eigenvalue, beside its residual: a real part that says
 
 class Pair(NamedTuple):
     """Eigenvalues [1/s] of the first forward mode, and of the mode of the least logarithmic
-    decrement."""
+    decrement: a real one where a motion grows without oscillating."""
 
     first: complex
     least: complex
@@ -172,11 +173,13 @@ class FirstForward:
             if high >= limit:
                 return self._coupled, None
             low, high = high, 1.5 * high
+        at = float(brentq(lambda q: -self.coupled(q).least.real, low, high, rtol=1e-10))
+        if self.coupled(high).least.imag == 0.0:
+            return self._coupled, at
         driven = _Followed(self._with_coupling, {high: self.coupled(high).least})
         for smaller in sorted((k for k in self._coupled.known if k < high), reverse=True):
             driven(smaller)
-        at = brentq(lambda q: -self.coupled(q).least.real, low, high, rtol=1e-10)
-        return driven, float(at)
+        return driven, at
 
 
 def _is_other_of_pair(found: Modes, place: int, root: complex) -> bool:
@@ -197,6 +200,8 @@ def _pair(followed: _Followed, amount: float) -> Pair:
     grows = roots.real > (_ROUNDING + found.residuals) * np.abs(roots)
     is_low = roots.imag <= _HIGHEST * abs(found.speed)
     counts = grows | (is_low & (found.forwardness > -_IN_DOUBT))
+    if len(found.growing):
+        return Pair(first, complex(found.growing[0]))
     return Pair(first, max((first, *roots[counts].tolist()), key=lambda r: r.real / r.imag))
 
 

@@ -26,6 +26,7 @@ _PLANAR = 1e-3  # forwardness below which an orbit is a line
 # Share of the imaginary part below which an eigenvalue is real: two real ones that are equal come
 # out apart by the root of rounding.
 _REAL = 1e-5
+_GROWING = 1e-6  # of the lowest natural frequency: a growth that is more than rounding
 DEFAULT_COUNT = 8
 DOUBTFUL = 1e-6  # a residual that is said
 
@@ -61,6 +62,13 @@ class Modes(Spectrum):
         """Which modes satisfy their equations within `DOUBTFUL`; others are dominated by
         rounding."""
         return self.residuals <= DOUBTFUL
+
+    @property
+    def growing(self) -> np.ndarray:
+        """Those of `decays` that grow by more than rounding [1/s]: motions away from equilibrium
+        that do not oscillate, as with a negative stiffness."""
+        scale = self.natural.min(initial=np.abs(self.decays).max(initial=0.0))
+        return self.decays[self.decays > _GROWING * scale]
 
     @property
     def forwardness(self) -> np.ndarray:

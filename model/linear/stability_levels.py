@@ -61,7 +61,8 @@ class StabilityLevel1:
     first_frequency: alike, of the first forward mode; threshold: Q0, where the rotor becomes
     unstable [N/m], None where it does not; log_dec_alone, log_dec_anticipated: without and with QA;
     first_alone, first_anticipated: alike, of the first forward mode;
-    sensitivity: of the logarithmic decrement to the cross coupling, at none [m/N];
+    sensitivity: of the logarithmic decrement to the cross coupling, at none [m/N], NaN where that
+    is minus infinity, as it is of a motion that grows without oscillating;
     critical_speed_ratio: the speed over the first undamped critical speed on rigid bearings [1].
     """
 
@@ -212,8 +213,9 @@ def level_2(
 
 
 def log_dec(root: complex) -> float:
-    """Return the logarithmic decrement of an eigenvalue [1/s]."""
-    return -2 * math.pi * root.real / root.imag
+    """Return the logarithmic decrement of an eigenvalue [1/s]; minus infinity of a real one that
+    grows."""
+    return -2 * math.pi * root.real / root.imag if root.imag else -math.inf
 
 
 def _case(name: str, pair: Pair) -> StabilityCase:

@@ -239,6 +239,11 @@ def _mark(axes: Axes, critical: ProbeCritical, color: str) -> None:
     axes.plot(*at, "o" if critical.axis == "x" else "s", color=color, ms=5, mfc="white")
 
 
+def _grows(log_dec: float) -> str:
+    """Return what is said of a logarithmic decrement that a motion without oscillation has."""
+    return "; UNSTABLE: a motion grows without oscillating" if log_dec == -math.inf else ""
+
+
 class StabilityLevel1(Displayed, linear.StabilityLevel1):
     """`model.linear.StabilityLevel1`, shown."""
 
@@ -247,8 +252,12 @@ class StabilityLevel1(Displayed, linear.StabilityLevel1):
         conclusion = f"level 2 is {'' if self.is_level_2_required else 'not '}required"
         title = (
             f"Stability level 1 at {speed_with_unit(self.speed)}, cross coupling at node "
-            f"{self.node}: {conclusion}"
+            f"{self.node}: {conclusion}{_grows(self.log_dec_alone)}"
         )
+        if not self.anticipated:
+            title += (
+                "; no stage and no cross coupling was given: QA is 0, and the rotor alone is judged"
+            )
         q, unit = current().stiffness, current().stiffness_unit
         threshold = "unstable nowhere" if self.threshold is None else self.threshold * q
         ratio = self.ratio if math.isfinite(self.ratio) else "-"
@@ -308,6 +317,7 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         title = (
             f"Stability level 2 at {speed_with_unit(self.speed)}: least log dec of the forward "
             f"modes >= {LEAST_LOG_DEC:g} {'met' if self.is_met else 'NOT met'}"
+            f"{_grows(self.cases[-1].log_dec)}"
         )
         return Table(title, ("what acts", "least log dec", unit, "first forward", unit), rows)
 
@@ -316,12 +326,14 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         figure, axes = new_figure(6.8, 1.4 + 0.35 * len(self.cases))
         values = [case.log_dec for case in self.cases]
         colors = [GREEN if value >= LEAST_LOG_DEC else PURPLE for value in values]
-        axes.barh([case.name for case in self.cases], values, color=colors, height=0.6)
+        sizes = [value if np.isfinite(value) else 0.0 for value in values]
+        axes.barh([case.name for case in self.cases], sizes, color=colors, height=0.6)
         axes.axvline(LEAST_LOG_DEC, color="black", lw=1.0, ls=LIMIT)
         axes.axvline(0, color="black", lw=1.0)
         axes.invert_yaxis()
         for at, value in enumerate(values):
-            annotate(axes, f"{value:.3g}", (max(value, 0.0), at), (4, 0), va="center")
+            text = f"{value:.3g}" if np.isfinite(value) else "grows without oscillating"
+            annotate(axes, text, (max(value, 0.0), at), (4, 0), va="center")
         axes.margins(x=0.12)
         what = "Least logarithmic decrement of the forward modes [1]"
         axes.set_xlabel(f"{what}; dashed: {LEAST_LOG_DEC:g}")

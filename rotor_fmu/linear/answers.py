@@ -56,6 +56,8 @@ class Modes(Displayed, linear.Modes):
         """Return a table with one row for each mode."""
         d = current()
         title = f"Modes at {turns(self.speed, self.contacts)}"
+        if len(self.growing):
+            title += f"; UNSTABLE: a motion grows without oscillating, {self.growing[0]:.4g} 1/s"
         if not self.is_sound.all():
             numbers = ", ".join(str(i + 1) for i in np.flatnonzero(~self.is_sound))
             title += (

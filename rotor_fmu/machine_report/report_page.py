@@ -192,6 +192,14 @@ def _contact(rub: RubCheck) -> list[str]:
     return result
 
 
+def _stability(level_2: acceptance.StabilityLevel2) -> str:
+    log_dec = level_2.cases[-1].log_dec
+    if not math.isfinite(log_dec):
+        return "Stability: with all that acts a motion grows without oscillating."
+    verdict = ", which is enough." if level_2.is_met else "; at least 0.1 is required."
+    return f"Stability: least log dec {log_dec:.3g} with all that acts{verdict}"
+
+
 def _conclusions(
     check: acceptance.UnbalanceCheck,
     level_1: acceptance.StabilityLevel1,
@@ -219,8 +227,6 @@ def _conclusions(
             if check.clearances
             else "No clearance was checked: no open contact and no --clearance is there."
         ),
-        f"Stability: least log dec {level_2.cases[-1].log_dec:.3g} with all that acts"
-        + (", which is enough." if level_2.is_met else "; at least 0.1 is required.")
-        + (" Level 1 asks for level 2." if level_1.is_level_2_required else ""),
+        _stability(level_2) + (" Level 1 asks for level 2." if level_1.is_level_2_required else ""),
         rub.conclusion,
     )
