@@ -24,6 +24,7 @@ _SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is pred
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _LEAST_COSINE = 0.9  # least cosine of two tangents one after another
 _GROW, _SHRINK = 1.5, 0.5
+_LARGE = 10.0  # in the units of x: size of a motion from which on steps grow with it
 _LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
 
 
@@ -54,8 +55,8 @@ class ContinuationEquations(Equations, Protocol):
 
 @dataclass(frozen=True)
 class ContinuationSteps:
-    """Step lengths of a continuation (initial, shortest, longest) and the largest number of
-    points."""
+    """Step lengths of a continuation (initial, shortest, longest), the longest of a motion below
+    `_LARGE` in size, and the largest number of steps in one direction."""
 
     initial: float = 0.02
     shortest: float = 1e-6
@@ -298,11 +299,19 @@ def trace(
             length *= _GROW
         elif iterations > _DESIRED_ITERATIONS + 1:
             length *= 0.7
-        length = min(length, steps.longest)
+        length = min(length, _longest(steps, result))
         point = result
         replacement = yield point, length
         if replacement is not None:
             equations, point = replacement
+
+
+def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:
+    """Return the longest step from a point: of a large motion it is a share of its size, while that
+    in lambda stays the same."""
+    longest = steps.longest * max(1.0, float(np.linalg.norm(point.x)) / _LARGE)
+    along = abs(point.tangent_value)
+    return longest if along * longest <= steps.longest else steps.longest / along
 
 
 def _beyond_corner(

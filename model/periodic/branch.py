@@ -30,6 +30,7 @@ BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
     "grazing",
 )
 CLOSED = "the branch is closed"
+UNFINISHED = "unfinished: "
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _VERTICAL = 0.05  # a smaller component of the tangent along the parameter: a fold is near
 _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier
@@ -222,7 +223,8 @@ class Tracer:
 
     def _why_ended(self, point: CurvePoint) -> str:
         inside = self.low < point.value < self.high
-        return f"{self.steps.max_points} points" if inside else "end of the range"
+        most = f"{UNFINISHED}{self.steps.max_points} steps were taken, the most in one direction"
+        return most if inside else "end of the range"
 
     def _is_closed(
         self, problem: PeriodicEquations, start: CurvePoint, before: CurvePoint, point: CurvePoint

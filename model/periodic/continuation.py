@@ -10,7 +10,7 @@ import numpy as np
 from . import arclength
 from .arclength import CurvePoint, NotConverged
 from .balance import Orbit
-from .branch import CLOSED, Branch, Solution, TracedPoint, Tracer, with_motion
+from .branch import CLOSED, UNFINISHED, Branch, Solution, TracedPoint, Tracer, with_motion
 from .checkpoint import BranchStart, EndEvent, EventLog
 from .fourier import amplitudes, basis, repeated, resized, shifted
 from .harmonic_count import Accuracy
@@ -112,9 +112,12 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
             why = tracer.end or LOST + _reason_lost(tracer, branch, accuracy)
             ended = search.log.add(EndEvent(why))
         ends[1] = ended.why
-        if ended.why.startswith(LOST):
+        if ended.why.startswith((LOST, UNFINISHED)):
             at = f"{label} ends at {task.name} = ", _last_value(branch, start.value)
-            result.notes.append(Note("branch-lost", result.unit, *at, f": {ended.why}"))
+            is_lost = ended.why.startswith(LOST)
+            code = "branch-lost" if is_lost else "branch-unfinished"
+            advice = "" if is_lost else "; ask for a longer step or a shorter range"
+            result.notes.append(Note(code, result.unit, *at, f": {ended.why}{advice}"))
         if len(start.directions) > 1 and side == 0:
             _reverse(branch)
             ends = [ends[1], ""]

@@ -61,7 +61,10 @@ def response(
     ] = 1e-4,
     step: Annotated[
         float,
-        typer.Option(help="Longest step along the curve, in clearances and shares of the range."),
+        typer.Option(
+            help="Longest step along the curve, in clearances (of motions past ten, in tenths of "
+            "their size) and shares of the range."
+        ),
     ] = 0.1,
     seed: Annotated[
         list[str] | None,

@@ -8,7 +8,8 @@ from matplotlib.lines import Line2D
 
 from ..display import current
 from ..linear.linear_plots import titled
-from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS
+from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS, UNFINISHED
+from ..model.periodic.continuation import LOST
 from ..plotting.figure_style import COLORS, DASHED, GREY, SKY, entitle, new_figure
 from .result import ResponseResult, pieces
 
@@ -37,6 +38,10 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
                 near = branch.points[max(0, b.behind)]
                 y = result.amplitude(near, name) * small
                 axes.plot(b.value * axis.factor, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
+            for end, why in zip((0, -1), branch.ends, strict=True):
+                if why.startswith((LOST, UNFINISHED)) and branch.points:
+                    y = result.amplitude(branch.points[end], name) * small
+                    axes.plot(branch.points[end].value * axis.factor, y, "x", color=color, ms=7)
         handles.append(Line2D([], [], color=color, lw=1.8, label=name))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))
     handles.append(Line2D([], [], color=GREY, lw=1.2, ls=DASHED, label="unstable"))
@@ -44,6 +49,11 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
         handles.append(
             Line2D([], [], color=GREY, marker=_MARKS[kind], mfc="white", ls="", label=kind)
         )
+    ends = [why for branch in result.branches for why in branch.ends]
+    for why in (LOST, UNFINISHED):
+        if any(end.startswith(why) for end in ends):
+            label = f"the curve is {why.rstrip(': ')}"
+            handles.append(Line2D([], [], color=GREY, marker="x", ls="", label=label))
     axes.legend(handles=handles, frameon=False, fontsize=8)
     axes.set_ylim(bottom=0)
     values = np.array([p.value for p in result.points]) * axis.factor

@@ -5,9 +5,13 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic.arclength import ContinuationSteps
+from rotor_fmu.model.periodic.problem import Task
+from rotor_fmu.model.periodic.response import response
 
 import rotor_fmu as rf
 from rotor_fmu.display import choose, restored
+from rotor_fmu.periodic.result import ResponseResult
 
 from ..parts.machines import bearings, rigid
 from .machines import BETA, CLEARANCE, OMEGA, ZETA, jeffcott
@@ -130,3 +134,31 @@ def test_all_motions_at_a_speed_are_those_of_both_periods(doubled):
     sizes = [direct.amplitude(p, "disc") for p in direct.at(326.0) if p.is_stable]
     expected = [doubled.amplitude(p, "disc") for p in doubled.at(326.0) if p.is_stable]
     assert min(abs(s / expected[0] - 1) for s in sizes) < 1e-4
+
+
+def test_a_curve_of_hundreds_of_clearances_is_whole():
+    """Lightly damped beside a wall too soft to matter, as the linear rotor's closed form."""
+    zeta, e = 1e-3, 0.5
+    found = rf.response(jeffcott(zeta=zeta, beta=1e-7, mu=0.0, e=e), speed=(30.0, 300.0))
+    (branch,) = found.branches
+    assert branch.ends[1] == "end of the range"
+    curve = found.curve("disc")
+    omega = curve.parameter / OMEGA
+    r = e * omega**2 / abs(1 - omega**2 + 2j * zeta * omega)
+    assert curve.value / CLEARANCE == pytest.approx(r, rel=1e-3)
+    assert curve.value.max() / CLEARANCE == pytest.approx(e / (2 * zeta), rel=1e-3)
+
+
+def test_a_branch_that_is_not_finished_says_so_in_note_table_and_picture():
+    steps = ContinuationSteps(longest=0.1, max_points=10)
+    found = ResponseResult(response(ISOLA.rotor, Task(60.0, 100.0, steps=steps)))
+    last = [branch.points[-1].value for branch in found.branches]
+    why = "unfinished: 10 steps were taken, the most in one direction"
+    assert [note.code for note in found.notes] == ["branch-unfinished"] * len(last) != []
+    for i, (note, value) in enumerate(zip(found.notes, last, strict=True), 1):
+        at = f"branch {i} ends at speed = {value / (2 * math.pi):.5g} Hz: "
+        assert note == f"{at}{why}; ask for a longer step or a shorter range"
+        assert 60.0 < value < 100.0
+    assert why in found.table().title
+    labels = [text.get_text() for text in found.figure().axes[0].get_legend().get_texts()]
+    assert "the curve is unfinished" in labels
