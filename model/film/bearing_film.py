@@ -163,42 +163,67 @@ def solved(film, bound, work):
 
 
 @jit_not_inlined
+def _pad_load(bearing, film, work):
+    """Return the integral of P exp(i theta) over a pad's film [1/s], of Ocvirk's less its
+    `short_share`."""
+    total = 0.0j
+    if film.S == 0.0:
+        return total
+    sense = angle(film.S)
+    for turn in TURNS:
+        acts, bound = zone_bound(film, sense, turn)
+        if not acts:
+            continue
+        if bearing.short > 0.0:
+            load, _, _, _, _ = short_load(film.D, film.S, film.floor, bound.low[1], bound.high[0])
+        else:
+            _, load = solved(film, bound, work)
+        total += load
+    return total
+
+
+@jit_not_inlined
 def film_force(bearing, tables, kinematics):
     """Return the film's force on the journal [N]."""
     force = 0.0j
     for i in range(pad_count(bearing, tables)):
         pad, work = pad_of(bearing, tables, kinematics, i)
-        film = pad.film
-        if film.S == 0.0:
-            continue
-        sense = angle(film.S)
-        for turn in TURNS:
-            acts, bound = zone_bound(film, sense, turn)
-            if not acts:
-                continue
-            if bearing.short > 0.0:
-                load, _, _, _, _ = short_load(
-                    film.D, film.S, film.floor, bound.low[1], bound.high[0]
-                )
-                force -= pad.load * short_share(bearing) * load
-            else:
-                _, load = solved(film, bound, work)
-                force -= pad.load * load
+        scale = pad.load * short_share(bearing) if bearing.short > 0.0 else pad.load
+        force -= scale * _pad_load(bearing, pad.film, work)
     return force
 
 
 @jit
-def sensed(film):
-    """Return the film, the angle about which its pressure builds up, and 1.0 if its surfaces move;
-    for a film at rest the sinking of the journal is assumed, and 0.0 returned."""
-    if film.S != 0.0:
-        return film, angle(film.S), 1.0
-    along = film.D if film.D != 0.0 else -1.0j
-    moving = Film(
-        *(film.D, along, film.a, film.floor, film.first, film.last, film.is_whole),
+def _moving(film, S):
+    """Return a film with other surfaces' motion S [1/s]."""
+    return Film(
+        *(film.D, S, film.a, film.floor, film.first, film.last, film.is_whole),
         *(film.is_full, film.n, film.ambient),
     )
-    return moving, angle(along), 0.0
+
+
+@jit
+def _odd_load(bearing, film, along, work):
+    """Return the mean of what a film's load is to surfaces that move with 1/s in a direction, and
+    minus what it is to those that move back."""
+    ahead = _pad_load(bearing, _moving(film, along), work)
+    return 0.5 * (ahead - _pad_load(bearing, _moving(film, -along), work))
+
+
+@jit_not_inlined
+def _slopes_at_rest(bearing, film, work):
+    """Return the derivative of the load of a film at rest by S as a pair p_S, q_S. A film that
+    ruptures resists a motion towards its thin side more than one away from it, so that the load has
+    a kink there; in a small vibration about it, what has the vibration's frequency is the mean of
+    both."""
+    e = modulus(film.D)
+    along = film.D * (1.0 / e) if e > 0.0 else 1.0 + 0.0j
+    of_along, of_across = (
+        _odd_load(bearing, film, along, work),
+        _odd_load(bearing, film, 1j * along, work),
+    )
+    p = 0.5 * (of_along - 1j * of_across) * along.conjugate()
+    return p, 0.5 * (of_along + 1j * of_across) * along
 
 
 @jit_not_inlined
@@ -227,29 +252,32 @@ class FilmSlopes(NamedTuple):
 @jit_not_inlined
 def pad_slopes(bearing, pad, work, speed):
     """Return the `FilmSlopes` of a pad, its journal turning at a speed [rad/s]."""
-    force = p_d = q_d = p_v = q_v = 0.0j
-    film, sense, moves = sensed(pad.film)
+    load = p_D = q_D = p_S = q_S = 0.0j
+    film = pad.film
+    if film.S == 0.0:
+        p_S, q_S = _slopes_at_rest(bearing, film, work)
+    else:
+        sense = angle(film.S)
+        for turn in TURNS:
+            acts, bound = zone_bound(film, sense, turn)
+            if not acts:
+                continue
+            if bearing.short > 0.0:
+                of_zone = short_load(film.D, film.S, film.floor, bound.low[1], bound.high[0])
+            else:
+                of_zone = finite_load(film, bound, work)
+            load += of_zone[0]
+            p_D += of_zone[1]
+            q_D += of_zone[2]
+            p_S += of_zone[3]
+            q_S += of_zone[4]
+    scale = pad.load * short_share(bearing) if bearing.short > 0.0 else pad.load
+    force = -scale * load
+    # dS = 2 dV - i omega dD
+    scale /= pad.clearance
     turn_d = complex(0.0, speed)
-    for turn in TURNS:
-        acts, bound = zone_bound(film, sense, turn)
-        if not acts:
-            continue
-        scale = pad.load
-        if bearing.short > 0.0:
-            scale *= short_share(bearing)
-            load, p_D, q_D, p_S, q_S = short_load(
-                film.D, film.S, film.floor, bound.low[1], bound.high[0]
-            )
-        else:
-            load, p_D, q_D, p_S, q_S = finite_load(film, bound, work)
-        force -= moves * scale * load
-        # dS = 2 dV - i omega dD
-        scale /= pad.clearance
-        p_d -= scale * (moves * p_D - p_S * turn_d)
-        q_d -= scale * (moves * q_D + q_S * turn_d)
-        p_v -= 2.0 * scale * p_S
-        q_v -= 2.0 * scale * q_S
-    return FilmSlopes(force, p_d, q_d, p_v, q_v)
+    p_d, q_d = -scale * (p_D - p_S * turn_d), -scale * (q_D + q_S * turn_d)
+    return FilmSlopes(force, p_d, q_d, -2.0 * scale * p_S, -2.0 * scale * q_S)
 
 
 @jit_not_inlined

@@ -25,7 +25,7 @@ class DamperCurves:
     bearing: its name; clearance [m]; spring: stiffness of the centring spring [N/m]; cage: that of
     the housing that is the ring, in x and y, 0 without, shape (2,) [N/m]; load: on the ring, to the
     right and upwards [N]; x, y [m], eccentricity [1] of the ring at rest; K [N/m], C [N.s/m] there,
-    the cage's included, shape (2, 2), of a ring that begins to sink; frequency [rad/s]; orbit:
+    the cage's included, shape (2, 2), of a small vibration; frequency [rad/s]; orbit:
     radius over the clearance [1]; stiffness [N/m]: of the film, negative where it pulls outwards;
     damping [N.s/m], pressure: the largest [Pa], power [W], shape (n,).
     """

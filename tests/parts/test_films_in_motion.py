@@ -246,6 +246,36 @@ def test_tangent_of_a_damper():
             np.testing.assert_allclose(tangent, np.transpose(seen), atol=1e-6 * abs(tangent).max())
 
 
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.6, 0.9])
+def test_coefficients_of_a_short_damper_off_its_middle(e):
+    """Ocvirk's film, of which half is ruptured: pi (1 + 2 e^2) / 2 (1 - e^2)^2.5 along the
+    displacement, pi / 2 (1 - e^2)^1.5 across it."""
+    scale = 0.01 * 0.05 * 0.02**3 / 1e-4**3
+    ahead, across = 1.0 + 2.0 * e * e, 1.0 - e * e
+    expected = scale * 0.5 * math.pi / across**2.5 * np.diag([ahead, across])
+    turn = np.array([[0.6, -0.8], [0.8, 0.6]])
+    for full in (False, True):
+        damper = BearingAlone(SqueezeFilmDamper(**DAMPER, short=True, full=full), 0.0)
+        _, C = damper.coefficients(e * 1e-4 * complex(*turn[:, 0]))
+        halves = 2.0 if full else 1.0
+        within = {"rtol": 1e-9, "atol": 1e-9 * expected.max()}
+        np.testing.assert_allclose(turn.T @ C @ turn, halves * expected, **within)
+
+
+def test_coefficients_of_a_ruptured_film_are_what_a_small_vibration_sees():
+    """At its frequency: the force goes with the velocity, but not alike ahead and back."""
+    phases = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
+    for options in ({"short": True}, {"full": True}, {}, {"sealed": True}):
+        damper = BearingAlone(SqueezeFilmDamper(**DAMPER, **options), 0.0)
+        d = 6e-5 - 3e-5j
+        _, C = damper.coefficients(d)
+        for z in (d / abs(d), 1j * d / abs(d)):
+            force = [damper.force(d, 1e-3 * z * math.cos(phase)) for phase in phases]
+            seen = 2.0 * np.mean(np.array(force) * np.cos(phases))
+            expected = -1e-3 * complex(*(C @ [z.real, z.imag]))
+            assert seen == pytest.approx(expected, abs=1e-9 * abs(seen)), options
+
+
 def _orbit(run, speed, seconds):
     run.advance(run.time + seconds, speed)
     return run.read("squeeze_film_damper[1].eccentricity")
