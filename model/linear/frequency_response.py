@@ -2,11 +2,11 @@
 magnetic bearings (ISO 14839-3).
 
 At a speed, displacements u exp(i omega t) answer forces f exp(i omega t) by
-(K + i omega D - omega^2 M) u = f. A control loop reads the displacement at a sensor and acts with
-the force -H(s) at a magnet, beside the magnet's own negative stiffness; with the matrix G of the
-sensors' displacements by the magnets' forces, that stiffness included, the sensitivity of loop j is
-the j-th diagonal element of (1 + G H)^-1: what remains of a disturbance that is added to its sensor
-while all loops are closed.
+(K + i omega D - omega^2 M) u = f, where tilting pads and floating rings follow at omega. A control
+loop reads the displacement at a sensor and acts with the force -H(s) at a magnet, beside the
+magnet's own negative stiffness; with the matrix G of the sensors' displacements by the magnets'
+forces, that stiffness included, the sensitivity of loop j is the j-th diagonal element of
+(1 + G H)^-1: what remains of a disturbance that is added to its sensor while all loops are closed.
 """
 
 import math
@@ -240,7 +240,8 @@ class _Plant:
         self, s: complex, forces: Sequence[AnyPlace], places: Sequence[AnyPlace]
     ) -> np.ndarray:
         """Return x, y of places by forces in x, y on places, shape (2 places, 2 forces) [m/N]."""
-        moved = self.linear.factorized(s)(self.selection(forces).T.astype(complex))[0]
+        there = self.machine.vibrating(self.linear, abs(s))
+        moved = there.factorized(s)(self.selection(forces).T.astype(complex))[0]
         return self.selection(places) @ moved
 
     def poles(self, top: float) -> np.ndarray:

@@ -118,6 +118,14 @@ class LinearMachine:
         """Return the machine at a speed [rad/s] linearized at no displacement."""
         return self._linear(speed, np.zeros(self.expand.shape[1]), abs(speed))
 
+    def vibrating(self, linear: Linear, frequency: float) -> Linear:
+        """Return the machine where it rests, the states of its laws, such as the tilts of pads,
+        following a vibration of a frequency [rad/s]; those of `at` follow at that of rotation."""
+        if not self._follows:
+            return linear
+        result = self._linear(linear.speed, linear.rest, frequency, linear.states)
+        return result._replace(pull=linear.pull)
+
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
         """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;
         loads: x, y of every dof, shape (2 size,) [N, N.m]."""
@@ -132,10 +140,7 @@ class LinearMachine:
                 self._near = linear.rest
                 at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
                 check_films(self.rotor, names, speed, at, linear.laws.force, self.laws)
-                if self._follows:
-                    rest, pull = linear.rest, linear.pull
-                    linear = self._linear(speed, rest, abs(speed))._replace(pull=pull)
-                return linear
+                return self.vibrating(linear, abs(speed))
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
 
     def _above(self, speed: float, force: np.ndarray) -> np.ndarray:
@@ -150,9 +155,10 @@ class LinearMachine:
     def _rested(self, speed: float, force: np.ndarray, rest: np.ndarray) -> Linear | None:
         """Return the machine linearized where a force holds it, looked for from `rest` on by
         Newton's method; None where that finds nothing."""
-        before = math.inf
+        before, states = math.inf, None
         for _ in range(_ITERATIONS):
-            linear = self._linear(speed, rest)
+            linear = self._linear(speed, rest, 0.0, states)
+            states = linear.states
             # Newton's step to where the tangents lead, not by what is left: that is small numbers
             # of large ones where the shaft is stiff
             of_laws = linear.laws.force - to_complex(self._tangent(linear.laws.by_d, rest))
@@ -229,20 +235,29 @@ class LinearMachine:
         by_v = numbers.eta_v * np.eye(2)
         return Strain(self._strained, self._full.stiffness, by_d, by_v)
 
-    def _linear(self, speed: float, at: np.ndarray, frequency: float = 0.0) -> Linear:
+    def _linear(
+        self,
+        speed: float,
+        at: np.ndarray,
+        frequency: float = 0.0,
+        states: np.ndarray | None = None,
+    ) -> Linear:
         """Return the matrices linearized at the displacements `at`, what the laws' states do being
-        that of a vibration of a frequency [rad/s]."""
+        that of a vibration of a frequency [rad/s]; states: what they were before, None: at the
+        start of a run."""
         K = self._K
         D = (self._D + speed * self._gyroscopic).tocsc()
         m = len(self._acts)
         laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
         if self._acts.any():
-            result = self.laws.tangents(to_complex(self._across @ at), speed, frequency)
+            d = to_complex(self._across @ at)
+            result = self.laws.tangents(d, speed, frequency, states=states)
             laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in result))
             K = (K - self._between(laws.by_d)).tocsc()
             D = (D - self._between(laws.by_v)).tocsc()
         none = np.zeros(len(self._strained.indptr) - 1)
-        return Linear(speed, self.M, D, K, self._strain(speed), at, none, laws)
+        own = self.laws.states.copy()
+        return Linear(speed, self.M, D, K, self._strain(speed), at, none, laws, own)
 
     def _tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return the matrix of tangents by interface, x and y in turn."""

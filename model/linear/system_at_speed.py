@@ -47,8 +47,8 @@ def _turned(each: np.ndarray, turned: np.ndarray) -> np.ndarray:
 class Linear(NamedTuple):
     """The machine at one speed [rad/s]: sparse matrices of the unknowns, shape (N, N), of which
     D and K lack what the shaft's strain adds, and that; the displacements at rest, shape (N,)
-    [m, rad], 0 where nothing holds the machine, the elements' end forces [N, N.m], and what the
-    interfaces do there (those that are open or pinned: nothing)."""
+    [m, rad], 0 where nothing holds the machine, the elements' end forces [N, N.m], what the
+    interfaces do there (those that are open or pinned: nothing), and the states of their laws."""
 
     speed: float
     M: sp.csc_array
@@ -58,6 +58,7 @@ class Linear(NamedTuple):
     rest: np.ndarray
     pull: np.ndarray
     laws: Tangents
+    states: np.ndarray
 
     @property
     def D(self) -> sp.csc_array:

@@ -15,6 +15,7 @@ from rotor_fmu.model.linear import (
     static,
     unbalance_response,
 )
+from rotor_fmu.model.linear.frequency_response import frequency_response
 from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
@@ -281,6 +282,35 @@ def test_an_unbalanced_rotor_whirls_as_the_linear_answer_says():
     run.advance(1.5, 400.0)
     assert run.read("body[1].x_1x") == pytest.approx(abs(linear.x[0, 1]), rel=1e-2)
     assert run.read("body[1].y_1x") == pytest.approx(abs(linear.y[0, 1]), rel=1e-2)
+
+
+@pytest.mark.parametrize(("inertia", "pivot"), [(0.0, 0.0), (2e-3, 0.0), (2e-3, 5e8)])
+def test_a_force_at_any_frequency_is_answered_by_pads_that_follow_at_it(inertia, pivot):
+    """A rigid rotor amid two bearings, whose pads' states are unknowns of their own beside x and y,
+    linearized by differences."""
+    pads = {"pad_inertia": inertia, "pivot_stiffness": pivot}
+    text = heavy_shaft(young=2.1e14) + _pads(1, **pads) + _pads(3, **pads)
+    speed, rotor = 400.0, parse_rotor(text)
+    film = BearingAlone(dict(rotor.named_parts())["journal_bearing[1]"], speed)
+    mass = 40.0 + 100.0 * 0.2 * 0.25 * _PI * 0.1**2
+    d = film.rest(-0.5j * mass * rotor.gravity)
+    law, n = StatedLaw(film), 4
+    each = law.count // n
+    rest = np.zeros(law.count)
+    rest[::each] = film.tilts(d).real
+    if pivot:
+        rest[each - 1 :: each] = film.tilts(d).imag
+    size = 1e-4 * film.part.clearance
+    scales = n * [size, *([size * speed] if inertia else []), *([size] if pivot else [])]
+    K, C = film.coefficients(d)  # of pads that follow at the speed
+    frequencies = np.array([0.2, 0.5, 1.0, 2.0]) * speed
+    answer = frequency_response(rotor, frequencies, 2, [2], speed=speed).receptance[:, 0]
+    for w, seen in zip(frequencies, answer, strict=True):
+        followed = law.vibration(d, rest, w, size, scales)
+        expected = np.linalg.inv(-(w**2) * mass * np.eye(2) - 2.0 * followed)
+        np.testing.assert_allclose(seen, expected, atol=2e-3 * np.abs(expected).max())
+        off = np.abs(followed + K + 1j * w * C).max() / np.abs(followed).max()
+        assert (off < 1e-3) == (w == speed)
 
 
 def test_ledger_closes_as_pads_are_rubbed():
