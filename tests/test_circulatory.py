@@ -9,11 +9,20 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.linear import campbell, modes, unbalance_response
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
-from .machines import disc_dofs, first_order, jeffcott, jeffcott_shaft_mass, jeffcott_stiffness
+from .dense import to_dense
+from .machines import (
+    disc_dofs,
+    first_order,
+    jeffcott,
+    jeffcott_shaft_mass,
+    jeffcott_stiffness,
+    unbalance_vector,
+)
 
 ETA_V = 1e-4
 C_INT = ETA_V * jeffcott_stiffness()
@@ -66,7 +75,8 @@ def test_whirl_does_not_care_which_way_the_unstable_shaft_turns():
         assert growth(whirling(0.5), omega) == pytest.approx(growth(whirling(0.5), -omega))
 
 
-def test_hysteretic_damping_feeds_the_forward_whirl_at_any_speed_until_outer_damping_balances_it():
+def test_hysteretic_damping_of_a_run_feeds_the_forward_whirl_until_outer_damping_balances_it():
+    # as it does above the critical speed; a run does not know how fast a whirl is
     eta_h = 0.01  # feeds it with eta_h k / omega_n (Zorzi and Nelson 1977)
     balance = eta_h * jeffcott_stiffness() / natural_frequency()
     for share in (0.0, 0.95, 1.05, 2.0):
@@ -76,6 +86,39 @@ def test_hysteretic_damping_feeds_the_forward_whirl_at_any_speed_until_outer_dam
             whirl = eigenvalues[np.abs(eigenvalues - 1j * natural_frequency()).argmin()]
             expected = (1 - share) * eta_h * natural_frequency() / 2
             assert whirl.real == pytest.approx(expected, rel=0.03, abs=0.01)
+
+
+@pytest.mark.parametrize("eta_h", [0.01, 0.3])
+def test_hysteresis_drives_the_forward_whirl_above_its_critical_speed_only(eta_h):
+    """Genta 2004: it pulls with i eta_h of the stiffness, times the sign in which the shaft is bent
+    in its own frame, that of the whirl's frequency less the speed; however large it is."""
+    free = modes(jeffcott(), 0.0, count=1).natural[0]
+    size = math.hypot(1, eta_h)
+    damped = 1j * free * np.sqrt(complex(1 + eta_h, eta_h) / size)
+    driven = 1j * free * np.sqrt(complex(1 + eta_h, -eta_h) / size)
+    rotor = jeffcott(eta_h=eta_h, rotating_damping=True)
+    for share in (0.0, 0.5, 0.99, 1.01, 3.0, -0.99, -1.01):
+        result = modes(rotor, share * damped.imag, count=2)
+        fast = [damped, damped]
+        expected = fast if abs(share) < 1 else [damped, driven]
+        of_growth = np.argsort(result.eigenvalues.real)
+        np.testing.assert_allclose(result.eigenvalues[of_growth], expected, rtol=2e-4)
+        if abs(share) > 1:
+            assert [result.whirl[i] for i in of_growth] == ["backward", "forward"]
+    speeds = free * np.array([0.2, 0.8, 1.5])
+    assert campbell(rotor, speeds, count=2).threshold == pytest.approx(damped.imag, rel=1e-4)
+
+
+def test_hysteresis_does_not_touch_what_turns_with_the_shaft():
+    """An unbalance bends it once and for all: by its stiffness alone, at the critical speed too."""
+    rotor = jeffcott(e=1e-5, damping=0.5 * C_INT, eta_h=0.02, rotating_damping=True)
+    s = assemble(rotor)
+    M, C, K, G = (to_dense(band) for band in (s.M, s.C, s.K, s.G))
+    for speed in natural_frequency() * np.array([0.7, 1.0, 1.005, 1.01, 1.4, -1.01]):
+        left = K + 1j * speed * C - speed**2 * (M - G)
+        expected = np.linalg.solve(left, speed**2 * unbalance_vector(s))
+        result = unbalance_response(rotor, [speed])
+        np.testing.assert_allclose(np.abs(result.x[0]), np.abs(expected[::2]), rtol=1e-6)
 
 
 def test_hysteretic_damping_stiffens_the_shaft():

@@ -4,6 +4,7 @@ The unknowns are x, y in turn of every deflection and slope of the shaft, then o
 
     M u'' + D u' + K u = f,   D = C + Omega G - dF/dd',   K = K_shaft + springs + kappa K_c - dF/dd
 
+in motions slower than the rotation; in faster ones hysteresis is another (`system_at_speed`).
 A clearance contact is open (as if it were not there), or pinned (the journal moves as its housing
 does). The laws of all other interfaces are linearized where gravity holds them at that speed.
 """
@@ -198,7 +199,7 @@ class LinearMachine:
             own_K=K.tocsc(),
             strained=self._strained @ kept,
             flexibility=Strain(
-                self._strained, self._full.stiffness, np.eye(2), np.zeros((2, 2))
+                *(self._strained, self._full.stiffness, np.eye(2), np.zeros((2, 2)), 0.0, 0.0)
             ).flexibility(np.eye(2)),
             across=across[rows],
         )
@@ -233,7 +234,8 @@ class LinearMachine:
         numbers = self.structure.numbers[0]
         by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * TURN
         by_v = numbers.eta_v * np.eye(2)
-        return Strain(self._strained, self._full.stiffness, by_d, by_v)
+        shaft = (self._strained, self._full.stiffness)
+        return Strain(*shaft, by_d, by_v, float(numbers.kappa_h), speed)
 
     def _linear(
         self,

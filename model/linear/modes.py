@@ -129,15 +129,18 @@ def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
 @on_one_thread
 def modes_of(machine: LinearMachine, linear: Linear, count: int) -> Modes:
     """Return `modes` of a machine at a speed, by its matrices there."""
-    inverse = _Inverse(linear, machine.structure.numbers[0].lowest_omega)
-    values, states = _eigen(inverse, count)
-    residuals = inverse.residuals(values, states)
-    oscillates = values.imag > _REAL * np.abs(values)
-    is_real = (np.abs(values.imag) <= _REAL * np.abs(values)) & (residuals <= DOUBTFUL)
-    decays = np.sort(values[is_real].real)[::-1]
-    result = np.flatnonzero(oscillates)
-    result = result[np.argsort(np.abs(values[result]))][:count]
-    values, shapes = values[result], states[: inverse.size, result]
+    scale, strain = float(machine.structure.numbers[0].lowest_omega), linear.strain
+    values, shapes, residuals, decays = _solved(_Inverse(linear, scale, strain.by_d), count)
+    if strain.kappa_h > 0.0:
+        # hysteresis is another one in modes faster than the rotation; both lists are of the same
+        # modes, by ascending frequency
+        fast = _solved(_Inverse(linear, scale, strain.by_d_if_fast), count)
+        slower = int(np.sum(values.imag <= abs(linear.speed)))
+        values = np.concatenate([values[:slower], fast[0][slower:]])
+        shapes = np.hstack([shapes[:, :slower], fast[1][:, slower:]])
+        residuals = np.concatenate([residuals[:slower], fast[2][slower:]])
+    result = np.argsort(np.abs(values))[:count]
+    values, shapes = values[result], shapes[:, result]
     degenerate = _untangle(values, shapes, machine)
     return _as_modes(machine, linear.speed, values, shapes, degenerate, decays, residuals[result])
 
@@ -150,17 +153,20 @@ def check_speed(speed: float) -> None:
 
 class _Inverse:
     """(A - sigma)^-1 of x' = A x, x = (u, u'), at a real shift sigma, in units of time of
-    1 / scale, so that displacements and velocities are alike; scale: a frequency [rad/s]."""
+    1 / scale, so that displacements and velocities are alike; scale: a frequency [rad/s]; by_d: Z
+    of the shaft by displacement, see `system_at_speed`."""
 
-    def __init__(self, linear: Linear, scale: float) -> None:
+    def __init__(self, linear: Linear, scale: float, by_d: np.ndarray) -> None:
         self.scale, self.sigma = scale, _SHIFT
         self._M, self._D, K = scale**2 * linear.M, scale * linear.own_D, linear.own_K
         self._shifted = (self.sigma**2 * self._M + self.sigma * self._D + K).tocsc()
-        self._solve = linear.factorized(self.sigma * scale)
+        by_v = scale * linear.strain.by_v
+        turned = by_d + self.sigma * by_v
+        self.dtype = turned.dtype
+        self._solve = linear.factorized(self.sigma * scale, turned)
         # The shaft's part of D u is Z_v Z^-1 of its part of (sigma^2 M + sigma D + K) u, which is
         # what is solved for.
-        by_v = scale * linear.strain.by_v
-        self._viscous = by_v @ np.linalg.inv(linear.strain.by_d + self.sigma * by_v)
+        self._viscous = by_v @ np.linalg.inv(turned)
         self.size = linear.M.shape[0]
 
     def __call__(self, state: np.ndarray) -> np.ndarray:
@@ -187,6 +193,18 @@ class _Inverse:
         return np.max([norm(left[h], axis=0) / norm(states[h], axis=0) for h in halves], axis=0)
 
 
+def _solved(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return eigenvalues of modes that oscillate, by ascending frequency, their shapes and
+    residuals, and the decays."""
+    values, states = _eigen(inverse, count)
+    residuals = inverse.residuals(values, states)
+    is_real = (np.abs(values.imag) <= _REAL * np.abs(values)) & (residuals <= DOUBTFUL)
+    result = np.flatnonzero(values.imag > _REAL * np.abs(values))
+    result = result[np.argsort(values.imag[result])]
+    decays = np.sort(values[is_real].real)[::-1]
+    return values[result], states[: inverse.size, result], residuals[result], decays
+
+
 def _eigen(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the eigenvalues [1/s] and the states that belong to them; at least `count` that
     oscillate where there are so many."""
@@ -196,7 +214,7 @@ def _eigen(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray]:
         if size <= _DENSE or wanted + 2 >= size // 3:
             inverted, states = scipy.linalg.eig(inverse(np.eye(size)))
         else:
-            operator = LinearOperator((size, size), matvec=inverse, dtype=float)
+            operator = LinearOperator((size, size), matvec=inverse, dtype=inverse.dtype)
             start = np.random.default_rng(1).standard_normal(size)
             try:
                 inverted, states = eigs(operator, k=wanted, v0=start, which="LM")

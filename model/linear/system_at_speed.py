@@ -3,6 +3,12 @@
 Without it no digit is lost where a shaft is stiff by many decades (`structure.elastic`). An element
 pulls with Z k e, where Z, complex or a matrix of x and y, is made of the share of hysteresis, of
 -i kappa of the damping that rotates, and of eta_v d/dt.
+
+Hysteresis depends on the sense in which the shaft is bent in its own frame: a circular whirl of the
+frequency w is pulled back by i kappa_h sign(w - Omega) of its stiffness (Genta 2004). That drives a
+whirl slower than the rotation, damps a faster one and any against it, and leaves what turns with
+the shaft alone. In motions slower than the rotation it is -i kappa_h sign(Omega) in complex
+coordinates, in faster ones i kappa_h sign(w), i being that of time.
 """
 
 from typing import NamedTuple
@@ -12,7 +18,10 @@ import scipy.sparse as sp
 
 from ..quantities import QuantityError
 from ..structure.strain_solver import Solve, diagonal, factorized
+from .real_matrices import TURN
 from .tangents import Tangents
+
+_WITH_IT = 1e-9  # relative difference of a frequency and the speed that are one
 
 
 class LinearError(QuantityError):
@@ -22,12 +31,31 @@ class LinearError(QuantityError):
 
 class Strain(NamedTuple):
     """What the shaft's strain adds to K and D: strains by the unknowns, of x and y in turn; each
-    element's stiffness, shape (elements, 2, 2); Z by displacement and by velocity, shape (2, 2)."""
+    element's stiffness, shape (elements, 2, 2); Z by displacement, of motions slower than the
+    rotation, and by velocity, shape (2, 2); kappa_h [1]; speed of rotation [rad/s]."""
 
     across: sp.csr_array
     stiffness: np.ndarray
     by_d: np.ndarray
     by_v: np.ndarray
+    kappa_h: float
+    speed: float
+
+    @property
+    def by_d_if_fast(self) -> np.ndarray:
+        """Z by displacement of motions faster than the rotation, exp(i w t) with w > 0."""
+        return self.by_d + self.kappa_h * (np.sign(self.speed) * TURN + 1j * np.eye(2))
+
+    def at(self, root: complex) -> np.ndarray:
+        """Return Z of a motion exp(root t); of one with the rotation the mean of a slower and a
+        faster one."""
+        frequency, speed = abs(complex(root).imag), abs(self.speed)
+        result = self.by_d + root * self.by_v
+        if self.kappa_h == 0.0 or frequency < (1.0 - _WITH_IT) * speed or frequency == 0.0:
+            return result
+        fast = self.by_d_if_fast if complex(root).imag > 0.0 else self.by_d_if_fast.conj()
+        share = 1.0 if frequency > (1.0 + _WITH_IT) * speed else 0.5
+        return result + share * (fast - self.by_d)
 
     def matrix(self, turned: np.ndarray) -> sp.csc_array:
         """Return the matrix of the unknowns, with Z = turned."""
@@ -67,14 +95,14 @@ class Linear(NamedTuple):
 
     @property
     def K(self) -> sp.csc_array:
-        """Stiffness, that of the shaft included."""
+        """Stiffness, that of the shaft included, of motions slower than the rotation."""
         return self.own_K + self.strain.matrix(self.strain.by_d)
 
-    def factorized(self, root: complex = 0.0) -> Solve:
-        """Return the solver of (root^2 M + root D + K) u = f, root [1/s]; `LinearError` if it is
-        singular."""
+    def factorized(self, root: complex = 0.0, turned: np.ndarray | None = None) -> Solve:
+        """Return the solver of (root^2 M + root D + K) u = f, root [1/s]; turned: Z, by default
+        that of the root. Raises `LinearError` if it is singular."""
         own = self.own_K + (root**2 * self.M + root * self.own_D if root else 0)
-        turned = self.strain.by_d + root * self.strain.by_v
+        turned = self.strain.at(root) if turned is None else turned
         try:
             return factorized(own, self.strain.across, self.strain.flexibility(turned))
         except RuntimeError as error:

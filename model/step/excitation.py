@@ -33,7 +33,8 @@ def static_spin(omega):
 
 @jit
 def circulation(structure, omega):
-    """Return kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977)."""
+    """Return kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977): its
+    hysteresis is that of whirls slower than the rotation, see `linear.system_at_speed`."""
     numbers = structure.numbers[0]
     kappa = numbers.kappa_v * omega
     if omega > 0.0:
