@@ -21,6 +21,7 @@ from rotor_fmu.model.parts.shaft import Material, Section
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear.frequency_answers import place_of, read_loops
+from rotor_fmu.machine_report.rub_check import rub_check
 from tests.test_ross import machine
 
 ROOT = Path(__file__).parent.parent
@@ -316,3 +317,15 @@ def test_a_force_on_a_part_acts_beyond_its_node_where_the_part_lies(tmp_path, ca
         standalone_mode=False,
     )
     assert "a force on node 5 +80 mm" in capsys.readouterr().out
+
+
+def test_a_report_shows_the_linear_response_beside_a_rub_where_the_part_lies():
+    given = parse_rotor(OVERHUNG)
+    rigid = Section.cylinder(0.08, 0.04, Material(young=1e17, density=1e-6))
+    (body,) = given.of_kind(Body)
+    check = rub_check(given.with_parts(Body, replace(body, e=1e-5)), 100.0, 400.0)
+    longer = replace(given, sections=(*given.sections, rigid))
+    longer = longer.with_parts(Body, replace(body, node=6, offset=0.0, e=1e-5))
+    assert check.place == "body[1]"
+    expected = unbalance_response(longer, check.speed).major[:, 5]
+    np.testing.assert_allclose(check.linear, expected, rtol=1e-5)

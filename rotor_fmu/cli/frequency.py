@@ -65,7 +65,8 @@ def frequency_response(
     from ..linear import frequency_answers as answers
 
     if frequency is None:
-        ends = usual_frequencies(machine, at, contacts, _POINTS)
+        state = contacts or (None if loop is None else "open")
+        ends = usual_frequencies(machine, at, state, _POINTS)
     points = np.geomspace(ends[0], ends[-1], len(ends))
     result: answers.FrequencyResponse | answers.Sensitivity
     if loop is not None:

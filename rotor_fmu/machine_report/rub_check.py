@@ -15,6 +15,8 @@ from ..api.simulate import simulate
 from ..display import current
 from ..linear.answers import UnbalanceResponse, static, unbalance_response
 from ..model.linear.linear_machine import OPEN
+from ..model.linear.orbit import semi_axes
+from ..model.linear.unbalance import SteadyWhirl
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import InterfaceElement, Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
@@ -153,11 +155,9 @@ def rub_check(
     speeds = np.linspace(_FIRST * top, top, _SPEEDS)
     response = unbalance_response(machine, speeds)
     closings = _closings(machine, response)
-    names = [name for name, part in machine.named_parts() if _is_probe(part, name, machine)]
-    places = {name: _node(machine, name) for name in names}
-    largest = {name: response.major[:, node - 1].max() for name, node in places.items()}
-    place = max(largest, key=lambda name: largest[name]) if largest else ""
-    linear = response.major[:, places[place] - 1] if place else np.zeros(len(speeds))
+    seen = _seen_by_probes(machine, speeds)
+    place = max(seen, key=lambda name: seen[name].max()) if seen else ""
+    linear = seen.get(place, np.zeros(len(speeds)))
     runs: tuple[RubRun, ...] = ()
     if closings:
         runs = tuple(
@@ -167,13 +167,16 @@ def rub_check(
     return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, runs)
 
 
-def _node(rotor: Rotor, name: str) -> int:
-    return int(getattr(dict(rotor.named_parts())[name], "node", 0))
-
-
-def _is_probe(part: Part, name: str, rotor: Rotor) -> bool:
-    """Return whether the motion of a part is an output with an amplitude."""
-    return any(isinstance(e, ProbeElement) for e in part.elements(name, rotor.material.density))
+def _seen_by_probes(rotor: Rotor, speeds: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the major semi-axis of each part whose motion is an output, over the speed [m]."""
+    whirl = SteadyWhirl(rotor)
+    moved = np.array([whirl.at(speed)[0].reshape(-1, 2) for speed in speeds])
+    result = {}
+    for name, probe in rotor.elements_of_kind(ProbeElement):
+        at = 2 * (probe.node - 1)
+        x, y = (moved[:, at] + probe.offset * moved[:, at + 1]).T
+        result[name] = semi_axes(x, y)[0]
+    return result
 
 
 def _contacts(rotor: Rotor) -> dict[str, tuple[int, str, float]]:
