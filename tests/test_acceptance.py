@@ -18,6 +18,7 @@ from rotor_fmu.model.linear import (
     placed_unbalances,
     static,
     unbalance_check,
+    unbalance_response,
 )
 from rotor_fmu.model.linear.amplification import Peak, margin, peaks, required_margin
 from rotor_fmu.model.linear.unbalance_placement import residual_unbalance, vibration_limit
@@ -243,6 +244,23 @@ def test_the_check_scales_until_the_probes_read_their_limit_and_sees_the_clearan
         clearances={4: 2e-5},
     )
     assert doubled.clearances[0].scaled == pytest.approx(gap.scaled)
+
+
+@pytest.mark.parametrize("damping", [5.0, 500.0])
+def test_the_level_of_a_probe_is_that_of_the_peak_itself(damping):
+    rotor = parse_rotor(SHAFT + support(1, 1e7, damping) + support(7, 1e7, damping))
+    placed = [p[:3] for p in placed_unbalances(rotor, 1, 3000 * RPM)]
+    ends = (400.0, 450.0)
+    result = unbalance_check(rotor, *ends, [2, 4], unbalances=placed, clearances={4: 1e-3})
+
+    def major(speed, node):
+        return unbalance_response(rotor, [speed], unbalances=placed).major[0, node - 1]
+
+    for probe in result.probes:
+        fine = probe.speed * (1 + np.linspace(-1e-5, 1e-5, 21))
+        most = max(major(speed, probe.node) for speed in fine)
+        assert probe.peak_to_peak == pytest.approx(2 * most, rel=1e-6)
+    assert result.clearances[0].amplitude == pytest.approx(result.probes[1].peak_to_peak / 2)
 
 
 def test_a_critical_speed_just_within_the_largest_margin_is_seen():

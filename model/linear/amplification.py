@@ -133,6 +133,19 @@ def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[flo
     return float(found.x), -float(found.fun)
 
 
+def largest(
+    response: Callable[[float], float], speeds: Sequence[float] | np.ndarray
+) -> tuple[float, float]:
+    """Return the speed of the largest response over ascending speeds [rad/s], peaks between them
+    included, and the response there."""
+    at = np.asarray(speeds, dtype=float)
+    values = np.array([response(speed) for speed in at])
+    first = int(np.argmax(values))
+    found = [(float(at[first]), float(values[first]))]
+    found += [top(response, at, i) for i in inner_peaks(values)]
+    return max(found, key=lambda of: of[1])
+
+
 def _peak(response: Callable[[float], float], at: np.ndarray, values: np.ndarray, i: int) -> Peak:
     speed, largest = top(response, at, i)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from . import orbit
-from .amplification import Margin, Peak, about, margin, peaks
+from .amplification import Margin, Peak, about, largest, margin, peaks
 from .campbell import campbell
 from .linear_machine import LinearError, lowest_speed
 from .static import check_node
@@ -200,9 +200,8 @@ def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
 
 
 def _level(response: "_Response", node: int, speeds: np.ndarray) -> ProbeLevel:
-    major = [response.major(speed, node) for speed in speeds]
-    at = int(np.argmax(major))
-    return ProbeLevel(node, 2 * major[at], float(speeds[at]))
+    speed, major = largest(lambda s: response.major(s, node), speeds)
+    return ProbeLevel(node, 2 * major, speed)
 
 
 class _Response:
@@ -265,9 +264,12 @@ class _Response:
         """Return how much of each clearance is taken."""
         result = []
         for name, clearance, dof, end in self._gaps:
-            distance = [self._at(speed)[dof] - self._at(speed)[end] for speed in speeds]
-            major = [float(orbit.semi_axes(*d)[0]) for d in distance]
-            at = int(np.argmax(major))
-            scaled = max(scale, 1.0) * major[at] if major[at] else 0.0
-            result.append(ClearanceLevel(name, clearance, major[at], float(speeds[at]), scaled))
+            speed, major = largest(partial(self._distance, dof, end), speeds)
+            scaled = max(scale, 1.0) * major if major else 0.0
+            result.append(ClearanceLevel(name, clearance, major, speed, scaled))
         return result
+
+    def _distance(self, dof: int, end: int, speed: float) -> float:
+        """Return the major semi-axis of the distance of two dofs [m]."""
+        moved = self._at(speed)
+        return float(orbit.semi_axes(*(moved[dof] - moved[end]))[0])
