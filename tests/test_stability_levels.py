@@ -353,6 +353,14 @@ def test_what_grows_without_oscillating_is_not_stable(k):
     assert (campbell(rotor, [100.0, speed]).threshold is not None) == grows
 
 
+def test_a_rotor_that_nothing_holds_does_not_grow_by_rounding():
+    free = parse_rotor((ROOT / "examples" / "drop" / "compressor.toml").read_text())
+    for rotor in (free, parse_rotor(SHAFT)):
+        for speed in (0.0, 300.0):
+            assert len(modes(rotor, speed, contacts="open").growing) == 0
+    assert campbell(free, [0.0, 100.0], contacts="open").threshold is None
+
+
 def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
     cases = level_2(pulled("seal"), 300.0).cases
     assert [case.log_dec == -math.inf for case in cases] == [False, True]

@@ -244,7 +244,7 @@ def _meeting(
 def _growth(modes: Modes) -> float:
     """Return the largest share of growth of a mode, Re lambda / |lambda|; of what does not
     oscillate, its sign."""
-    growing = [1.0] if (modes.decays > 0).any() else []
+    growing = [1.0] if len(modes.growing) else []
     return max([*(-modes.damping_ratio[modes.is_sound]), *growing], default=-1.0)
 
 

@@ -26,7 +26,9 @@ _PLANAR = 1e-3  # forwardness below which an orbit is a line
 # Share of the imaginary part below which an eigenvalue is real: two real ones that are equal come
 # out apart by the root of rounding.
 _REAL = 1e-5
-_GROWING = 1e-6  # of the lowest natural frequency: a growth that is more than rounding
+# Of the highest of the frequencies: a growth that is more than rounding, which of a free motion is
+# about the root of that of a number.
+_GROWING = 1e-7
 DEFAULT_COUNT = 8
 DOUBTFUL = 1e-6  # a residual that is said
 
@@ -67,8 +69,8 @@ class Modes(Spectrum):
     def growing(self) -> np.ndarray:
         """Those of `decays` that grow by more than rounding [1/s]: motions away from equilibrium
         that do not oscillate, as with a negative stiffness."""
-        scale = self.natural.min(initial=np.abs(self.decays).max(initial=0.0))
-        return self.decays[self.decays > _GROWING * scale]
+        highest = np.max([*self.natural, *np.abs(self.decays)], initial=0.0)
+        return self.decays[self.decays > _GROWING * highest]
 
     @property
     def forwardness(self) -> np.ndarray:
