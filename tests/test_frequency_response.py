@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import LinearError, unbalance_response
+from rotor_fmu.model.linear import LinearError, modes, unbalance_response
 from rotor_fmu.model.linear.frequency_response import (
     ControlLoop,
     frequency_response,
@@ -204,6 +204,24 @@ def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(
     zeta = 100 * damping / (2 * math.sqrt(stiffness))
     expected = 1 / (2 * zeta * stiffness * math.sqrt(1 - zeta**2))
     assert largest == pytest.approx(expected, rel=rel)
+
+
+def test_the_peaks_of_a_free_rotor_are_its_modes_and_none_of_rounding(tmp_path, capsys):
+    drop = ROOT / "examples" / "drop" / "compressor.toml"
+    app(
+        [
+            *("frequency-response", "--rotor", str(drop), "--force", "2"),
+            *("--contacts", "open", "--out", str(tmp_path)),
+        ],
+        standalone_mode=False,
+    )
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if " by " in line]
+    found = np.array([float(row[4]) for row in rows])
+    natural = modes(parse_rotor(drop.read_text()), contacts="open").natural / (2 * math.pi)
+    bending = np.unique(np.round(natural[natural > 510.0], 3))  # below: of the housings alone
+    assert found == pytest.approx([*bending, *bending], rel=1e-3)
+    data = json.loads((tmp_path / "frequency_response.json").read_text())
+    assert data["frequencies"][0] == pytest.approx(2 * math.pi)
 
 
 def test_the_command_tells_the_peaks_of_a_port(tmp_path, capsys):

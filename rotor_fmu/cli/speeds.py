@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
 
 _MOST_POINTS = 100_000
+_FREE = 1e-6  # of the highest frequency: that of a free motion, which is rounding
+_WITHIN = 100.0  # times the lowest natural frequency: what a range of frequencies goes up to
 
 One = Annotated[
     str,
@@ -145,11 +147,13 @@ def usual_frequencies(
 ) -> np.ndarray:
     """Return frequencies [rad/s] from 1 Hz, or half the lowest natural frequency at a speed
     [rad/s], to three times the machine's highest speed and a quarter above the lowest natural
-    frequencies, 500 Hz at least."""
+    frequencies, as far as they lie within a hundred times the first; to 500 Hz at least."""
     from ..model import linear
 
     found = linear.modes(machine, speed, contacts=contacts).natural
     own = (speed, *machine.operation.speeds.values())
+    found = found[found > _FREE * found.max(initial=0.0)]
     low = min([2 * np.pi, *(0.5 * found[:1])])
-    high = max([1000 * np.pi, *(1.25 * found), *(3 * abs(given) for given in own)])
+    near = found[found <= _WITHIN * found.min(initial=np.inf)]
+    high = max([1000 * np.pi, *(1.25 * near), *(3 * abs(given) for given in own)])
     return np.linspace(low, high, points)
