@@ -90,6 +90,10 @@ def chosen_at_build(
     """Return an FMU's variables with what is chosen when it is built: the modes kept of the shaft,
     the step length [s] of an FMU for real time, which begins with the preset `realtime`, and start
     values of other solver parameters. Raises `SettingsError` for an impossible value."""
+    if reduction != int(reduction) or not 0 <= reduction <= MOST_MODES:
+        raise SettingsError(
+            f"{REDUCTION.name} = {reduction}: must be an integer from 0 to {MOST_MODES}"
+        )
     fixed: dict[str, float] = {REDUCTION.name: reduction}
     if step is not None:
         fixed |= {_PRESET.name: list(PRESETS).index(REALTIME), _H.name: step}
