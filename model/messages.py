@@ -118,11 +118,11 @@ _FIRST = len(settings.SENTENCES)
 
 def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
     """Return the choice of contact states that `{where}` stands for: all contacts open, all that
-    slip closed, or one of them closed.
+    slip closed, those closed that carry the machine, or one of them closed.
 
     contacts: names of the interfaces.
     """
     walls = np.flatnonzero(interfaces.slips == 1).tolist()
     together = whirls.AND.join(contacts[j] for j in walls)
     alone = [f"{name}{whirls.SLIPPING}" for name in contacts]
-    return choice((whirls.OPEN, f"{together}{whirls.SLIPPING}", *alone))
+    return choice((whirls.OPEN, f"{together}{whirls.SLIPPING}", whirls.REST, *alone))

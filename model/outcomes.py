@@ -11,7 +11,7 @@ from .kernels.jit import jit
 from .kernels.kernel import interpreted
 from .message_templates import MOST_ARGUMENTS, fill_template
 from .settings.resolver import radius_at_infinity
-from .stability.matrices import OPEN
+from .stability.matrices import OPEN, REST
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.survey_block import WHIRL
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
@@ -134,7 +134,7 @@ def grows_at_rest(root: complex) -> str:
 def _describe_whirl(whirl, arguments, at):
     """Write the six numbers of a row of `survey.whirls` into the arguments, from `at` on."""
     case, omega = whirl[WHIRL.case], whirl[WHIRL.omega]
-    arguments[at] = -1.0 - case if case < 0.0 else case + 2.0
+    arguments[at] = -1.0 - case if case < 0.0 else case + 3.0
     arguments[at + 1] = whirl[WHIRL.is_backward]
     arguments[at + 2], arguments[at + 3] = omega / _TWO_PI, omega
     arguments[at + 4], arguments[at + 5] = whirl[WHIRL.growth], whirl[WHIRL.speed]
@@ -142,13 +142,14 @@ def _describe_whirl(whirl, arguments, at):
 
 @jit
 def unstable(run, arguments):
-    """Return the message about the whirl that grows fastest at the present speed with all contacts
-    open, if a survey found one."""
+    """Return the message about the whirl of the machine itself, its contacts open or as they carry
+    it, that grows fastest at the present speed, if a survey found one."""
     survey = run.survey
     for i in range(survey.counted[0]):
         whirl = survey.whirls[i]
         is_present = whirl[WHIRL.speed] == run.memory.record[0].surveyed_at
-        if whirl[WHIRL.case] == OPEN and is_present:
+        is_its_own = whirl[WHIRL.case] == OPEN or whirl[WHIRL.case] == REST
+        if is_its_own and is_present:
             _describe_whirl(whirl, arguments, 0)
             return messages.UNSTABLE
     return messages.GOOD

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
@@ -15,6 +16,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from scipy.optimize import least_squares
 
+from .dense import dense_matrices
 from .machines import STEEL, cylinders, first_order
 
 GROWTHS = (2e-4, 5e-4, 1e-3, 2e-3, 5e-3)  # 1/s over rad/s: from which speed on a machine is taken
@@ -177,3 +179,52 @@ def test_a_run_that_comes_back_below_the_threshold_takes_long_steps_again():
     for k in range(20):
         sim.advance(0.1 + 0.01 * (k + 1), (1.5 - 0.05 * k) * begins)
     assert record["h_in_the_open"][0] == math.inf
+
+
+def roots_on_contacts(sim: Simulation, speed: float) -> np.ndarray:
+    """Eigenvalues of a machine that lies on its contacts, about its rest: dense matrices, and the
+    wall's force -k (|d| - clearance) (1 + i mu) d / |d| by differences."""
+    structure = sim.structure
+    M, C, K, G, circulatory = dense_matrices(structure)
+    K = K + structure.numbers[0].kappa_v * speed * circulatory
+    half = len(M) // 2
+    for part, interface in zip(sim.rotor.bearings, structure.interfaces, strict=True):
+        at = np.zeros(half)
+        at[interface.dof], at[interface.end] = 1.0, -1.0
+        d = sim.motion.q[interface.dof] - sim.motion.q[interface.end]
+
+        def force(z, part=part):
+            return -part.k * (abs(z) - part.clearance) * (1 + 1j * part.mu) * z / abs(z)
+
+        h = 1e-10
+        for column, turn in enumerate((1.0, 1j)):
+            slope = (force(d + h * turn) - force(d - h * turn)) / (2 * h)
+            for row, value in enumerate((slope.real, slope.imag)):
+                place = slice(row * half, (row + 1) * half), slice(column * half, None)
+                K[place[0], place[1]][:, :half] -= value * np.outer(at, at)
+    none, one = np.zeros_like(M), np.eye(len(M))
+    A = np.block([[none, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, C + speed * G)]])
+    return np.linalg.eigvals(A)
+
+
+@pytest.mark.parametrize(
+    ("speed", "is_unstable"), [(100.0, False), (200.0, False), (400.0, True), (-400.0, True)]
+)
+def test_a_machine_that_lies_on_its_contacts_is_as_stable_as_it_lies(speed, is_unstable):
+    """Not as it would fly, when its free precession would grow from the first revolution on."""
+    turning = rig_toml().replace("rotating_damping = false", "rotating_damping = true")
+    rotor = parse_rotor(turning.replace("\nc = 100.0", "\nc = 0.0"))
+    said = []
+    sim = Simulation(rotor, speed=speed, warn=said.append)
+    assert (sim.motion.force != 0).all()
+    roots = roots_on_contacts(sim, abs(speed))
+    fastest = roots[np.argmax(roots.real / abs(roots))]
+    assert (fastest.real > 1e-5 * abs(fastest)) == is_unstable
+    messages = [m for m in said if m.startswith("unstable")]
+    assert len(messages) == is_unstable
+    for message in messages:
+        at_rest = [w for w in sim._whirls if w.speed == speed and len(w.closed) == 2]
+        expected = complex(fastest.real, abs(fastest.imag))
+        assert min(abs(w.root - expected) for w in at_rest) < 1e-3 * abs(expected)
+        assert message.startswith("unstable: with the contacts as they carry the machine at rest a")
+        assert f"({expected.imag:.3g}" in message

@@ -1,4 +1,4 @@
-"""The machine as x' = A x, its contacts open, or closed and slipping."""
+"""The machine as x' = A x, its contacts open, as they carry it at rest, or closed and slipping."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from ..parts.housing import masses
 from ..parts.law import Kinematics
 from ..step.laws import law_gap, law_vibrate, relative, side_of
 
-# Which interfaces with a wall are closed: none, all, or the one of this number.
-OPEN, ALL = -1, -2
+# Which interfaces with a wall are closed: none, all, those that carry the machine at rest, or the
+# one of this number.
+OPEN, ALL, REST = -1, -2, -3
 # Where one is called closed and slipping: penetration over the radius of its wall, and a spin
 # [rad/s] that leaves nothing of the smoothing of friction.
 _DEPTH, _SLIPPING = 0.1, 1e9
@@ -42,25 +43,56 @@ def fill_tangents(structure, survey, motion, trial, omega):
     """
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        d = relative(interface, motion.q)
-        sliding = omega
-        has_wall = interface.has_wall == 1
-        if has_wall:
-            d = complex(interface.length, 0.0)
-            d += law_gap(structure.laws, interface, d) + _DEPTH * interface.length
-            sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
-        _force, p_d, q_d, p_v, q_v = law_vibrate(
-            structure.laws,
-            interface,
-            Kinematics(d, 0.0j, omega, sliding, 0.0),
-            abs(omega),
-            motion.internal_state[interface.internal_state :],
-            trial[interface.internal_state :],
-        )
-        survey.p_d[j] = p_d + q_d if has_wall else p_d
-        survey.q_d[j] = 0.0 if has_wall else q_d
-        survey.p_v[j] = 0.0 if has_wall else p_v
-        survey.q_v[j] = 0.0 if has_wall else q_v
+        if interface.has_wall == 0:
+            d = relative(interface, motion.q)
+            _fill_tangent(structure, survey, motion, trial, j, d, omega, omega)
+            continue
+        d = complex(interface.length, 0.0)
+        d += law_gap(structure.laws, interface, d) + _DEPTH * interface.length
+        sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
+        _fill_tangent(structure, survey, motion, trial, j, d, omega, sliding)
+        survey.p_d[j] += survey.q_d[j]
+        survey.q_d[j] = survey.p_v[j] = survey.q_v[j] = 0.0
+
+
+@jit_not_inlined
+def _fill_tangent(structure, survey, motion, trial, j, d, omega, sliding):
+    """Fill in the tangent of interface j at a displacement [m] and a spin past it [rad/s]."""
+    interface = structure.interfaces[j]
+    _force, p_d, q_d, p_v, q_v = law_vibrate(
+        structure.laws,
+        interface,
+        Kinematics(d, 0.0j, omega, sliding, 0.0),
+        abs(omega),
+        motion.internal_state[interface.internal_state :],
+        trial[interface.internal_state :],
+    )
+    survey.p_d[j], survey.q_d[j] = p_d, q_d
+    survey.p_v[j], survey.q_v[j] = p_v, q_v
+
+
+@jit
+def find_seats(structure, survey, motion):
+    """Note where the walls that carry the machine hold it, in equilibrium."""
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        carries = interface.has_wall == 1 and motion.force[j] != 0.0
+        survey.seat[j] = relative(interface, motion.q) if carries else 0.0j
+
+
+@jit
+def is_seat(survey, j):
+    """Return whether interface j is a wall that carries the machine at rest."""
+    return survey.seat[j] != 0.0
+
+
+@jit_not_inlined
+def fill_rest_tangents(structure, survey, motion, trial, omega):
+    """Fill in the tangents of the walls that carry the machine, where they do at rest, the shaft
+    turning at this speed [rad/s]."""
+    for j in range(len(structure.interfaces)):
+        if is_seat(survey, j):
+            _fill_tangent(structure, survey, motion, trial, j, survey.seat[j], omega, omega)
 
 
 @jit_not_inlined
@@ -100,7 +132,7 @@ def fill_basis_matrices(structure, survey, case):
     """Fill in the matrices that do not depend on the speed, in the basis of this case, unless it is
     the same as in the last one."""
     place = -1
-    if case != ALL and len(survey.single_contact_basis) > 0:
+    if case >= OPEN and len(survey.single_contact_basis) > 0:
         place = survey.first_wall[0] if case == OPEN else case
     if place == survey.in_use[1]:
         return
@@ -170,7 +202,8 @@ def fill_system_matrix(structure, survey, speed, case):
         A[size + x, size + x] -= housing.cx
         A[size + y, size + y] -= housing.cy
     for j in range(len(structure.interfaces)):
-        if structure.interfaces[j].has_wall == 0 or is_closed(structure.interfaces, j, case):
+        acts = structure.interfaces[j].has_wall == 0 or (case == REST and is_seat(survey, j))
+        if acts or is_closed(structure.interfaces, j, case):
             _add_force(survey, half, j, 0, survey.p_d[j], survey.q_d[j])
             _add_force(survey, half, j, size, survey.p_v[j], survey.q_v[j])
     for h in range(len(structure.housings)):

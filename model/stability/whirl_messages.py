@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 OPEN, SLIPPING, AND = "all contacts open", " in contact and slipping", " and "
+REST = "the contacts as they carry the machine at rest"
 WAYS = ("forward", "backward")
 WHIRL = (
     "with {where} a {way} whirl of {hz:.4g} Hz ({omega:.4g} rad/s) grows by {growth:.3g} 1/s at "
@@ -21,8 +22,8 @@ OSCILLATES = (
 )
 MOVES_AWAY = "it moves away from its equilibrium by {growth:.3g} 1/s, without oscillating"
 AT_REST = (
-    "unstable at rest: with all contacts open {how}; look at the damping and the stiffness of its "
-    "bearings"
+    "unstable at rest: with no contact closed but what carries the machine {how}; look at the "
+    "damping and the stiffness of its bearings"
 )
 APART = (
     "the run diverged by an instability of the machine (node {node:d} past {bound:.3g} m or not "

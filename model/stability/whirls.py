@@ -1,5 +1,6 @@
 """Self-excited whirls: unstable roots of the machine with its contacts open, or closed and
-slipping.
+slipping. Contacts that carry the machine, which nothing else holds, are never all open: they are as
+at rest instead.
 
 At a large penetration a journal that whirls with its contact closed and slipping meets a force that
 is linear in its displacement, F = -k (1 + i mu) d, the limit of a large circle: normal force and,
@@ -22,11 +23,15 @@ from .eigenvalues import eigenvalues
 from .matrices import (
     ALL,
     OPEN,
+    REST,
     fill_basis_matrices,
     fill_eigenvector,
+    fill_rest_tangents,
     fill_system_matrix,
     fill_tangents,
+    find_seats,
     is_closed,
+    is_seat,
     is_wall,
 )
 from .resolution import is_stable, resolving_step, resolving_step_in_stages
@@ -70,7 +75,8 @@ def growing_whirls(structure: Structure, survey: WhirlSurvey) -> tuple[Whirl, ..
     """Return the whirls that the last `find_growing_whirls` found, the fastest growing first."""
     interfaces = structure.interfaces
     walls = (interfaces.slips == 1).nonzero()[0].tolist()
-    cases = {OPEN: (), ALL: tuple(walls)}
+    seats = np.flatnonzero(survey.seat).tolist()
+    cases = {OPEN: (), ALL: tuple(walls), REST: tuple(seats)}
     return tuple(
         Whirl(complex(re, im), backward == 1.0, cases.get(int(case), (int(case),)), speed)
         for re, im, backward, case, speed in survey.whirls[: survey.counted[0]].tolist()
@@ -92,13 +98,16 @@ def rounded_down(x, least):
 @jit  # as arguments a whole run is more than a WebAssembly function may have
 def find_growing_whirls(run, speed, is_start):
     """Find the whirls that grow at this speed of rotation [rad/s] and at half of it, with all
-    contacts open, each alone closed, and all closed; bound the steps so that a tolerance resolves
-    them, and tighten the limit of numerical damping. At the start find growth at rest too.
+    contacts open, or as they carry the machine, each alone closed, and all closed; bound the steps
+    so that a tolerance resolves them, and tighten the limit of numerical damping. At the start find
+    growth at rest too.
 
-    With all contacts open the machine itself is unstable: growth at any speed of this survey's
-    range bounds the steps from now on, and the range ends where a growth begins.
+    With all contacts open, or as at rest, the machine itself is unstable: growth at any speed of
+    this survey's range bounds the steps from now on, and the range ends where a growth begins.
     """
     structure, survey, r = run.structure, run.survey, run.memory.record[0]
+    if is_start != 0:
+        find_seats(structure, survey, run.motion)
     r.surveyed_at = speed
     survey.counted[0] = 0
     survey.rest[0] = complex(math.nan, math.nan)
@@ -118,11 +127,15 @@ def find_growing_whirls(run, speed, is_start):
             is_one = case >= 0 and is_wall(structure.interfaces[case])
             if not (is_one or case == OPEN or (case == ALL and walls > 1)):
                 continue
-            _fill_roots(structure, survey, share * speed, case)
+            held = case
+            if case == OPEN:
+                held = _fill_own_roots(run, share * speed)
+            else:
+                _fill_roots(structure, survey, share * speed, case)
             if share == 0.0:
                 _record_growth_at_rest(run)
             else:
-                shortest = _record_whirls(run, share * speed, case)
+                shortest = _record_whirls(run, share * speed, held)
                 if case == OPEN and share == 1.0:
                     r.h_in_the_open = shortest
                 elif case != OPEN:
@@ -149,6 +162,33 @@ def _fill_roots(structure, survey, speed, case):
         for k in range(states):
             survey.work[i, k] = survey.A[i, k]
     eigenvalues(survey.work, survey.re[:states], survey.im[:states])
+
+
+@jit
+def _fill_own_roots(run, speed):
+    """Fill in all roots of the machine itself at one speed [rad/s]: with all contacts open or, if
+    some carry it and nothing else does, with these as at rest; return which."""
+    structure, survey = run.structure, run.survey
+    _fill_roots(structure, survey, speed, OPEN)
+    if not _lies(structure, survey):
+        return OPEN
+    trial = run.problem.internal_state
+    fill_rest_tangents(structure, survey, run.motion, trial, speed)
+    _fill_roots(structure, survey, speed, REST)
+    fill_tangents(structure, survey, run.motion, trial, speed)
+    return REST
+
+
+@jit
+def _lies(structure, survey):
+    """Return whether walls carry the machine, which can move freely with all contacts open."""
+    is_free = False
+    for i in range(states_of(structure, survey)):
+        is_free = is_free or modulus(complex(survey.re[i], survey.im[i])) <= _SLOW
+    seats = 0
+    for j in range(len(structure.interfaces)):
+        seats += 1 if is_seat(survey, j) else 0
+    return is_free and seats > 0
 
 
 @jit
@@ -190,11 +230,11 @@ def _edge(run, sign, size, far):
 
 @jit
 def _step_in_the_open(run, speed):
-    """Return the longest step that resolves all growth at a speed [rad/s] with all contacts open
+    """Return the longest step that resolves all growth of the machine itself at a speed [rad/s]
     [s]."""
     structure, survey = run.structure, run.survey
     fill_tangents(structure, survey, run.motion, run.problem.internal_state, speed)
-    _fill_roots(structure, survey, speed, OPEN)
+    _fill_own_roots(run, speed)
     longest = math.inf
     for i in range(states_of(structure, survey)):
         root = complex(survey.re[i], survey.im[i])
@@ -244,9 +284,10 @@ def _is_reversed(structure, survey, half, case):
     """Return whether the motion of `vector`, of x and y of `half` dofs and housings, whirls from y
     to x: at the closed contacts, or as a whole."""
     forward = backward = 0.0
-    rows = half if case == OPEN else len(structure.interfaces)
+    is_whole = case in (OPEN, REST)
+    rows = half if is_whole else len(structure.interfaces)
     for row in range(rows):
-        if case == OPEN:
+        if is_whole:
             x, y = survey.vector[row], survey.vector[half + row]
         elif is_closed(structure.interfaces, row, case):
             x = y = 0.0j
