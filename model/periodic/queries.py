@@ -3,6 +3,7 @@ over a second parameter."""
 
 import numpy as np
 
+from ..machine.rotor import Rotor
 from . import arclength
 from .arclength import CurvePoint, NotConverged
 from .balance import HarmonicBalance, cached
@@ -97,6 +98,16 @@ def persists_in_time(result: Response, point: Solution, turns: int) -> Persisten
     return integrate_from_orbit(rotor, machine, point.orbit, point.motion, task.loads, turns)
 
 
+def check_second(rotor: Rotor, name: str, low: float, high: float) -> None:
+    """Raise `PeriodicError` or `QuantityError` for a range of a second parameter, one of the
+    machine's, that lacks its own value or that it cannot have."""
+    start = {str(n): value for n, _, value in rotor.parameters()}[name]
+    if not low <= start <= high:
+        raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
+    for end in (low, high):
+        rotor.with_value(name, end)
+
+
 def folds_over(
     result: Response, fold: Bifurcation, name: str, low: float, high: float
 ) -> FoldCurve:
@@ -106,9 +117,8 @@ def folds_over(
     bifurcation is no smooth fold.
     """
     task, rotor = result.task, result.rotor
+    check_second(rotor, name, low, high)
     start = {str(n): value for n, _, value in rotor.parameters()}[name]
-    if not low <= start <= high:
-        raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
     if fold.kind != FOLD:
         raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")
     if task.needs_shooting(fold.orbit):
@@ -116,8 +126,6 @@ def folds_over(
             f"fold at {fold.value:g}: its motion has more than {task.accuracy.most} harmonics, of "
             f"which no curve of folds is made; a study of responses over {name} finds each"
         )
-    for end in (low, high):
-        rotor.with_value(name, end)
     first = result.machines()
     base = task.problem(first, fold.value, fold.orbit.H, turns=fold.orbit.turns)
 

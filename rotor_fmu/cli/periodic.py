@@ -124,11 +124,12 @@ def response(
         "whirl": whirl,
         "branches": branches,
     }
+    second = None if fold_over is None else _second(fold_over, machine, asked, of)
     result = _found(machine, toml, asked, out, current().of_si(unit))
     summary = dict(result.summary)
     if not result.is_stopped:
-        if fold_over is not None:
-            summary["folds"] = _folds(result, fold_over, of)
+        if second is not None:
+            summary["folds"] = _folds(result, *second)
         if check:
             summary["check"] = _checked(result)
     _show(result, machine.name, summary, out)
@@ -231,9 +232,22 @@ def _varied(
     return (float(ends[0]), float(ends[1])), None
 
 
-def _folds(result: "ResponseResult", text: str, units: Mapping[str, str]) -> dict[str, Any]:
-    """Return where the first fold lies over the quantity of `--fold-over`."""
+def _second(
+    text: str, machine: Rotor, asked: Mapping[str, Any], units: Mapping[str, str]
+) -> tuple[str, float, float]:
+    """Return the quantity of `--fold-over` and its range, checked before anything is computed."""
+    from ..model.periodic.queries import check_second
+    from ..periodic.request import question
+    from ..periodic.result import check_names
+
     name, low, high = _range(text, "--fold-over", units)
+    check_names(machine, {name: low})
+    check_second(question(machine, **asked).rotor, name, low, high)
+    return name, low, high
+
+
+def _folds(result: "ResponseResult", name: str, low: float, high: float) -> dict[str, Any]:
+    """Return where the first fold lies over the quantity of `--fold-over`."""
     folds = result.fold_curve(name, low, high)
     return {
         "second": folds.second.tolist(),

@@ -57,7 +57,7 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
     axes.legend(handles=handles, frameon=False, fontsize=8)
     axes.set_ylim(bottom=0)
     values = np.array([p.value for p in result.points]) * axis.factor
-    if len(values):
+    if len(values) and np.ptp(values) > 0:
         axes.set_xlim(values.min(), values.max())
     axes.set_xlabel(f"{result.parameter} [{axis.unit}]")
     axes.set_ylabel(f"Largest distance from the mean [{current().small_unit}]")

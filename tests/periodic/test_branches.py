@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
-from rotor_fmu.model.periodic.problem import Task
+from rotor_fmu.model.periodic.branch import Branch
+from rotor_fmu.model.periodic.problem import Response, Task
 from rotor_fmu.model.periodic.response import response
 
 import rotor_fmu as rf
@@ -80,6 +81,14 @@ def test_the_isolated_branch_is_closed_and_folds_where_the_closed_form_begins_an
     for fold, inward in zip(folds, (1, -1), strict=True):
         assert not radii(fold * (1 - inward * 1e-4))
         assert radii(fold * (1 + inward * 1e-4))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_branch_of_one_point_is_drawn_without_a_warning(isola):
+    one = Branch(points=[isola.points[0]], ends=("start", "lost: at once"))
+    result = Response(ISOLA.rotor, Task(60.0, 240.0), [one])
+    low, high = ResponseResult(result).figure().axes[0].get_xlim()
+    assert low < isola.points[0].value / (2 * math.pi) < high
 
 
 def test_a_seed_where_nothing_else_is_says_so():

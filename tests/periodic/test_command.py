@@ -56,6 +56,9 @@ def test_that_the_laws_are_compiled_first_is_said(process, monkeypatch, compiles
         (("--speed", "100", "--over", "contact[1].mu"), "must be NAME=FROM:TO"),
         (("--speed", "100", "--over", "contact[1].nu=0:1"), "the nearest is contact[1].mu"),
         (("--speed", "100", "--over", "contact[1].mu=-1:1"), "contact[1].mu = -1"),
+        (("--fold-over", "contact[1].nu=0:1"), "contact[1].nu: no quantity of the machine; the n"),
+        (("--fold-over", "contact[1].mu=1:2"), "contact[1].mu = 1:2: must hold the machine's own"),
+        (("--fold-over", "contact[1].mu=-1:1"), "contact[1].mu = -1"),
         (("--period", "0"), "period = 0: must be"),
         (("--share", "2"), "share = 2: must be"),
         (("--load", "disc=3"), "is no force on a port"),
@@ -76,6 +79,7 @@ def test_what_cannot_be_is_one_line_with_status_2(tmp_path, arguments, words):
     assert done.returncode == 2
     assert words in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()
 
 
 def test_speeds_outside_a_table_are_refused():
