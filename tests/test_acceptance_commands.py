@@ -66,6 +66,10 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
         (["stability", "--rated", "50Hz", "--cross-coupling", "x"], "must be NODE:STIFFNESS"),
         (["stability", "--rated", "50Hz", "--cross-coupling", "99:1"], "node 99: must be from 1"),
         (["stability", "--rated", "50Hz", "--node", "99"], "--node 99: must be from 1"),
+        (
+            ["unbalance", "--range", "60:100Hz", "--mode", "1", "--factor", "nan"],
+            "factor = nan: must be > 0 and finite",
+        ),
         (["unbalance", "--range", "60:50Hz"], "--range 60:50Hz: FROM must be below TO"),
         (["unbalance", "--range", "0:50Hz"], "--range 0:50Hz: must be FROM:TO, both above 0"),
         (["unbalance", "--rotor", COMPRESSOR, "--mode", "1"], "need the operating range"),

@@ -57,6 +57,8 @@ def input_error_by(main, tmp_path, monkeypatch, capsys):
         (["--set", "bearing[1].clearence=1e-5"], "did you mean bearing[1].clearance"),
         (["--set", "tau=1"], "--set tau: is an output, which the model computes"),
         (["--step", "1e-9"], "--step 1e-09 s: would give 4e+10 rows"),
+        (["--rate", "1e-300"], "stop = 4e+302 s: would give 1e+305 rows at the communication step"),
+        (["--hold", "1e300"], "stop = 1e+300 s: would give 2.5e+302 rows at the communication st"),
         (["--preset", "robusd"], "did you mean robust?"),
         (["--set", "gravity"], "--set gravity: must be NAME=VALUE"),
         (["--set", "gravity=heavy"], "--set gravity = heavy: must be a number"),

@@ -112,6 +112,11 @@ def test_speeds_are_read_in_any_unit():
         (["modes", "--rotor", "none.toml"], "none.toml: cannot be read"),
         (["campbell", "--speed", "10"], "--speed 10: must be FROM:TO"),
         (["campbell", "--speed", "10:5"], "FROM must be below TO"),
+        (
+            ["campbell", "--speed", "0:1e300"],
+            "--speed 0:1e300: must be at most 1e+07 rad/s in size",
+        ),
+        (["modes", "--speed", "-1e300"], "--speed -1e300: must be at most 1e+07 rad/s in size"),
         (["campbell", "--speed", "0:5:1"], "POINTS must be an integer from 2"),
         (["campbell", "--speed", "0rpm:5Hz"], "must have one unit"),
         (["campbell", "--harmonic", "-1"], "harmonic = -1: must be > 0"),

@@ -69,8 +69,10 @@ def placed_unbalances(
 
     mode: from 1, of the undamped machine at standstill in one plane; speed: the maximum continuous
     speed [rad/s]; factor: multiple of the residual unbalance; contacts: `open` or `pinned`. Raises
-    `LinearError` for a mode that is not there.
+    `LinearError` for a mode that is not there, and for a factor that is none.
     """
+    if not (math.isfinite(factor) and factor > 0):
+        raise LinearError(f"factor = {factor:g}: must be > 0 and finite")
     if not (math.isfinite(speed) and speed > 0):
         raise LinearError(f"maximum continuous speed = {speed:g} rad/s: must be > 0 and finite")
     undamped = UndampedMachine(rotor, contacts, rigid_pedestals=False)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 _MOST_POINTS = 100_000
 _FREE = 1e-6  # of the highest frequency: that of a free motion, which is rounding
 _WITHIN = 100.0  # times the lowest natural frequency: what a range of frequencies goes up to
+_FASTEST = 1e7  # rad/s; a machine that turns faster is one of wrong units
 
 One = Annotated[
     str,
@@ -54,12 +55,24 @@ RatedSpeed = Annotated[
 
 def one_speed(text: str, option: str = "--speed") -> float:
     """A speed [rad/s] of `300`, `3000rpm`, `50Hz`; `InputError` for anything else."""
-    return in_si(option, text, "rad/s")
+    speed = in_si(option, text, "rad/s")
+    _check_size(option, text, speed)
+    return speed
+
+
+def _check_size(option: str, text: str, speed: float) -> None:
+    if not abs(speed) <= _FASTEST:
+        raise InputError(f"{option} {text}: must be at most {_FASTEST:g} rad/s in size")
 
 
 def speed_range(text: str | None, points: int, option: str = "--speed") -> np.ndarray:
     """Speeds [rad/s] of `FROM:TO[:POINTS]`, or of a single one; none of None."""
-    return np.array([]) if text is None else number_range(text, points, option, "rad/s")
+    if text is None:
+        return np.array([])
+    speeds = number_range(text, points, option, "rad/s")
+    for end in (speeds[0], speeds[-1]):
+        _check_size(option, text, float(end))
+    return speeds
 
 
 def number_range(text: str, points: int, option: str, si: str) -> np.ndarray:

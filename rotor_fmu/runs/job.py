@@ -114,6 +114,11 @@ def make_job(
     except EquilibriumError as error:
         raise InputError(str(error)) from error
     step = step or min(_step_of(settings), stop)
+    if stop / step > _MOST_ROWS:
+        raise InputError(
+            f"stop = {stop:g} s: would give {stop / step:.3g} rows at the communication step of "
+            f"{step:g} s; at most {_MOST_ROWS:g} rows: take a longer step or an earlier end"
+        )
     return Job(table, parameters, signals, stop, step, toml, rotor, settings)
 
 
