@@ -108,30 +108,11 @@ def unbalance_check(
 ) -> UnbalanceCheck:
     """Return the response to unbalance held against API 617 and 684.
 
-    Parameters
-    ----------
-    rotor : Rotor
-        The machine; the clearances of its open contacts are checked.
-    low, high : float
-        Minimum and maximum continuous speed [rad/s].
-    probes : sequence of int
-        Nodes (from 1) with probes.
-    unbalances : sequence of (int, float, float), optional
-        Node (from 1), amount [kg.m] and angle [rad] of each unbalance. By default the machine's.
-    clearances : mapping of int to float, optional
-        Radial clearances [m] of seals by their nodes (from 1).
-    contacts : str, optional
-        `open` or `pinned`. By default open where the machine is held without them.
-
-    Returns
-    -------
-    UnbalanceCheck
-        What was found.
-
-    Raises
-    ------
-    LinearError
-        If the range, a node or a clearance cannot be.
+    rotor: the clearances of its open contacts are checked; low, high: minimum and maximum
+    continuous speed [rad/s]; probes: nodes (from 1) with probes; unbalances: node (from 1), amount
+    [kg.m] and angle [rad] of each, by default the machine's; clearances: radial ones [m] of seals
+    by their nodes (from 1); contacts: `open` or `pinned`, by default open where the machine is held
+    without them. Raises `LinearError` if the range, a node or a clearance cannot be.
     """
     if not (0 < low <= high < math.inf):
         raise LinearError(f"operating range = {low:g} to {high:g} rad/s: must ascend from above 0")
