@@ -169,8 +169,11 @@ def _fill_own_roots(run, speed):
     """Fill in all roots of the machine itself at one speed [rad/s]: with all contacts open or, if
     some carry it and nothing else does, with these as at rest; return which."""
     structure, survey = run.structure, run.survey
-    _fill_roots(structure, survey, speed, OPEN)
-    if not _lies(structure, survey):
+    lies = _has_seats(structure, survey)
+    if not lies or _has_other_supports(structure):
+        _fill_roots(structure, survey, speed, OPEN)
+        lies = lies and _is_free(structure, survey)
+    if not lies:
         return OPEN
     trial = run.problem.internal_state
     fill_rest_tangents(structure, survey, run.motion, trial, speed)
@@ -180,15 +183,30 @@ def _fill_own_roots(run, speed):
 
 
 @jit
-def _lies(structure, survey):
-    """Return whether walls carry the machine, which can move freely with all contacts open."""
-    is_free = False
-    for i in range(states_of(structure, survey)):
-        is_free = is_free or modulus(complex(survey.re[i], survey.im[i])) <= _SLOW
-    seats = 0
+def _has_seats(structure, survey):
+    """Return whether a wall is closed at rest."""
+    result = False
     for j in range(len(structure.interfaces)):
-        seats += 1 if is_seat(survey, j) else 0
-    return is_free and seats > 0
+        result = result or is_seat(survey, j)
+    return result
+
+
+@jit
+def _has_other_supports(structure):
+    """Return whether anything but walls is between the shaft and its surroundings."""
+    result = len(structure.springs) > 0
+    for j in range(len(structure.interfaces)):
+        result = result or structure.interfaces[j].has_wall == 0
+    return result
+
+
+@jit
+def _is_free(structure, survey):
+    """Return whether a root found is that of a motion against no stiffness."""
+    result = False
+    for i in range(states_of(structure, survey)):
+        result = result or modulus(complex(survey.re[i], survey.im[i])) <= _SLOW
+    return result
 
 
 @jit
