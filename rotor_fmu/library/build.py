@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from importlib.resources import files
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -256,10 +257,7 @@ def _has_cc() -> bool:
 
 def fmi_headers() -> Path:
     """Return the folder of the standard's headers of FMI 2.0 and 3.0, which FMPy carries."""
-    spec = find_spec("fmpy")
-    if spec is None or spec.origin is None:
-        raise CoreError("the headers of FMI are those of FMPy, which is not installed")
-    return Path(spec.origin).parent / "c-code"
+    return Path(str(files("fmpy"))) / "c-code"
 
 
 def runs_on_old_linux(library: bytes) -> bool:
