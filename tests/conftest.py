@@ -15,7 +15,7 @@ from rotor_fmu.cli import app, main
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.python_fmu import build
 
-from .browser import driver, silent  # noqa: F401, fixtures
+from .documents.browser import driver, silent  # noqa: F401, fixtures
 
 SHARED = pytest.StashKey[Path]()
 

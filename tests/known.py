@@ -19,7 +19,7 @@ from rotor_fmu.machine_file.loading import machine_text
 
 from .parts import dropped
 from .parts.equations import Equations, solved
-from .windows import SPEEDS_HZ, Window, windows
+from .validation.windows import SPEEDS_HZ, Window, windows
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SHIFT = 1e-8  # [m], of orbits of some 300 um

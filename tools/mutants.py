@@ -32,10 +32,12 @@ _TERMINALS = (
     f"{_PAGES}the_terminals_members_are_the_motion_and_the_torque_of_the_shaft_and_of_bodies"
 )
 _LICENCES = f"{_PAGES}the_licences_of_what_is_carried_are_there"
-_README = "tests/test_readme.py::test_the_pages_made_from_the_code_say_what_it_says_now"
+_README = "tests/documents/test_readme.py::test_the_pages_made_from_the_code_say_what_it_says_now"
 _RESULT = "tests/fmu/test_reference.py::test_another_rotor_does_not_carry_the_rigs_result"
-_INSTANT = "tests/test_observe.py::test_what_reaches_an_output_within_an_instant_is_declared"
-_LEDGER = "tests/test_energy.py"
+_INSTANT = (
+    "tests/physics/test_observe.py::test_what_reaches_an_output_within_an_instant_is_declared"
+)
+_LEDGER = "tests/physics/test_energy.py"
 
 
 class Mutant(NamedTuple):

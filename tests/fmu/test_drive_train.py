@@ -19,7 +19,7 @@ from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import RunFailed
 
-from ..test_command_line import input_error_by
+from ..cli.test_command_line import input_error_by
 from .coupled import last_row, through_libcosim
 
 FOLDER = example_folder("drive_train")

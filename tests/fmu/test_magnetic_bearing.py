@@ -18,7 +18,7 @@ from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.python_fmu import build
 
-from ..test_command_line import input_error_by
+from ..cli.test_command_line import input_error_by
 from .coupled import through_libcosim
 
 FOLDER = example_folder("magnetic_bearing")

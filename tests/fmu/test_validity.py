@@ -177,7 +177,8 @@ def dependencies(fmu):
 
 
 def test_outputs_depend_on_the_inputs_that_reach_them_within_an_instant(fmu, free_fmu):
-    """Torques and the acceleration do; what the motion says does not (tests/test_observe.py)."""
+    """Torques and the acceleration do; what the motion says does not: see
+    `tests/physics/test_observe.py`."""
     for file, dependent in ((fmu, {"tau", "tau_load"}), (free_fmu, {"a", "tau", "tau_load"})):
         variables = fmpy.read_model_description(str(file)).modelVariables
         inputs = {v.name for v in variables if v.causality == "input"}

@@ -17,7 +17,7 @@ from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.live.live_page import solver_page, solver_table
 
-from ..browser import NASTY, RIGHT, Page, look
+from ..documents.browser import NASTY, RIGHT, Page, look
 from .wasm import Native, rows_of
 
 # a run-down of half a second

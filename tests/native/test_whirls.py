@@ -17,7 +17,7 @@ from rotor_fmu.model.stability.eigenvalues import eigenvalues
 from rotor_fmu.fmi.log import with_code
 
 from ..parts.test_linear_bearing import FLEXIBLE
-from ..whip import OVERHUNG
+from ..validation.whip import OVERHUNG
 from .machine import Machine, observed
 
 H = 0.004

@@ -26,7 +26,7 @@ from papers.integrators.survey.grid import (
 from papers.integrators.survey.sources import closure
 from rotor_fmu.errors import run
 
-from ..test_command_line import input_error_by
+from ..cli.test_command_line import input_error_by
 
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "docs" / "data" / "integrators.csv.gz"

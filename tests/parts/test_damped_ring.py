@@ -19,7 +19,7 @@ from rotor_fmu.model.simulation import CouplingOptions, Simulation
 
 import rotor_fmu as rf
 
-from ..test_sensitivities import Differences, within
+from ..integrators.test_sensitivities import Differences, within
 from ..toml_text import table
 from .films import DAMPER
 from .machines import shaft

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scipy.integrate
 
+from ..packaging.test_new_part import HERE, copy, run  # noqa: F401
 from ..parts.machines import bearings, rigid
-from ..test_new_part import HERE, copy, run  # noqa: F401
 from .machines import OMEGA
 
 ZETA, CUBIC = 0.05, 4e9  # [1], [N/m3]

@@ -7,7 +7,7 @@ import rotor_fmu as rf
 from rotor_fmu.display import choose, restored
 from rotor_fmu.periodic.response_page import response_page
 
-from ..browser import NASTY, Page
+from ..documents.browser import NASTY, Page
 from .machines import CLEARANCE, OMEGA, jeffcott, rub
 
 HERTZ = 1 / (2 * np.pi)  # of a rad/s

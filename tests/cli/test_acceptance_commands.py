@@ -1,0 +1,140 @@
+"""The commands that check a machine by API 617 and 684: tables, pictures, bad input."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from rotor_fmu.cli import app
+from rotor_fmu.errors import InputError
+
+ROSS = Path(__file__).parents[1] / "reference" / "ross"
+COMPRESSOR = str(ROSS / "compressor.toml")
+PNG = b"\x89PNG"
+
+
+def test_critical_map_tells_where_bearings_meet_it(command, tmp_path):
+    said = command("critical-map", "--rotor", COMPRESSOR, "--stiffness", "1e7:1e9:5")
+    assert "linear_bearing[1]     x     1" in said
+    assert (tmp_path / "out" / "critical_map.png").read_bytes().startswith(PNG)
+    data = json.loads((tmp_path / "out" / "critical_map.json").read_text())
+    assert data["crossings"][0]["bearing"] == "linear_bearing[1]"
+
+
+def test_stability_of_both_levels(command, tmp_path):
+    stage = ["--stage", "3:500e3:0.3:0.02:2.5", "--cross-coupling", "4:1e5"]
+    said = command("stability", "--rotor", COMPRESSOR, "--rated", "9000rpm", *stage)
+    assert "level 2 is not required" in said
+    data = json.loads((tmp_path / "out" / "stability.json").read_text())
+    expected = 3 * 500e3 / (9000 * math.pi / 30 * 0.3 * 0.02) * 2.5 + 1e5
+    assert data["anticipated"] == pytest.approx(expected)
+    said = command("stability", "--rotor", COMPRESSOR, "--rated", "9000rpm", "--level", "2")
+    assert "with seal[1]" in said
+    assert (tmp_path / "out" / "stability.png").read_bytes().startswith(PNG)
+
+
+def test_unbalance_is_held_against_the_range(command, tmp_path):
+    said = command(
+        *("unbalance", "--rotor", str(ROSS / "under_tension.toml"), "--range", "1500:2000rpm"),
+        *("--mode", "1", "--node", "7", "--clearance", "7:1e-4", "--speed", "0:2500rpm:51"),
+    )
+    assert "API 617 between 25 and 33.333 Hz" in said
+    assert "clearance node 7" in said
+    data = json.loads((tmp_path / "out" / "unbalance.json").read_text())
+    critical = data["check"]["criticals"][0]
+    assert critical["peak"]["amplification"] > 2.5
+    assert critical["margin"]["required"] > 0
+    assert (tmp_path / "out" / "unbalance_check.png").read_bytes().startswith(PNG)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["critical-map", "--stiffness", "1e7"], "--stiffness 1e7: must be FROM:TO"),
+        (["critical-map", "--stiffness", "1e7:1e5"], "--stiffness 1e7:1e5: FROM must be below TO"),
+        (["critical-map", "--count", "0"], "--count 0: must be from 1 to 100"),
+        (["stability", "--rotor", COMPRESSOR], "--rated: must be given"),
+        (["stability", "--rated", "-5rpm"], "--rated -5rpm: must be above 0"),
+        (["stability", "--rated", "fast"], "--rated fast: must be a number"),
+        (["stability", "--rated", "50Hz", "--level", "3"], "--level 3: must be 1 or 2"),
+        (
+            ["stability", "--rated", "50Hz", "--level", "2", "--node", "4"],
+            "--node 4: is of level 1; at level 2 each cross coupling has its own node",
+        ),
+        (["stability", "--rated", "50Hz", "--stage", "3:1"], "--stage 3:1: must be NODE:POWER"),
+        (["stability", "--rated", "50Hz", "--cross-coupling", "x"], "must be NODE:STIFFNESS"),
+        (["stability", "--rated", "50Hz", "--cross-coupling", "99:1"], "node 99: must be from 1"),
+        (["stability", "--rated", "50Hz", "--node", "99"], "--node 99: must be from 1"),
+        (
+            ["unbalance", "--range", "60:100Hz", "--mode", "1", "--factor", "nan"],
+            "factor = nan: must be > 0 and finite",
+        ),
+        (["unbalance", "--range", "60:50Hz"], "--range 60:50Hz: FROM must be below TO"),
+        (["unbalance", "--range", "0:50Hz"], "--range 0:50Hz: must be FROM:TO, both above 0"),
+        (["unbalance", "--rotor", COMPRESSOR, "--mode", "1"], "need the operating range"),
+        (["unbalance", "--clearance", "1"], "--clearance 1: must be NODE:RADIUS"),
+        (
+            ["unbalance", "--range", "10:50Hz", "--mode", "1", "--unbalance", "3:1e-5"],
+            "only one of both",
+        ),
+        (["unbalance", "--range", "10:50Hz", "--mode", "99"], "mode = 99: must be from 1"),
+    ],
+)
+def test_impossible_wishes_are_refused(refusal, tmp_path, arguments, expected):
+    said = refusal(*arguments)
+    assert expected in said
+    assert "\n" not in said
+    assert not list(tmp_path.iterdir())
+
+
+JEFFCOTT = str(Path(__file__).parents[2] / "examples" / "jeffcott_rub" / "jeffcott.toml")
+
+
+def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
+    """The Jeffcott rotor in its clearance: running up the rub lasts far beyond the resonance,
+    running down it begins where the free response closes the clearance."""
+    page = tmp_path / "jeffcott.html"
+    app(
+        ["report", "--rotor", JEFFCOTT, "--range", "1400:1800rpm", "--out", str(page)],
+        standalone_mode=False,
+    )
+    said = capsys.readouterr().out
+    assert "The rub lasts in the operating range (contact[1]), only running up." in said
+    html = page.read_text()
+    for heading in ("Machine", "At rest", "Critical speeds", "Mode shapes", "Into contact"):
+        assert f"<h2>{heading}</h2>" in html
+    assert "<canvas" in html
+    assert "http" not in html.replace("http://www.w3.org", "")
+    data = json.loads(page.with_suffix(".json").read_text())
+    (closing,) = data["contact"]["closings"]
+    # of the closed form the response exceeds twice the eccentricity between these speeds
+    assert closing["begin"] == pytest.approx(100 * _crosses(2.0, below=True), rel=0.02)
+    assert closing["end"] == pytest.approx(100 * _crosses(2.0, below=False), rel=0.02)
+    up, down = data["contact"]["runs"]
+    assert up["contacts"][0]["share_in_range"] > 0.5
+    assert down["contacts"][0]["share_in_range"] == 0.0
+
+
+def _crosses(amplitude, below):
+    """Where r^2 / sqrt((1 - r^2)^2 + (0.2 r)^2) is this: (1 - 1 / a^2) r^4 - 1.96 r^2 + 1 = 0."""
+    a, b = 1 - amplitude**-2, 1.96
+    root = math.sqrt(b**2 - 4 * a)
+    return math.sqrt((b - root if below else b + root) / (2 * a))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ([], "RUN_OR_STUDY: must be given"),
+        (["--rotor", JEFFCOTT], "--range: must be given"),
+        (["somewhere", "--rotor", JEFFCOTT], "somewhere and --rotor"),
+        (["--rotor", JEFFCOTT, "--rated", "0rpm"], "--rated 0rpm: must be above 0"),
+        (["--rotor", JEFFCOTT, "--rated", "9rpm", "--node", "9"], "node 9: must be from 1 to 3"),
+    ],
+)
+def test_impossible_reports_are_refused(tmp_path, arguments, expected):
+    with pytest.raises(InputError) as refused:
+        app(["report", *arguments, "--out", str(tmp_path / "page.html")], standalone_mode=False)
+    assert expected in str(refused.value)
+    assert not list(tmp_path.iterdir())

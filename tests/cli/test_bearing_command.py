@@ -1,0 +1,338 @@
+"""`rotor-fmu bearing` of films over the load, of rolling bearings and of squeeze film dampers."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import (
+    LinearError,
+    bearing_curves,
+    damper_curves,
+    rolling_curves,
+    static,
+)
+from rotor_fmu.model.linear.rolling_bearing_curves import RollingAlone
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.housing import Housing
+from rotor_fmu.model.parts.journal_bearing import JournalBearing
+from rotor_fmu.model.parts.rolling_bearing import RollingBearing
+from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
+
+from rotor_fmu.errors import InputError
+from rotor_fmu.linear import answers, bearing_answers
+
+from ..parts.films import DAMPER, in_films
+from ..parts.machines import rigid
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+OIL, ROLLING, SQUEEZE = (
+    EXAMPLES / folder / "rotor.toml" for folder in ("oil_film", "rolling_bearing", "squeeze_film")
+)
+BALLS = RollingBearing(
+    node=1, count=8, pitch_diameter=0.052, element_diameter=0.0119, k=8e9, c=200.0
+)
+PNG = b"\x89PNG"
+
+
+def _with(part):
+    """The rotor of the oil film's example with one bearing in the place of its films."""
+    rotor = parse_rotor(OIL.read_text(encoding="utf-8")).with_parts(JournalBearing)
+    return rotor.with_parts(type(part), part)
+
+
+# --- rolling bearings ---
+
+
+@pytest.mark.parametrize(("exponent", "factor"), [(1.5, 4.370), (1.111111, 4.085)])
+def test_many_elements_without_clearance_carry_what_the_closed_form_says(exponent, factor):
+    """Stribeck: the largest carries factor times the load over the count, half of them carry, and
+    of a force that goes with x^n the stiffness is n F / x."""
+    part = replace(BALLS, count=80, element_diameter=1e-3, exponent=exponent)
+    found = rolling_curves(_with(part), bearing="rolling_bearing[1]", load=[500.0, 1000.0])
+    for i, load in enumerate((500.0, 1000.0)):
+        assert found.largest[i] == pytest.approx(factor * load / 80, rel=5e-3)
+        assert found.loaded[i] == pytest.approx(40, abs=1)
+        carried = found.elements[i] @ np.exp(1j * found.angles)
+        assert carried == pytest.approx(-1j * load, rel=1e-9)
+        assert found.K[i, 1, 1] == pytest.approx(exponent * load / -found.y[i], rel=1e-6)
+
+
+def test_a_preload_makes_it_as_stiff_as_the_closed_form():
+    """K = Z / 2 n k clearance^(n - 1), C = Z / 2 c."""
+    part = replace(BALLS, clearance=-5e-6)
+    found = rolling_curves(_with(part), bearing="rolling_bearing[1]", load=1e-3)
+    stiffness = 8 / 2 * 1.5 * 8e9 * math.sqrt(5e-6)
+    np.testing.assert_allclose(found.K[0], stiffness * np.eye(2), rtol=1e-3, atol=1e-3 * stiffness)
+    np.testing.assert_allclose(found.C[0], 8 / 2 * 200.0 * np.eye(2), rtol=1e-9, atol=1e-6)
+
+
+def test_the_load_is_carried_wherever_elements_and_shaft_are():
+    """Preload and clearance of 0.1 mm, loads over nine decades, any place of the elements."""
+    random = np.random.default_rng(3)
+    for _ in range(60):
+        part = replace(
+            BALLS,
+            count=int(random.integers(3, 30)),
+            element_diameter=0.004,
+            clearance=float(random.choice([0.0, 1.0, -1.0]) * 10 ** random.uniform(-7, -4)),
+            exponent=float(random.choice([1.0, 10 / 9, 1.5])),
+            cage_angle=float(random.uniform(0, 6)),
+            outer_depth=float(random.choice([0.0, 2e-6])),
+        )
+        alone = RollingAlone(part, passed=float(random.uniform(0, 6)))
+        load = 10 ** random.uniform(-3, 6) * np.exp(1j * random.uniform(0, 2 * math.pi))
+        d = alone.rest(load)
+        assert abs(alone.force(d) + load) < 1e-6 * abs(load), part
+        stiffness, damping = alone.coefficients(d)
+        for matrix in (stiffness, damping):
+            assert np.linalg.eigvalsh(matrix).min() > -1e-9 * np.abs(matrix).max()
+
+
+def test_the_load_of_a_rolling_bearing_is_that_of_the_machine_at_rest():
+    rotor = parse_rotor(ROLLING.read_text(encoding="utf-8"))
+    found, whole = rolling_curves(rotor, bearing="left"), static(rotor)
+    on = whole.supports.index("left")
+    assert -found.load[0, 1] == pytest.approx(-whole.load_y[on], rel=1e-9)
+    assert -found.y[0] == pytest.approx(-whole.y[0], rel=1e-6)
+
+
+def test_coefficients_written_for_a_rolling_bearing_give_the_modes_of_the_machine(
+    command, tmp_path
+):
+    text, linear = ROLLING.read_text(encoding="utf-8"), ""
+    for name, node in (("left", 1), ("right", 3)):
+        table = tmp_path / f"{node}.toml"
+        said = command("bearing", str(ROLLING), "--bearing", name, "--table", str(table))
+        assert f"{name}: 8 elements" in said
+        linear += table.read_text()
+    assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(PNG)
+    values = json.loads((tmp_path / "out" / "bearing.json").read_text())
+    assert len(values["elements"][0]) == 8
+    assert sum(load > 0 for load in values["elements"][0]) == values["loaded"][0]
+    (tmp_path / "replaced.toml").write_text(text.split("[[rolling_bearing]]")[0] + linear)
+    roots = [answers.modes(path, 100.0) for path in (ROLLING, tmp_path / "replaced.toml")]
+    np.testing.assert_allclose(roots[1].eigenvalues, roots[0].eigenvalues, rtol=1e-6)
+
+
+# --- squeeze film dampers ---
+
+
+@pytest.mark.parametrize("full", [False, True])
+def test_orbits_of_a_damper_are_those_of_the_closed_form(full):
+    """mu R L^3 / c^3 times 2 w e / (1 - e^2)^2 and pi / 2 (1 - e^2)^-1.5; a full film's damping is
+    twice that, and it has no stiffness."""
+    part = SqueezeFilmDamper(**DAMPER, short=True, full=full, stiffness=1e5)
+    found = damper_curves(_with(part), 80.0, bearing="squeeze_film_damper[1]", load=2.0)
+    e, scale = found.orbit, 0.01 * 0.05 * 0.02**3 / 1e-12
+    damping = scale * math.pi / 2 / (1 - e**2) ** 1.5
+    stiffness = 80.0 * scale * 2 * e / (1 - e**2) ** 2
+    np.testing.assert_allclose(found.damping, (1 + full) * damping, rtol=1e-9)
+    if full:
+        assert np.abs(found.stiffness).max() < 1e-9 * stiffness.max()
+    else:
+        np.testing.assert_allclose(found.stiffness, stiffness, rtol=1e-9)
+    power = (1 + full) * damping * (80.0 * e * 1e-4) ** 2
+    np.testing.assert_allclose(found.power, power, rtol=1e-9)
+    # it hangs in its spring
+    assert found.eccentricity == pytest.approx(2.0 / 1e5 / 1e-4, rel=1e-9)
+    np.testing.assert_allclose(found.K, 1e5 * np.eye(2), atol=1e-6)
+
+
+def test_a_damper_without_a_spring_lies_on_its_wall_or_has_no_equilibrium():
+    name = "squeeze_film_damper[1]"
+    on_wall = SqueezeFilmDamper(**DAMPER, short=True, k=1e8)
+    found = damper_curves(_with(on_wall), 80.0, bearing=name, load=50.0)
+    assert found.y == pytest.approx(-1e-4 + 1e-6 - 50.0 / 1e8, rel=1e-9)
+    assert found.K[1, 1] == pytest.approx(1e8, rel=1e-9)
+    with pytest.raises(LinearError) as raised:
+        damper_curves(_with(replace(on_wall, k=0.0)), 80.0, bearing=name, load=50.0)
+    assert str(raised.value) == (
+        "squeeze_film_damper[1]: no equilibrium: its load is 50 N, and its spring carries 0 N in "
+        "that direction when the film is as thin as its roughness, 1e-06 m"
+    )
+    hung = replace(on_wall, k=0.0, stiffness=1e5)
+    with pytest.raises(LinearError, match=r"its load is 50 N, and its spring carries 9\.9 N"):
+        damper_curves(_with(hung), 80.0, bearing=name, load=50.0)
+
+
+CAGE = """
+[[housing]]
+name = "outer"
+mass = 0.5
+kx = 8e4
+ky = 1e5
+cx = 30.0
+cy = 40.0
+[[linear_bearing]]
+node = 1
+housing = "outer"
+kxx = 1e7
+kyy = 1e7
+cxx = 0.0
+cyy = 0.0
+[[support]]
+node = 3
+stiffness = 1e7
+[[squeeze_film_damper]]
+node = 1
+ring = "outer"
+journal_radius = 0.05
+length = 0.02
+clearance = 1e-4
+viscosity = 0.01
+short = true
+k = 1e8
+"""
+
+
+def test_a_ring_rests_in_its_cage_as_in_the_machine_and_has_its_stiffness_and_damping():
+    """Without a load the film's damping is mu R L^3 / c^3 pi / 2."""
+    name = "squeeze_film_damper[1]"
+    rotor = parse_rotor(rigid(mass=1.0, gravity=9.81, rest=CAGE))
+    whole, found = static(rotor, 80.0), damper_curves(rotor, 80.0, bearing=name)
+    assert complex(found.x, found.y) == pytest.approx(whole.housing_x[0] + 1j * whole.housing_y[0])
+    assert found.load == pytest.approx([0.0, -9.81 * (0.5 + 0.5)], rel=1e-6)
+    assert found.eccentricity == pytest.approx(9.81 / 1e5 / 1e-4, rel=1e-6)
+    np.testing.assert_allclose(found.cage, [8e4, 1e5])
+    none = damper_curves(rotor, 80.0, bearing=name, load=0.0)
+    film = 0.01 * 0.05 * 0.02**3 / 1e-12 * math.pi / 2
+    np.testing.assert_allclose(none.K, np.diag([8e4, 1e5]), atol=1e-6)
+    np.testing.assert_allclose(none.C, np.diag([30.0 + film, 40.0 + film]), rtol=1e-6)
+    # the orbits are of the film alone
+    uncaged = replace(rotor.of_kind(Housing)[0], kx=1e3, ky=1e3)
+    bare = damper_curves(rotor.with_parts(Housing, uncaged), 80.0, bearing=name, load=0.0)
+    np.testing.assert_allclose(none.stiffness, bare.stiffness)
+    half = damper_curves(rotor, 80.0, bearing=name, load=5.0)
+    assert half.y == pytest.approx(-5.0 / 1e5, rel=1e-9)
+    on_wall = damper_curves(rotor, 80.0, bearing=name, load=50.0)
+    reach = 1e-4 - 1e-6  # where it touches
+    assert on_wall.y == pytest.approx(-(50.0 + 1e8 * reach) / (1e8 + 1e5), rel=1e-6)
+    free = replace(rotor.of_kind(SqueezeFilmDamper)[0], k=0.0)
+    with pytest.raises(LinearError, match=r"its load is 50 N, and its cage carries 9\.9 N"):
+        damper_curves(rotor.with_parts(SqueezeFilmDamper, free), 80.0, bearing=name, load=50.0)
+
+
+def test_a_damper_is_said_with_coefficients_that_a_linear_bearing_takes(command, tmp_path):
+    table = tmp_path / "damper.toml"
+    said = command("bearing", str(SQUEEZE), "--speed", "250", "--load", "0", "--table", str(table))
+    assert "squeeze_film_damper[1]: rests at e/c = 0 under 0 N" in said
+    assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(PNG)
+    text = SQUEEZE.read_text(encoding="utf-8").split("[[squeeze_film_damper]]")[0]
+    linear = table.read_text()
+    replaced = tmp_path / "replaced.toml"
+    replaced.write_text(text + linear + linear.replace("node = 1", "node = 3"))
+    roots = [answers.modes(path, 100.0) for path in (SQUEEZE, replaced)]
+    np.testing.assert_allclose(roots[1].eigenvalues, roots[0].eigenvalues, rtol=1e-6)
+
+
+# --- oil films over the load ---
+
+
+def test_a_film_over_its_load_is_that_of_each_load_and_whirls_below_its_threshold():
+    """Where the mass that weighs the load is the critical one."""
+    rotor = in_films()
+    loads = np.linspace(50.0, 3000.0, 5)
+    over = bearing_curves(rotor, [900.0], load=loads)
+    for i, load in enumerate(loads):
+        one = bearing_curves(rotor, [900.0], load=float(load))
+        np.testing.assert_allclose(over.K[i], one.K[0], rtol=1e-9)
+        assert over.eccentricity[i] == pytest.approx(one.eccentricity[0], rel=1e-9)
+    assert over.threshold is None
+    at = bearing_curves(rotor, [900.0], load=over.threshold_load)
+    assert at.critical_mass[0] == pytest.approx(over.threshold_load / 9.81, rel=1e-6)
+    assert over.critical_mass[0] < loads[0] / 9.81
+    with pytest.raises(LinearError, match="2 speeds and 5 loads: one of both may vary"):
+        bearing_curves(rotor, [900.0, 950.0], load=loads)
+
+
+def test_a_journal_that_does_not_turn_lies_on_its_wall():
+    found = bearing_curves(in_films(k=1e8), [0.0], load=200.0)
+    assert found.y[0] == pytest.approx(-1e-4 + 1e-6 - 200.0 / 1e8, rel=1e-6)
+    with pytest.raises(LinearError, match=r"at 0 rad/s: its load is 200 N, and its film carries 0"):
+        bearing_curves(in_films(), [0.0], load=200.0)
+
+
+# --- what is shown of pads and of the lubricant ---
+
+
+def test_pads_that_tilt_are_drawn_where_they_stand_with_what_each_bears():
+    machine = _with_film(pads=(0.7854, 2.3562, 3.927, 5.4978), arc=1.4, preload=0.3, tilting=True)
+    found = bearing_answers.bearing(machine, [100.0, 300.0], load=200.0)
+    assert found.tilts.shape == (2, 4, 2)
+    pivots = np.array([0.7854, 2.3562, 3.927, 5.4978])
+    # all pads together bear the load, each towards its pivot, but for the rounded angles
+    borne = (found.pad_loads * np.exp(1j * pivots)).sum(axis=1)
+    np.testing.assert_allclose(borne, -200j, atol=0.1)
+    panels = found.figure().axes
+    assert [axes.get_ylabel() for axes in panels[4:]] == ["Tilt [mrad]", "Load of a pad [N]"]
+    for i, axes in enumerate(panels[4:]):
+        values = (1e3 * found.tilts[:, :, 0] / 0.05, found.pad_loads)[i]
+        for line, of_pad in zip(axes.lines, values.T, strict=True):
+            np.testing.assert_array_equal(line.get_ydata(), of_pad)
+    # a pad is where a journal would touch it: at its pivot it does not move as it tilts
+    ends = [line.get_xydata() for line in panels[0].lines if len(line.get_xydata()) == 80]
+    assert len(ends) == 8
+    middles = [complex(*0.5 * (line[39] + line[40])) for line in ends]
+    np.testing.assert_allclose(np.abs(middles), 1.0, atol=1e-3)
+    assert len(bearing_answers.bearing(_with_film(), [100.0], load=200.0).figure().axes) == 4
+
+
+def test_viscosity_and_temperature_of_the_lubricant_are_shown():
+    lists = {"viscosity": (0.04, 0.02, 0.01), "speed": (0.0, 200.0, 400.0)}
+    over_speed = bearing_answers.bearing(_with_film(**lists), [0.0, 400.0][1:], load=200.0)
+    assert over_speed.viscosity == pytest.approx([0.01])
+    heat = {"temperature": (40.0, 60.0, 80.0), "static_load": 200.0}
+    found = bearing_answers.bearing(_with_film(**lists, **heat), [200.0, 400.0], load=200.0)
+    heads, rows = found.table().heads, found.table().rows
+    assert heads[-2:] == ("viscosity [mPa.s]", "oil [degC]")
+    for i, row in enumerate(rows):
+        rise = found.power[i] / (860.0 * 2000.0 * found.flow[i])
+        assert row[-1] == pytest.approx(40.0 + rise, abs=1e-3)
+        assert 10.0 < row[-2] < 40.0
+    constant = bearing_answers.bearing(_with_film(), [200.0, 400.0], load=200.0).table().heads
+    assert constant[-1] == "off 2D [%]"
+
+
+def _with_film(**more):
+    given = {"journal_radius": 0.05, "length": 0.05, "clearance": 1e-4, "viscosity": 0.02}
+    return _with(JournalBearing(node=1, **{**given, **more}))
+
+
+# --- refused ---
+
+
+@pytest.mark.parametrize(
+    ("file", "arguments", "expected"),
+    [
+        (OIL, [], "--speed: must be given, on which the film of journal_bearing[1] depends"),
+        (
+            ROLLING,
+            ["--speed", "1:2", "--load", "1:2"],
+            "--load 1:2: must be one where --speed 1:2 is a range",
+        ),
+        (ROLLING, ["--load", "0:2"], "--load 0: must be > 0"),
+        (
+            ROLLING,
+            ["--load", "1:2kN", "--table", "a.toml"],
+            "--load 1:2kN: must be one, for the speeds of --table",
+        ),
+        (ROLLING, ["--load", "heavy"], "--load heavy: must be a number, in N"),
+        (SQUEEZE, [], "--speed: must be one above 0, of the orbits of squeeze_film_damper[1]"),
+        (SQUEEZE, ["--speed", "3", "--load", "1:2"], "--load: must be one, under which"),
+        (SQUEEZE, ["--speed", "3", "--load", "-1"], "--load -1: must be >= 0"),
+        (SQUEEZE, ["--speed", "3", "--bearing", "a"], "--bearing a: must be one of squeeze_film"),
+        (
+            EXAMPLES / "drop" / "compressor.toml",
+            ["--speed", "3"],
+            "the machine has no [[journal_bearing]], [[squeeze_film_damper]], [[rolling_bearing]]",
+        ),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(command, tmp_path, file, arguments, expected):
+    with pytest.raises(InputError) as refused:
+        command("bearing", str(file), *arguments)
+    assert expected in str(refused.value)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,300 @@
+"""The command line: what a user may give, and what happens when it cannot be."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from rotor_fmu.model.machine.toml import rig_toml
+
+from rotor_fmu.cli import COMMANDS, main
+
+
+def rotor_fmu(*arguments, cwd):
+    """The command in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", "from rotor_fmu.cli import main; main()", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        check=False,
+    )
+
+
+@pytest.fixture
+def input_error(tmp_path, monkeypatch, capsys):
+    """The one line that a refused command prints; it must leave nothing behind."""
+    return input_error_by(main, tmp_path, monkeypatch, capsys)
+
+
+def input_error_by(main, tmp_path, monkeypatch, capsys):
+    """The same of the commands of another program, whose entry point is `main`."""
+
+    def refuse(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+        before = set(tmp_path.rglob("*"))
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 2
+        assert set(tmp_path.rglob("*")) == before
+        lines = capsys.readouterr().err.strip().splitlines()
+        assert len(lines) == 1
+        assert lines[0].startswith("rotor-fmu: ")
+        return lines[0]
+
+    return refuse
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--preset", "best"], "--preset best: must be one of robust, paper"),
+        (["--set", "bearing[1].clearence=1e-5"], "did you mean bearing[1].clearance"),
+        (["--set", "tau=1"], "--set tau: is an output, which the model computes"),
+        (["--step", "1e-9"], "--step 1e-09 s: would give 4e+10 rows"),
+        (["--rate", "1e-300"], "stop = 4e+302 s: would give 1e+305 rows at the communication step"),
+        (["--hold", "1e300"], "stop = 1e+300 s: would give 2.5e+302 rows at the communication st"),
+        (["--preset", "robusd"], "did you mean robust?"),
+        (["--set", "gravity"], "--set gravity: must be NAME=VALUE"),
+        (["--set", "gravity=heavy"], "--set gravity = heavy: must be a number"),
+        (["--set", "gravity=nan"], "--set gravity = nan m/s2: must be"),
+        (["--set", "gravity=-1"], "--set gravity = -1 m/s2: must be"),
+        (["--set", "bearing[1].clearance=0"], "bearing[1].clearance = 0 m: must be > 0"),
+        (["--set", "solver.method=9"], "--set solver.method = 9: must be one of 0 as the preset"),
+        (["--set", "solver.method=hht"], "solver.method = hht: needs alpha_f too"),
+        (["--set", "solver.alpha_f=0.1"], "not a parameter of chung-hulbert"),
+        (["--set", "solver.alpha_f=1"], "solver.alpha_f = 1: means as the preset and changes not"),
+        (["--set", "solver.h=0"], "--set solver.h = 0: means as the preset and changes nothing"),
+        (["--set", "solver.rho=-1"], "--set solver.rho = -1: means as the preset and changes not"),
+        (["--set", "solver.norm=as the preset"], "means as the preset and changes nothing"),
+        (["--set", "solver.tolerance=1.5"], "--set solver.tolerance = 1.5: must be a finite"),
+        (["--set", "shaft.eta_h=0.01"], "shaft.eta_h = 0.01: must be 0 unless"),
+        (["--set", "shaft.rotating_damping=perhaps"], "must be true or false"),
+        (["--preset", "paper-adaptive", "--set", "solver.h=1"], "solver.h = 1 s: must lie between"),
+        (["--stop", "-1"], "--stop -1 s: must be > 0"),
+        (["--step", "50"], "--step 50 s: must be > 0 and at most --stop = 40 s"),
+        (["--stop", "soon"], "--stop soon: "),
+        (["--nonsense"], "--nonsense"),
+        (["--rotor", "none.toml"], "--rotor none.toml: cannot be read"),
+        (["--input", "none.csv"], "none.csv: cannot be read"),
+        (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
+    ],
+)
+def test_bad_options_are_refused_in_one_line(input_error, arguments, expected):
+    assert expected in input_error("run-down", *arguments)
+
+
+@pytest.mark.parametrize("modes", ["10001", "99999999999"])
+def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, modes):
+    expected = f"solver.reduction = {modes}: must be an integer from 0 to 10000"
+    assert expected in input_error("build", "--reduction", modes)
+
+
+def test_help_names_every_command_and_loads_none(tmp_path):
+    script = (
+        "import sys, rotor_fmu.cli as c; sys.argv = ['rotor-fmu', '--help']\n"
+        "try: c.main()\n"
+        "finally: print('loaded:', *{n.split('.')[0] for n in sys.modules})"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    said, _, loaded = done.stdout.partition("loaded:")
+    assert done.returncode == 0, done.stderr
+    for panel in COMMANDS.values():
+        for name in panel:
+            assert re.search(rf"│ {name} +[A-Z]", said), name
+    assert not {"numba", "numpy", "scipy", "matplotlib", "fmpy"} & set(loaded.split())
+
+
+def test_nothing_asked_prints_help_alone(process):
+    done = process()
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Usage:" in done.stdout
+
+
+def test_a_misspelt_command_is_told_its_neighbour(input_error):
+    assert "'buidl'. Did you mean 'build'?" in input_error("buidl")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("clearance = 50e-6", "clearance = -50e-6", "bearing[1].clearance = -5e-05 m: must be > 0"),
+        ("node = 4\n", "node = 44\n", "disc[1].node = 44: must be an integer from 1 to 8"),
+        ("young = 2.1e11", "yuong = 2.1e11", "material.yuong: unknown key"),
+        ("mu = 0.05", "mu = nan", "bearing[1].mu = nan: must be >= 0 and finite"),
+        ("0.043,", "0.0,", "length = 0 m: must be > 0"),
+    ],
+)
+def test_bad_rotors_are_refused_in_one_line_by_every_command(
+    input_error, tmp_path, old, new, expected
+):
+    assert old in rig_toml()
+    (tmp_path / "rotor.toml").write_text(rig_toml().replace(old, new))
+    for command in ("run-down", "build"):
+        line = input_error(command, "--rotor", "rotor.toml")
+        assert expected in line
+        assert "rotor.toml" in line
+
+
+def test_a_run_writes_its_figures_and_pictures(tmp_path):
+    done = rotor_fmu(
+        *("run-down", "--preset", "paper-adaptive", "--stop", "4", "--direct", "--out", "here"),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    figures = json.loads((tmp_path / "here" / "summary.json").read_text())
+    assert set(figures) >= {
+        *("x_peak_um", "x_peak_hz", "y_peak_um", "y_peak_hz", "y_static_um"),
+        *("psi_at_x_peak_deg", "circulation_hz", "steps", "rejected", "newton_per_step"),
+        *("h_min", "h_max", "h_last", "wall_s", "energy_residual", "status"),
+    }
+    assert figures["status"] == "doubtful: too-coarse-in-contact"
+    written = {path.name for path in (tmp_path / "here").iterdir()}
+    pictures = {f"run_down_{name}.png" for name in ("x", "y", "psi", "orbit", "error", "h")}
+    assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
+    rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
+    head = "time [s],phi [rad],w [rad/s],a [rad/s2],tau [N.m],tau_load [N.m],J [kg.m2],"
+    assert rows[0].startswith(f"{head}tau_wave [N.m],step_work [J],")
+    assert len(rows) == 1 + 101
+
+
+def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_earlier_one(
+    process, tmp_path
+):
+    (tmp_path / "run_down_x.png").write_bytes(b"of an earlier run")
+    done = process(
+        *("run-down", "--set", "speed=185", "--preset", "robust", "--stop", "1"),
+        *("--direct", "--out", "."),
+    )
+    assert done.returncode == 0, done.stderr
+    assert "No peak, because the speed is constant; disc 2 moved by at most " in done.stdout
+    assert "open report.html" in done.stdout
+    pictures = {f"run_down_{name}.png" for name in ("time", "spectrum", "orbit")}
+    written = {path.name for path in tmp_path.iterdir()}
+    assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
+
+
+def test_a_run_that_diverges_ends_with_status_1_and_a_reason(process, tmp_path):
+    done = process(
+        *("run-down", "--preset", "paper", "--set", "solver.method=wbz"),
+        *("--set", "solver.alpha_m=0.08", "--direct", "--out", "."),
+    )
+    assert done.returncode == 1
+    assert "diverged" in done.stderr
+    assert json.loads((tmp_path / "summary.json").read_text())["status"].startswith("failed")
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(("how", "level"), [([], "warning"), (["--direct"], "note")])
+def test_a_setting_without_effect_is_said(process, tmp_path, how, level):
+    done = process(
+        *("run-down", "--preset", "robust", "--set", "solver.tolerance=1e-4"),
+        *("--stop", "0.01", "--out", ".", *how),
+    )
+    assert done.returncode == 0, done.stderr
+    sentence = "solver.tolerance = 0.0001: has no effect in the mode fixed"
+    assert done.stderr.count(sentence) == done.stderr.count(f"{level}: {sentence}") == 1
+    assert sentence in json.loads((tmp_path / "summary.json").read_text())["messages"]
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("order", [1, -1])
+def test_parameters_that_go_together_are_taken_together(process, tmp_path, order):
+    sets = ["shaft.eta_h=0.01", "shaft.rotating_damping=true"][::order]
+    done = process(
+        *("run-down", "--direct", "--stop", "0.01", "--out", "."),
+        *(word for text in sets for word in ("--set", text)),
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_build_fmu_py_builds_into_the_folder_named(tmp_path):
+    script = Path(__file__).parents[2] / "build_fmu.py"
+    done = subprocess.run(
+        [sys.executable, str(script), "--out", "fmus"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "fmus" / "RotorBearing.fmu").is_file()
+
+
+STEPPING = """
+from {module} import {name}
+step = {name}.{method}
+def first(*arguments, **named):
+    {name}.{method} = step
+    print("running", flush=True)
+    return step(*arguments, **named)
+{name}.{method} = first
+from rotor_fmu.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("how", "module", "name", "method"),
+    [
+        ([], "fmpy.fmi2", "FMU2Slave", "doStep"),
+        (["--direct"], "rotor_fmu.model.simulation", "Simulation", "advance"),
+    ],
+)
+def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, module, name, method):
+    """A run of minutes, which says when it takes its first step."""
+    script = STEPPING.format(module=module, name=name, method=method)
+    process = subprocess.Popen(
+        [
+            *(sys.executable, "-c", script, "run-down"),
+            *("--preset", "robust", "--set", "solver.h=1e-6", "--out", ".", *how),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+    )
+    try:
+        assert process.stdout.readline() == "running\n"
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=600)
+    finally:
+        process.kill()
+    assert process.returncode == 130, said
+    assert "stopped" in said
+    assert "Traceback" not in said
+    assert not (tmp_path / "summary.json").exists()
+    assert not (tmp_path / "run_down.csv").exists()
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("limit", [400e-6, 600e-6])
+def test_a_run_that_a_limit_ends_ends_there_with_and_without_the_fmu(process, tmp_path, limit):
+    """Also in its first step, of which the FMU leaves no row."""
+    done = process(
+        *("run-down", "--set", f"limit.displacement={limit}", "--set", "speed=185"),
+        *("--stop", "0.1", "--step", "0.05", "--verify", "--out", "."),
+    )
+    assert "apart" not in done.stderr
+    assert "The run stopped before its end" in done.stdout
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert "passes limit.displacement" in summary["status"]
+    assert summary["recorded_apart"] == 0.0
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_run_with_a_reduced_shaft_drives_an_fmu_that_was_built_with_it(process, tmp_path):
+    done = process(
+        *("run-down", "--set", "solver.reduction=4", "--set", "speed=150"),
+        *("--stop", "0.1", "--out", "."),
+    )
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "ok"
+    assert summary["recorded_apart"] == 0.0

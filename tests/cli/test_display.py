@@ -1,0 +1,395 @@
+"""Units of tables, pictures and pages, chosen once; the factors are the units' definitions."""
+
+import itertools
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.text import Text
+from rotor_fmu.model.machine.toml import rig, rig_toml
+from rotor_fmu.model.structure.beam import shaft_element
+
+from rotor_fmu.display import (
+    choose,
+    current,
+    display_of,
+    range_with_unit,
+    restored,
+    shown_speed,
+)
+from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.linear import acceptance, answers, bearing_answers
+from rotor_fmu.linear.displayed import _shear
+from rotor_fmu.linear.frequency_answers import frequency_response
+from rotor_fmu.linear.linear_plots import deflection
+from rotor_fmu.linear.mode_shapes import mode_shapes_figure
+from rotor_fmu.live.live_page import page_data
+from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.plotting.figure_style import new_figure, save
+from rotor_fmu.report.run_page import runs_page
+from rotor_fmu.run_pictures import run_folder, signal_plots
+from rotor_fmu.run_pictures.signal_plots import bode, orbit
+from rotor_fmu.run_pictures.view import View
+from rotor_fmu.trial_balancing import Balancing, CorrectionPlane, Vibration
+
+from ..recordings import recorded, write_study
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_us_units_are_by_definition_and_words_go_together():
+    us, mixed = display_of("--units", "us"), display_of("--units", "rpm, um, PP")
+    assert (us.speed_unit, us.small_unit, us.length_unit) == ("rpm", "mil", "in")
+    assert us.speed * 100 * math.pi == pytest.approx(3000)
+    ones = [us.small * 25.4e-6, us.length * 0.0254, us.mass * 0.45359237]
+    assert ones == pytest.approx([1, 1, 1])
+    assert us.force * 4.4482216152605 == pytest.approx(1)
+    # lbf/in, lbf.s/in, lbf.in, psi, oz.in: NIST SP 811, appendix B
+    others = [us.stiffness * 175.1268, us.damping * 175.1268, us.torque * 0.1129848]
+    assert [*others, us.pressure * 6894.757, us.unbalance * 7.200778e-4] == pytest.approx(
+        5 * [1], rel=1e-6
+    )
+    assert mixed.amplitude == pytest.approx(2e6)
+    assert mixed.amplitude_unit == "µm pp"
+
+
+def test_a_word_that_is_none_is_refused_with_its_nearest():
+    with pytest.raises(
+        InputError, match=r"--units mils: 'mils' must be one of .*did you mean mil\?"
+    ):
+        choose("mils")
+
+
+def test_a_word_of_a_machine_file_that_is_none_is_refused_with_the_file(refusal, tmp_path):
+    (tmp_path / "m.toml").write_text(f'units = "furlong"\n{rig_toml()}')
+    assert "m.toml: units = furlong: 'furlong' must be one of" in refusal(
+        "modes", "--rotor", str(tmp_path / "m.toml")
+    )
+
+
+def test_show_lists_a_machine_in_us_units_and_the_next_command_in_its_own(command):
+    text = command("show", "--units", "us")
+    assert "zigulic2003: 8 nodes, 12.992 in, 12.4" in text
+    assert "z [in]" in text
+    assert "zigulic2003: 8 nodes, 330 mm, 5.6" in command("show")
+
+
+def test_the_machine_file_may_say_the_units(command, tmp_path):
+    file = tmp_path / "rig.toml"
+    file.write_text(f'units = "rpm, mil, pp"\n{rig_toml()}')
+    given = ("--rotor", str(file), "--speed", "30Hz", "--node", "5")
+    mine, si = command("unbalance", *given), command("unbalance", *given, "--units", "si")
+    assert "x [mil pp]" in mine
+    assert "x [um 0-p]" in si
+    numbers = [[float(word) for word in text.splitlines()[2].split()] for text in (mine, si)]
+    assert numbers[0][2] == pytest.approx(60 * numbers[1][2], rel=1e-4)
+    assert numbers[0][3] == pytest.approx(2 / 25.4 * numbers[1][3], rel=1e-3)
+
+
+def test_the_check_by_api_617_balancing_and_compliance_are_in_the_units_chosen(command):
+    """0.001 inch is 25.4 um, and a pound-force 4.4482216152605 N."""
+    given = ("--speed", "100:300", "--node", "4", "--range", "100:200")
+    assert _column(command("unbalance", *given, "--units", "us"), "mil") == pytest.approx(
+        [um / 25.4 for um in _column(command("unbalance", *given), "um")], rel=1e-3
+    )
+    mine = command("frequency-response", "--force", "4", "--units", "us")
+    si = command("frequency-response", "--force", "4")
+    assert _column(mine, "mil/lbf") == pytest.approx(
+        [um / 25.4 * 4.4482216152605 for um in _column(si, "um/N")], rel=1e-3
+    )
+
+
+def test_no_answer_mixes_si_units_into_those_that_were_chosen():
+    """Columns in rad/s stand beside those of the unit chosen; all else is in it."""
+    si = re.compile(r"Hz|rev/min|\bN\b|N/m|N\.|\bum\b|µm|\bmm\b|g\.mm|MPa|\bkg\b")
+    for result in _answers():
+        with restored():
+            choose("us")
+            table, figure = result.table(), result.figure()
+        texts = [table.title, *table.heads, *(str(cell) for row in table.rows for cell in row)]
+        texts += [text.get_text() for text in figure.findobj(Text)]
+        assert [text for text in texts if si.search(text)] == []
+
+
+def _answers():
+    """Answers of every kind that have units."""
+    oil, squeeze, rolling = (
+        load_rotor(EXAMPLES / name / "rotor.toml")[1]
+        for name in ("oil_film", "squeeze_film", "rolling_bearing")
+    )
+    yield acceptance.critical_map(rig(), [1e6, 1e7, 1e9], count=2)
+    yield acceptance.level_1(rig(), 100.0, node=4, anticipated=1e5, stiffness=[0.0, 1e5])
+    yield acceptance.level_2(rig(), 100.0, cross_couplings={4: 1e5})
+    yield acceptance.critical_peaks(rig(), 400.0, [4])
+    yield acceptance.unbalance_check(rig(), 100.0, 200.0, [4])
+    yield answers.modes(rig(), 100.0, count=2)
+    yield answers.static(rig())
+    yield frequency_response(rig(), np.linspace(10.0, 300.0, 9), 4, nodes=[4])
+    yield bearing_answers.bearing(oil, [300.0, 400.0], bearing="journal_bearing[1]")
+    yield bearing_answers.damper(squeeze, 250.0, bearing="squeeze_film_damper[1]")
+    yield bearing_answers.rolling(rolling, bearing="left", load=np.array([100.0, 200.0]))
+    planes = (CorrectionPlane(4, 1e-4 + 0j, 2e-4j),)
+    yield Balancing(planes, (Vibration(4, "x", 100.0, 1e-5, 0j, 1e-6),), np.ones((1, 1)), False)
+
+
+def _column(text, head):
+    """Numbers below a head of a table with two spaces between its columns."""
+    lines = [re.split(r" {2,}", line.strip()) for line in text.splitlines()]
+    at = next(i for i, line in enumerate(lines) if head in line)
+    rows = itertools.takewhile(lambda line: len(line) == len(lines[at]), lines[at + 1 :])
+    return [float(row[lines[at].index(head)]) for row in rows]
+
+
+def test_pictures_are_in_the_units_that_were_chosen():
+    with restored():
+        choose("rpm,mil,pp")
+        view = View(recorded().named("one"))
+        above, below = bode(view).axes
+        round_about = orbit(view).axes[0]
+        response = answers.unbalance_response(rig(), np.linspace(10.0, 300.0, 20)).figure().axes
+    assert current().speed_unit == "Hz"
+    assert above.get_ylabel() == "Amplitude [mil pp]"
+    assert below.get_xlabel() == "Rotational speed n [rpm]"
+    assert round_about.get_xlabel() == "Horizontal displacement of disc 2 [mil]"
+    # 1x of x is |80 exp(-0.6 i) + 20| um 0-p
+    drawn = above.lines[0].get_ydata()
+    assert np.nanmedian(drawn) == pytest.approx(abs(80 * np.exp(-0.6j) + 20) * 2 / 25.4, rel=1e-3)
+    assert response[0].get_ylabel() == "Amplitude [mil pp]"
+    assert response[0].get_title("left").startswith("zigulic2003: Steady response")
+    assert response[0].get_xlim()[1] > 2000
+
+
+def test_pictures_of_contacts_and_spectra_are_in_the_units_chosen_under_the_machine_s_name():
+    """The run begins at 300 rad/s, 2865 rpm, and the contact presses with 5 N."""
+    recording = recorded()
+    with restored():
+        choose("us")
+        view = View(recording.named("one"))
+        angles = run_folder.journal_angle(recording, "").axes[0]
+        above = signal_plots.contact_force(view).axes[0]
+        once = run_folder.spectra(recorded(rate=0.0), "disc[2]", "").axes[0]
+        lines = signal_plots.spectrum(view).axes[0]
+    heat = angles.collections[0].get_coordinates()
+    assert heat[..., 0].max() == pytest.approx(300.0 * 30 / np.pi, rel=1e-2)
+    assert above.get_ylabel() == "Normal force [lbf]"
+    assert np.nanmax(above.lines[0].get_ydata()) == pytest.approx(5.0 / 4.4482216, rel=1e-6)
+    assert once.get_xlabel() == "Frequency [cpm]"
+    largest = max(once.lines[:2], key=lambda line: line.get_ydata().max())
+    at = largest.get_xdata()[np.argmax(largest.get_ydata())]
+    assert at == pytest.approx(300.0 * 30 / np.pi, rel=2e-2)
+    assert {axes.get_title("left").split(":")[0] for axes in (above, lines)} == {"closed form"}
+    # nothing is there beyond 1x
+    assert lines.get_xlim()[1] < 3.5 * 3000
+
+
+def test_a_run_far_from_standstill_fills_its_picture():
+    """From 300 to 180 rad/s, 47.7 to 28.6 Hz; one near standstill is drawn down to it."""
+    far, near = (run_folder.journal_angle(recorded(rate=rate), "") for rate in (-20.0, -40.0))
+    assert far.axes[0].get_xlim() == (20.0, 50.0)
+    assert near.axes[0].get_xlim() == (0.0, 50.0)
+
+
+def test_names_are_drawn_as_written_and_powers_of_ten_as_powers(tmp_path):
+    figure, axes = new_figure()
+    axes.semilogy([1, 2], [1e-3, 1e3])
+    axes.set_title("rotor $_1$")
+    save(figure, tmp_path / "figure.png")
+    assert not axes.title.get_parse_math()
+    labels = [label for label in axes.get_yticklabels() if label.get_text()]
+    assert labels
+    assert all(label.get_parse_math() for label in labels)
+
+
+def test_mode_shapes_in_space_are_whole_and_in_the_units_chosen():
+    """Of a mode that is normalized by its largest displacement in x and y together."""
+    result = answers.modes(rig(), 100.0)
+    with restored():
+        choose("us")
+        axes = mode_shapes_figure(result).axes
+    for i, each in enumerate(axes):
+        assert each.get_xlabel() == "z [in]"
+        assert each.get_title().startswith(f"{i + 1}: ")
+        assert " cpm, " in each.get_title()
+        assert not any(line.get_clip_on() for line in each.lines)
+        drawn = np.concatenate([np.concatenate(line.get_data_3d()[1:]) for line in each.lines])
+        assert np.abs(drawn).max() <= each.get_ylim()[1] == each.get_zlim()[1]
+
+
+def test_speeds_in_pictures_have_all_digits_before_the_point():
+    with restored():
+        choose("rpm")
+        assert shown_speed(1814.3) == "17325"
+        assert shown_speed(100 * math.pi / 3) == "1000"
+
+
+def test_tables_of_the_page_are_in_the_units_chosen():
+    def page():
+        return runs_page([recorded().named("one")], [{}])
+
+    with restored():
+        choose("rpm,mil,pp")
+        chosen = page()
+    mine, si = _cells(chosen, "disc 2"), _cells(page(), "disc 2")
+    assert mine[0] == pytest.approx(2 / 25.4 * si[0], rel=1e-4)
+    assert mine[1] == pytest.approx(60 * si[1], rel=1e-4)
+    assert mine[-3:] == pytest.approx([um / 25.4 for um in si[-3:]], rel=1e-4)
+    for head in ("1x, largest [mil pp]", "at [rpm]", "x [mil pp]", "S_max [mil 0-p]"):
+        assert f'<th scope="col">{head}</th>' in chosen
+
+
+def _cells(page, place):
+    """Numbers of a row of a table in a page."""
+    row = re.search(rf"<tr><td>{place}</td>(.*?)</tr>", page)[1]
+    return [float(text) for text in re.findall(r"<td>([^<]*)</td>", row) if text != "-"]
+
+
+def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it():
+    at_rest = answers.static(rig(), contacts="pinned").figure().axes[0]
+    pictures = [
+        at_rest,
+        answers.modes(rig(), 100.0).figure().axes[0],
+        answers.campbell(rig(), np.linspace(10.0, 300.0, 5)).figure().axes[0],
+        acceptance.critical_map(rig(), np.logspace(5.0, 7.0, 5)).figure().axes[0],
+        acceptance.unbalance_check(rig(), 300.0, 350.0, [4]).figure().axes[0],
+        acceptance.critical_peaks(rig(), 300.0, [4]).figure().axes[0],
+        acceptance.level_1(rig(), 350.0).figure().axes[0],
+        acceptance.level_2(rig(), 350.0).figure().axes[0],
+        frequency_response(rig(), np.linspace(10.0, 300.0, 5), 4, [4]).figure().axes[0],
+        mode_shapes_figure(answers.modes(rig(), 100.0), rig().name).axes[0],
+    ]
+    for axes in pictures:
+        titles = axes.get_title("left"), axes.figure.get_suptitle()
+        assert any(title.startswith("zigulic2003: ") for title in titles), titles
+    named = [text.get_text() for text in at_rest.texts]
+    assert [text.partition("\n")[0] for text in named] == ["bearing[1]", "bearing[2]"]
+
+
+def test_a_value_is_shown_with_its_unit_if_it_has_one():
+    shown = display_of("--units", "us").of_si
+    assert shown("m").text(25.4e-6) == "1 mil"
+    assert display_of("--units", "si").of_si("m").text(1e-6) == "1 um"
+    assert shown("1").text(0.25) == "0.25"
+
+
+def test_a_range_of_one_speed_is_said_as_one_speed():
+    speed = 8000 * math.pi / 30
+    with restored():
+        choose("rpm")
+        assert range_with_unit(speed, speed) == "at 8000 rpm"
+        assert range_with_unit(speed, 1.25 * speed) == "between 8000 and 10000 rpm"
+        table = acceptance.unbalance_check(rig(), 0.1 * speed, 0.1 * speed, [4]).table()
+    assert table.title.startswith("API 617 at 800 rpm, ")
+
+
+def test_the_unbalance_picture_says_that_amplitudes_are_0_p():
+    figure = answers.unbalance_response(rig(), np.linspace(10.0, 300.0, 20)).figure()
+    assert figure.axes[0].get_ylabel() == "Amplitude [µm 0-p]"
+
+
+def test_a_page_begins_in_the_units_that_were_chosen():
+    runs = [recorded().named("one")]
+    with restored():
+        choose("rpm,mil")
+        page = runs_page(runs, [{}])
+    assert '<option value="60" selected>rpm' in page
+    assert '"unit":"mil"' in page
+    assert '"unit":"\\u00b5m"' not in page
+    assert '<option value="2" selected>mil 0-p' in page
+    assert "<h1>closed form</h1>" in page
+    assert "selected" not in runs_page(runs, [{}]).split("<script")[0]
+
+
+def test_the_page_of_a_study_is_in_the_units_that_were_chosen(command, tmp_path):
+    """Of a machine that asks for none they are Hz and µm; its file may ask for others, and
+    `--units` for others again."""
+    write_study(tmp_path / "study")
+    pages = [_page_of_study(command, tmp_path, *given) for given in ((), ("--units", "us"))]
+    about = json.loads((tmp_path / "study" / "study.json").read_text())
+    (tmp_path / "study" / "study.json").write_text(json.dumps(about | {"units": "rpm,mil"}))
+    pages.append(_page_of_study(command, tmp_path))
+    units = [[c["unit"] for c in data["columns"]] for data in pages]
+    assert units == [["-", "µm", "µm"], ["-", "mil", "mil"], ["-", "mil", "mil"]]
+    curves = [data["curves"][0] for data in pages]
+    assert [c["coordinate_unit"] for c in curves] == ["Hz", "rpm", "rpm"]
+    assert [c["unit"] for c in curves] == ["µm", "mil", "mil"]
+    hz, rpm = (np.array(c["coordinate"]) for c in curves[:2])
+    assert rpm == pytest.approx(60 * hz)
+
+
+def _page_of_study(command, folder, *given):
+    command("report", str(folder / "study"), *given)
+    text = (folder / "out").read_text(encoding="utf-8")
+    return json.loads(re.search(r'id="data">(.*?)</script>', text, re.S).group(1))
+
+
+def test_the_table_of_a_study_is_in_the_units_that_were_chosen(command, tmp_path):
+    (tmp_path / "rig.toml").write_text(f'units = "rpm, mil"\n{rig_toml()}')
+    (tmp_path / "study.toml").write_text(
+        'machine = "rig.toml"\n[run]\nkind = "constant"\nspeed = 100.0\nsettle = 0.05\n'
+        'turns = 2\n[vary]\n"bearing[1].clearance" = { values = [4e-5, 6e-5] }\n'
+        '[keep]\npeak = { peak = "disc[1].r" }\n[limits]\npeak = 1.0\n'
+    )
+    given = ("study", str(tmp_path / "study.toml"), "--jobs", "1", "--analyse")
+    mil, um = command(*given), command(*given, "--units", "si")
+    assert "bearing[1].clearance [mil]" in mil
+    assert "peak > 39370.1 mil" in mil
+    assert "peak > 1e+06 um" in um
+    small, large = ([float(v) for v in re.findall(r"(\d+\.\d+) ok", text)] for text in (mil, um))
+    assert small == pytest.approx([um / 25.4 for um in large], rel=1e-3)
+    assert len(small) == 2
+
+
+def test_the_page_on_which_a_machine_runs_is_in_the_units_that_were_chosen():
+    machine = machine_of(rig_toml(), False, 0)
+    with restored():
+        choose("us, pp")
+        us = page_data(machine)
+    si = page_data(machine)
+    units = {name: each["unit"] for name, each in us["units"].items()}
+    assert units == {"speed": "rpm", "displacement": "mil", "amplitude": "mil pp"}
+    assert us["units"]["amplitude"]["factor"] == pytest.approx(2e6 / 25.4)
+    shown = [c["unit"] for group in (us["course"], *us["groups"]) for c in group["controls"]]
+    shown += [c["unit"] for c in us["recorded"]]
+    assert {"rpm", "rpm/s", "mil", "lbf", "lbf/in", "lbf.s/in", "lb", "lbf.in"} <= set(shown)
+    assert not {"Hz", "µm", "um", "N", "N/m", "N.s/m", "kg", "N.m", "rad/s", "m"} & set(shown)
+    assert [c["unit"] for c in si["course"]["controls"]] == ["Hz", "Hz", "Hz/s", "s", ""]
+    # what runs and what an address says stays in SI units
+    starts = [[c["start"] for c in data["course"]["controls"]] for data in (us, si)]
+    assert starts[0] == starts[1]
+
+
+@pytest.mark.native
+def test_the_command_page_takes_units(command, tmp_path):
+    command("page", "--units", "us")
+    assert '"speed":{"unit":"rpm"' in (tmp_path / "out").read_text(encoding="utf-8")
+
+
+def test_a_shape_is_drawn_with_the_elements_own_cubic():
+    """Within it a cantilevered element under a force at its end has what Timoshenko's beam has;
+    a cubic with the sections' rotations for slopes has not."""
+    section = rig().sections[0]
+    stiffness = shaft_element(section).stiffness[np.ix_((2, 3), (2, 3))]
+    w, rotation = np.linalg.solve(stiffness, [1.0, 0.0])
+    length, phi = section.length, _shear(section)
+    inertia = math.pi / 64 * section.outer_left**4
+    bending = section.material.young * inertia
+    sheared = phi * length**2 / 12  # E I / (kappa G A)
+    assert w == pytest.approx(length**3 / 3 / bending + length * sheared / bending, rel=1e-9)
+    z, deflections, rotations = (
+        np.array([0.0, length]),
+        np.array([0.0, w]),
+        np.array([0.0, rotation]),
+    )
+    x = length / 4
+    truth = (x**2 * (3 * length - x) / 6 + x * sheared) / bending
+    assert deflection(z, deflections, rotations, [phi])(x) == pytest.approx(truth, rel=1e-9)
+    assert abs(deflection(z, deflections, rotations, [0.0])(x) / truth - 1) > 1e-3
+
+
+def test_json_stays_in_si(command):
+    one, two = (json.loads(command("show", "--json", *more)) for more in ((), ("--units", "us")))
+    assert one == two

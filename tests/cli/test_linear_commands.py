@@ -1,0 +1,306 @@
+"""The commands that tell linear answers, the objects of Python, and files that extend others."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.text import Text
+from rotor_fmu.model import linear
+from rotor_fmu.model.linear import Modes
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.writing import toml_text
+
+from rotor_fmu.cli import app
+from rotor_fmu.cli.speeds import one_speed, speed_range
+from rotor_fmu.errors import InputError
+from rotor_fmu.linear import answers
+from rotor_fmu.machine_file.loading import load_rotor, machine_text
+
+ROSS = Path(__file__).parents[1] / "reference" / "ross"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+PNG = b"\x89PNG"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["modes", "--speed", "3000rpm"], "Modes at 50 Hz (314.16 rad/s), contacts pinned"),
+        (
+            ["campbell", "--speed", "0:60Hz:7", "--count", "4"],
+            "Critical speeds between 0 and 60 Hz",
+        ),
+        (["unbalance", "--speed", "20:40Hz:5", "--node", "5"], "Response to unbalance, contacts"),
+        (["static"], "on bearing[1]"),
+        (["show"], "zigulic2003: 8 nodes, 330 mm"),
+    ],
+)
+def test_each_command_tells_a_table_and_writes_a_picture(command, tmp_path, arguments, expected):
+    assert expected in command(*arguments)
+    name = arguments[0]
+    assert (tmp_path / "out" / f"{name}.png").read_bytes().startswith(PNG)
+    assert json.loads((tmp_path / "out" / f"{name}.json").read_text())
+
+
+def test_campbell_has_critical_speeds_of_several_orders(command, tmp_path):
+    """Of twice the speed those whose doubles are frequencies of the diagram."""
+    said = command(
+        *("campbell", "--rotor", str(ROSS / "under_tension.toml"), "--speed", "0:150:7"),
+        *("--harmonic", "1", "--harmonic", "2", "--range", "50:80", "--count", "4"),
+    )
+    assert "Critical speeds of 1, 2 times the speed" in said
+    critical = json.loads((tmp_path / "out" / "campbell.json").read_text())["critical"]
+    assert {c["harmonic"] for c in critical} == {1.0, 2.0}
+    rotor = answers.rotor_of(ROSS / "under_tension.toml")
+    for c in critical:
+        damped = answers.modes(rotor, c["speed"], count=4).damped
+        assert np.abs(damped / (c["harmonic"] * c["speed"]) - 1).min() < 1e-9
+
+
+def test_mode_shapes_are_drawn_in_space_too(command, tmp_path):
+    command("modes", "--speed", "3000rpm", "--count", "2")
+    assert (tmp_path / "out" / "modes_3d.png").read_bytes().startswith(PNG)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_numbers_of_the_rig_are_those_of_the_paper(command):
+    """Its 29.4 and 32.5 Hz."""
+    natural = json.loads(command("modes", "--json"))["natural"]
+    np.testing.assert_allclose(np.array(natural[:2]) / (2 * math.pi), [29.4, 32.5], rtol=0.006)
+
+
+def test_json_says_all_in_si(command):
+    output = json.loads(command("unbalance", "--json", "--speed", "30Hz"))
+    result = answers.unbalance_response(rig(), [60 * math.pi])
+    np.testing.assert_allclose(np.array(output["x"]) @ [1, 1j], result.x)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_rotor_from_ross_is_taken_as_it_is_and_imported(command, tmp_path):
+    direct = command("modes", "--rotor", str(ROSS / "on_pedestals.json"))
+    machine = tmp_path / "machine.toml"
+    app(
+        ["import-ross", str(ROSS / "on_pedestals.json"), "--out", str(machine)],
+        standalone_mode=False,
+    )
+    output = command("modes", "--rotor", str(machine))
+    assert output.splitlines()[-9:-1] == direct.splitlines()[-9:-1]
+
+
+def test_a_notebook_shows_a_table_and_a_picture():
+    result = answers.modes(rig(), 100.0, count=2)
+    assert isinstance(result, Modes)
+    assert result._repr_html_().startswith("<table><caption>Modes at 15.915 Hz (100 rad/s)")
+    assert result._repr_png_().startswith(PNG)
+
+
+def test_speeds_are_read_in_any_unit():
+    assert one_speed("-3e2") == -300
+    assert one_speed("60 rpm") == pytest.approx(2 * math.pi)
+    np.testing.assert_allclose(speed_range("0:10Hz:3", 9), [0, 10 * math.pi, 20 * math.pi])
+    assert len(speed_range("0:10", 9)) == 9
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["modes", "--speed", "fast"], "--speed fast: must be a number"),
+        (["modes", "--speed", "nan"], "--speed nan: must be a number"),
+        (["modes", "--count", "0"], "--count 0: must be from 1"),
+        (["modes", "--contacts", "ajar"], "contacts = ajar: must be one of open, pinned"),
+        (["modes", "--rotor", "none.toml"], "none.toml: cannot be read"),
+        (["campbell", "--speed", "10"], "--speed 10: must be FROM:TO"),
+        (["campbell", "--speed", "10:5"], "FROM must be below TO"),
+        (
+            ["campbell", "--speed", "0:1e300"],
+            "--speed 0:1e300: must be at most 1e+07 rad/s in size",
+        ),
+        (["modes", "--speed", "-1e300"], "--speed -1e300: must be at most 1e+07 rad/s in size"),
+        (["campbell", "--speed", "0:5:1"], "POINTS must be an integer from 2"),
+        (["campbell", "--speed", "0rpm:5Hz"], "must have one unit"),
+        (["campbell", "--harmonic", "-1"], "harmonic = -1: must be > 0"),
+        (["unbalance", "--unbalance", "5"], "--unbalance 5: must be NODE:AMOUNT"),
+        (["unbalance", "--node", "12"], "--node 12: must be from 1 to 8"),
+        (["static", "--contacts", "open"], "the machine is not held"),
+    ],
+)
+def test_impossible_wishes_are_refused(refusal, tmp_path, arguments, expected):
+    said = refusal(*arguments)
+    assert expected in said
+    assert "\n" not in said
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_extends_another(tmp_path):
+    (tmp_path / "base.toml").write_text((ROSS / "compressor.toml").read_text())
+    (tmp_path / "middle.toml").write_text(
+        'extends = "base.toml"\nname = "rubbing"\n[[contact]]\nnode = 4\njournal_radius = 0.06\n'
+        "clearance = 2e-4\nk = 1e8\nmu = 0.1\n"
+    )
+    (tmp_path / "top.toml").write_text(
+        'extends = "middle.toml"\n[shaft]\neta_v = 1e-6\n[[point_mass]]\nnode = 1\nmass = 1.0\n'
+        "[[seal]]\nnode = 2\nkxx = 1.0\nkyy = 1.0\ncxx = 1.0\ncyy = 1.0\n"
+    )
+    rotor = answers.rotor_of(tmp_path / "top.toml")
+    assert (rotor.name, rotor.eta_v) == ("rubbing", 1e-6)
+    kinds = [part.KIND for part in rotor.parts]
+    assert [kinds.count(k) for k in ("contact", "seal", "point_mass", "body")] == [1, 2, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("base", "expected"),
+    [
+        ("own.toml", "goes round"),
+        ("none.toml", "cannot be read"),
+        (3, "must be the name of a file"),
+    ],
+)
+def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
+    own = tmp_path / "own.toml"
+    own.write_text(toml_text({"extends": base}))
+    with pytest.raises(InputError) as refused:
+        machine_text("--rotor", own)
+    assert expected in str(refused.value)
+
+
+OIL_FILM = Path(__file__).parents[2] / "examples" / "oil_film" / "rotor.toml"
+
+
+def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, tmp_path):
+    table = tmp_path / "linear.toml"
+    said = command("bearing", str(OIL_FILM), "--speed", "300:900:4", "--table", str(table))
+    assert "journal_bearing[1]: a mass of" in said
+    assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(PNG)
+    values = json.loads((tmp_path / "out" / "bearing.json").read_text())
+    assert max(values["plane_error"]) < 0.03
+    # the machine with its films, and with what was written in their place, at a speed of the table
+    machine = OIL_FILM.read_text().split("[[journal_bearing]]")[0]
+    written = table.read_text()
+    linear = machine + written + written.replace("node = 1", "node = 7")
+    (tmp_path / "replaced.toml").write_text(linear)
+    roots = [answers.modes(path, 500.0) for path in (OIL_FILM, tmp_path / "replaced.toml")]
+    np.testing.assert_allclose(roots[1].damped[:4], roots[0].damped[:4], rtol=2e-4)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_the_linear_commands_name_the_films(command):
+    said = command("modes", "--rotor", str(OIL_FILM), "--speed", "400")
+    assert "where its journal rests at that speed: journal_bearing[1], journal_bearing[2]" in said
+
+
+def test_a_machine_that_oil_films_hold_is_at_rest_at_its_rated_speed():
+    """At standstill none carries it; its weight is borne whatever the speed."""
+    rated = answers.static(OIL_FILM)
+    assert rated.speed > 0.0
+    weight = load_rotor(OIL_FILM)[1].gravity * (4.0 + 0.5 * math.pi / 4 * 0.02**2 * 7850.0)
+    assert -rated.load_y.sum() == pytest.approx(weight, rel=1e-9)
+    assert answers.static(rig()).speed == 0.0
+    with pytest.raises(ValueError, match="not held"):
+        answers.static(OIL_FILM, 0.0)
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    "shape", ["", 'offset = 1.0\npads = [1.5708, 4.71239]\narc = 2.8\nrupture = "guembel"\n']
+)
+def test_the_usual_speeds_begin_where_the_films_carry_the_machine(command, tmp_path, shape):
+    """Slower, a film without a contact behind it would be thinner than its roughness."""
+    rotor = tmp_path / "rotor.toml"
+    rotor.write_text(OIL_FILM.read_text().replace("k = 1e8", "").replace("mu = 0.1", shape))
+    for name in ("campbell", "unbalance"):
+        command(name, "--rotor", str(rotor))
+        speeds = json.loads((tmp_path / "out" / f"{name}.json").read_text())["speeds"]
+        assert 0.0 < speeds[0] < 0.2 * speeds[-1]
+        with pytest.raises(ValueError, match=r"no equilibrium|no static equilibrium"):
+            answers.unbalance_response(rotor, [0.5 * speeds[0]])
+    assert linear.lowest_speed(load_rotor(OIL_FILM)[1], 1000.0) == 0.0
+    assert linear.lowest_speed(rig(), 1000.0) == 0.0
+
+
+def test_the_response_to_unbalance_begins_at_standstill_on_oil_films_too(command):
+    said = command("unbalance", "--rotor", str(OIL_FILM), "--speed", "0:200:3", "--node", "3")
+    assert "contacts open" in said
+    result = answers.unbalance_response(OIL_FILM, [0.0, 1.0, 200.0])
+    assert not result.x[0].any()
+    assert not result.load_x[0].any()
+    # as the square of the speed, while the film's stiffness hardly counts beside the shaft's
+    assert 0.0 < np.abs(result.x[1]).max() < 1e-2 * np.abs(result.x[2]).max()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (
+            ["--speed", "300", "--bearing", "bearing[9]"],
+            "bearing[9]: must be one of journal_bearing",
+        ),
+        (["--speed", "300", "--load", "-1"], "--load -1: must be > 0"),
+        (["--speed", "slow"], "--speed slow: must be a number"),
+    ],
+)
+def test_impossible_bearings_are_refused(command, tmp_path, arguments, expected):
+    with pytest.raises((InputError, ValueError)) as refused:
+        command("bearing", str(OIL_FILM), *arguments)
+    assert expected in str(refused.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_load_past_the_film_is_refused_with_what_it_carries(command, tmp_path):
+    text = OIL_FILM.read_text().replace("k = 1e8", "")
+    (tmp_path / "open.toml").write_text(text)
+    with pytest.raises(ValueError, match=r"its load is 1e\+05 N, and its film carries [\d.]+ N"):
+        command("bearing", str(tmp_path / "open.toml"), "--speed", "300", "--load", "1e5")
+
+
+def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path):
+    """The amplitudes are those of the answer; an unbalance may be given in g mm."""
+    given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", "4:50g.mm:90")
+    command("unbalance", *given)
+    head, *rows = (tmp_path / "out" / "unbalance.csv").read_text().splitlines()
+    assert head.startswith("speed [rad/s],node[5].x [m],node[5].y [m],node[5].x_phase [rad]")
+    speeds = np.linspace(40 * math.pi, 80 * math.pi, 5)
+    result = answers.unbalance_response(rig(), speeds, unbalances=[(4, 5e-5, math.pi / 2)])
+    numbers = np.array([list(map(float, row.split(","))) for row in rows])
+    np.testing.assert_allclose(numbers[:, 0], speeds, rtol=1e-8)
+    np.testing.assert_allclose(numbers[:, 1], np.abs(result.x[:, 4]), rtol=1e-8)
+    np.testing.assert_allclose(numbers[:, 5], result.major[:, 4], rtol=1e-8)
+
+
+def test_a_result_is_a_line_in_a_console():
+    for result in (
+        answers.modes(rig()),
+        answers.static(rig()),
+        answers.campbell(rig(), [0.0, 100.0]),
+        answers.unbalance_response(rig(), [50.0, 100.0]),
+    ):
+        assert "\n" not in repr(result)
+        assert len(repr(result)) < 120
+
+
+@pytest.mark.parametrize("top", [1.01, 20.0])
+def test_the_threshold_of_stability_is_named_within_the_diagram(top):
+    """Of a rotor that becomes unstable at the end of the speeds, and soon after their beginning."""
+    rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")[1]
+    threshold = answers.campbell(rotor, np.linspace(100.0, 1000.0, 20)).threshold
+    result = answers.campbell(rotor, np.linspace(100.0, top * threshold, 20))
+    figure = result.figure()
+    figure.draw_without_rendering()
+    below = figure.axes[1]
+    (text,) = (text for text in below.texts if text.get_text().startswith("unstable"))
+    box = Text.get_window_extent(text)
+    assert below.bbox.x0 < box.x0 < box.x1 < below.bbox.x1
+
+
+def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
+    """Of a machine whose critical speeds of four orders lie close together."""
+    rotor = load_rotor(ROSS / "under_tension.toml")[1]
+    result = answers.campbell(rotor, np.linspace(0.0, 400.0, 9), harmonic=(1.0, 2.0, 3.0, 4.0))
+    figure = result.figure()
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    boxes = [Text.get_window_extent(text) for text in axes.texts]  # without their lines
+    assert len(boxes) == len(result.critical) > 8
+    boxes.append(axes.get_legend().get_window_extent())
+    for i, box in enumerate(boxes):
+        assert not [other for other in boxes[:i] if box.overlaps(other)]

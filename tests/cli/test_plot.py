@@ -1,0 +1,95 @@
+"""`rotor-fmu plot`: a picture a kind, and one line for what cannot be drawn."""
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from rotor_fmu.cli import app
+from rotor_fmu.errors import InputError
+from rotor_fmu.run_pictures.signal_plots import KINDS, orbit
+from rotor_fmu.run_pictures.view import View
+from rotor_fmu.runs.recording import Recording
+from rotor_fmu.saved_results.folders import read_run
+
+from ..recordings import recorded
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("run")
+    recorded(parameters={"bearing[1].clearance": 5e-5}).save(path / "recording.npz")
+    return path
+
+
+def plot(*arguments):
+    return CliRunner().invoke(app, ["plot", *map(str, arguments)])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_is_drawn_into_the_runs_folder(kind, folder):
+    result = plot(kind, folder)
+    assert result.exit_code == 0, result.output
+    assert (folder / f"{kind}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_place_that_moves_most_is_taken_unless_one_is_named(folder):
+    run = read_run(folder)
+    assert run.place().name == "disc[2]"
+    assert run.place("bearing[1]").clearance == 5e-5
+    assert run.contact().label == "bearing 1"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("bodde", "."), "KIND bodde: did you mean bode?"),
+        (("bode", "nowhere"), "nowhere: is not there"),
+        (("bode", "."), "holds no recording.npz"),
+        (("orbit", ".", "--speed", "0"), "--speed 0: must not be 0"),
+    ],
+)
+def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, sentence, tmp_path):
+    arguments = [str(tmp_path) if a == "." else a for a in arguments]
+    result = plot(*arguments)
+    assert isinstance(result.exception, InputError)
+    assert sentence in str(result.exception)
+
+
+def test_an_orbit_has_four_turns_about_its_time_with_their_marks():
+    """1x of 80 um forward and 20 um backward: at every mark the same place."""
+    figure = orbit(View(recorded(), "disc[2]", time=3.0))
+    path, marks, rest = figure.axes[0].lines
+    expected = 80 * np.exp(-0.6j) + 20
+    assert marks.get_xdata() == pytest.approx(np.full(4, expected.real), rel=1e-3)
+    assert marks.get_ydata() == pytest.approx(np.full(4, expected.imag), rel=1e-3)
+    assert rest.get_xdata()[0] == pytest.approx(expected.real)
+    # 240 rad/s at 3 s
+    assert len(path.get_xdata()) == pytest.approx(4 * 2 * np.pi / 240 / 1e-3, abs=2)
+    assert path.get_label() == "4 turns at 38.19 Hz"
+
+
+def test_an_orbit_of_few_steps_a_turn_shows_the_steps():
+    run = recorded(step=4e-3)
+    path, rest = orbit(View(run, "disc[2]", time=6.0)).axes[0].lines
+    assert "its corners the steps, 9 a turn" in path.get_label()
+    assert path.get_xdata()[-1] == pytest.approx(1e6 * run.columns["disc[2].x"][-1], abs=60)
+    assert rest.get_label() == "rest"
+
+
+def test_an_orbit_of_a_shaft_that_stands_is_all_that_was_recorded():
+    t = np.linspace(0.0, 1.0, 50)
+    columns = {"phi": 0 * t, "w": 0 * t, "disc.x": 1e-6 * t, "disc.y": -1e-6 * t}
+    path, _ = orbit(View(Recording(t, columns, {}, {}), time=1.0)).axes[0].lines
+    assert path.get_xdata() == pytest.approx(t)
+
+
+def test_a_place_that_the_recording_has_not_is_told_its_nearest(folder):
+    result = plot("bode", folder, "--place", "disk[2]")
+    assert "--place disk[2]: the recording has no such place; did you mean disc[2]?" in str(
+        result.exception
+    )
+
+
+def test_a_run_of_less_than_a_block_of_turns_says_how_many_it_has(tmp_path):
+    recorded(stop=0.05).save(tmp_path / "recording.npz")
+    assert "holds 2 whole turns of the shaft; 4 are needed" in str(plot("bode", tmp_path).exception)

@@ -1,0 +1,1 @@
+"""README, pages, notebooks, examples and reports, as a reader meets them."""

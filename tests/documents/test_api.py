@@ -1,0 +1,237 @@
+"""The Python interface: what its pages say runs, and its numbers are those of the rest."""
+
+import doctest
+import importlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rotor_fmu.model.time_loop.recorder import recordable
+
+import rotor_fmu as rf
+
+MODULES = (
+    "api.linear_analyses",
+    "api.machine",
+    "api.simulate",
+    "api.fmus",
+    "api.recorded_signals",
+    "api.peaks",
+    "api.result",
+    "errors",
+)
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "api.md"
+RIG = rf.load()
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_the_examples_of_the_docstrings_run(name):
+    module = importlib.import_module(f"rotor_fmu.{name}")
+    outcome = doctest.testmod(module)
+    assert outcome.attempted
+    assert not outcome.failed
+
+
+def test_every_public_name_is_documented_with_an_example_that_runs():
+    """In its docstring, which the page of the names shows."""
+    page = PAGE.read_text(encoding="utf-8")
+    for name in rf.__all__:
+        thing = getattr(rf, name)
+        if name == "__version__":
+            continue
+        tests = doctest.DocTestFinder(recurse=False).find(thing, name)
+        assert any(test.examples for test in tests), name
+        assert re.search(rf"^\.\. auto\w+:: rotor_fmu\.{name}$", page, re.MULTILINE), name
+    assert set(dir(rf)) == set(rf.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'simulat'"):
+        _ = rf.simulat
+
+
+def test_what_is_not_used_is_not_imported():
+    script = "import sys, rotor_fmu; print(*{name.partition('.')[0] for name in sys.modules})"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    heavy = {"numba", "numpy", "scipy", "matplotlib", "fmpy", "pandas", "xarray", "bokeh", "rich"}
+    assert not heavy & set(done.stdout.split())
+
+
+@pytest.fixture(scope="module")
+def result():
+    """A second in the rig's resonance, with a load."""
+    return rf.simulate(
+        RIG, speed=([0, 1], [190, 180]), loads={"disc[2].fy": ([0, 0.5], [0, 2])}, step=0.02
+    )
+
+
+def test_a_run_is_recorded_with_its_units(result):
+    assert result.status == "ok"
+    assert result.t[0] == 0.0
+    assert result.t[-1] == pytest.approx(1.0, abs=1e-3)
+    assert result["w"] == pytest.approx(190 - 10 * result.t, abs=1e-9)
+    assert result["phi"] == pytest.approx(190 * result.t - 5 * result.t**2, abs=1e-7)
+    assert set(result.units) == set(result.names) <= set(RIG.units)
+    assert {str(entry.name) for entry in recordable(RIG.rotor)} == set(RIG.units)
+    # a load of 2 N is held after the last time that was given
+    assert result.points.columns["energy.external_work"][-1] != 0
+
+
+def test_tables_hold_the_signals_and_their_units(result):
+    frame, data = result.dataframe(), result.dataset()
+    assert np.array_equal(frame.index, result.t)
+    assert np.array_equal(data["t"], result.t)
+    for name in result.names:
+        assert np.array_equal(frame[name], result[name])
+        assert np.array_equal(data[name], result[name])
+        assert data[name].attrs["units"] == frame.attrs["units"][name] == RIG.units[name]
+
+
+def test_orbit_spectrum_and_orders_are_those_of_the_part_named(result):
+    z = result["disc[3].x"] + 1j * result["disc[3].y"]
+    orbit = result.orbit("disc[3]", speed=185.0)
+    assert orbit.speed == pytest.approx(185, abs=1)
+    assert np.abs(orbit.z).max() <= np.abs(z).max() * 1.001
+    assert np.abs(orbit.z - result.orbit("disc[1]", speed=185.0).z).max() > 1e-6
+    track = result.orders("disc[3]", [1.0])
+    spectrum = result.spectrum("disc[3]", 185.0)
+    near = np.argmin(np.abs(spectrum.order - 1.0))
+    at = np.argmin(np.abs(track.speed - 185.0))
+    assert spectrum.amplitude[near] == pytest.approx(abs(track.forward[at, 0]), rel=0.05)
+
+
+def test_a_result_comes_back_from_its_folder(result, tmp_path):
+    result.save(tmp_path)
+    outcome = rf.read_run(tmp_path)
+    assert outcome.machine.toml == RIG.toml
+    assert outcome.units == result.units
+    assert np.array_equal(outcome["disc[3].x"], result["disc[3].x"])
+    assert np.array_equal(outcome.orbit().z, result.orbit().z)
+
+
+def test_notebooks_are_shown_a_picture_and_the_facts(result):
+    assert RIG._repr_png_().startswith(b"\x89PNG")
+    shown = result._repr_html_()
+    assert "zigulic2003" in shown
+    assert "data:image/png;base64," in shown
+    assert "190 to 180 rad/s" in repr(result)
+    assert result.plot("orbit", speed=185.0).axes
+
+
+def test_every_step_is_recorded_without_a_rate():
+    run = rf.simulate(RIG, speed=185.0, stop=0.1, record=["disc[1].vx"], per_turn=None)
+    assert len(run.t) == run.points.columns["solver.steps"][-1] + 1
+    assert run.names == ("phi", "w", "disc[1].vx")
+
+
+def test_a_run_that_fails_keeps_what_came_before_and_says_why():
+    wbz = {"solver.method": "wbz", "solver.alpha_m": 0.08}
+    with pytest.warns(UserWarning, match="is unstable|diverged"):
+        run = rf.simulate(RIG, speed=400.0, stop=1.0, preset="paper", parameters=wbz)
+    assert run.status.startswith("failed")
+    assert 0.05 < run.t[-1] < 0.2
+
+
+def test_an_fmu_gives_the_numbers_of_the_run_without_it(tmp_path):
+    options = {"speed": ([0, 0.1], [190, 189]), "step": 0.01, "preset": "robust"}
+    fmu = rf.build_fmu(RIG, tmp_path)
+    through, direct = rf.simulate_fmu(fmu, **options), rf.simulate(RIG, **options)
+    assert through.status == "ok"
+    assert np.array_equal(through.t, direct.points.t)
+    for name in through.names:
+        assert np.array_equal(through[name], direct.points.columns[name]), name
+    assert through.machine.toml == RIG.toml
+
+
+@pytest.mark.parametrize("name", ["limit.displacement", "limit.force", "limit.contact"])
+def test_a_limit_ends_a_run_before_the_first_step_beyond_it_as_it_ends_the_fmus(tmp_path, name):
+    options = {"speed": ([0, 0.1], [190, 189]), "step": 0.01, "preset": "robust"}
+    whole = rf.simulate(RIG, **options, per_turn=None)
+    moved = np.max([np.hypot(whole[f"disc[{i}].x"], whole[f"disc[{i}].y"]) for i in (1, 2, 3)], 0)
+    force = np.max(
+        [np.hypot(whole[f"bearing[{i}].fn"], whole[f"bearing[{i}].ft"]) for i in (1, 2)], 0
+    )
+    closed = np.array([whole[f"bearing[{i}].fn"] > 0 for i in (1, 2)])
+    changes = np.flatnonzero((closed[:, 1:] != closed[:, :-1]).any(axis=0))
+    value, last = {
+        "limit.displacement": (0.9 * moved.max(), np.argmax(moved > 0.9 * moved.max()) - 1),
+        "limit.force": (0.9 * force.max(), np.argmax(force > 0.9 * force.max()) - 1),
+        "limit.contact": ("true", changes[0] + 1),
+    }[name]
+    options["parameters"] = {name: value}
+    with pytest.warns(UserWarning, match="passes limit|closed|opened"):
+        direct = rf.simulate(RIG, **options, per_turn=None)
+    with pytest.warns(UserWarning, match="passes limit|closed|opened"):
+        through = rf.simulate_fmu(rf.build_fmu(RIG, tmp_path), **options)
+    assert direct.t[-1] == whole.t[last]
+    assert direct.status.startswith(f"failed: t = {whole.t[last]:.9g} s: ")
+    assert direct.status == through.status
+
+
+def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
+    options = {"speed": ([0, 0.1], [190, 189]), "step": 0.01, "preset": "robust"}
+    options["parameters"] = {"solver.sensitivities": "true"}
+    direct = rf.simulate(RIG, **options)
+    through = rf.simulate_fmu(rf.build_fmu(RIG, tmp_path), **options)
+    for name in through.names:
+        assert np.array_equal(through[name], direct.points.columns[name]), name
+    assert direct.points.columns["disc[2].dx_dfx"][-1] > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ({}, "stop: must be given where the speed and the loads are constant"),
+        ({"stop": -1.0}, "stop = -1.0 s: must be > 0"),
+        ({"stop": 1.0, "preset": "best"}, "preset = 'best': must be one of"),
+        ({"stop": 1.0, "tolerance": 2.0}, "solver.tolerance = 2.0: must be"),
+        ({"stop": 1.0, "loads": {"disc[2].fz": 1.0}}, r"'disc\[2\].fz' is unknown; .* disc\[2\].f"),
+        ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
+        ({"stop": 1.0, "parameters": {"gravity": -1}}, r"^gravity = -1 m/s2: must be"),
+        ({"stop": 1.0, "parameters": {"speed": 1}}, "speed is an input"),
+        ({"stop": 1.0, "record": ["disc[3].z"]}, "the nearest name is"),
+        ({"stop": 1.0, "per_turn": 0}, "per_turn = 0: must be > 0"),
+        ({"stop": 1.0, "step": 2.0}, "step = 2.0 s: must be > 0 and at most stop = 1 s"),
+        ({"speed": ([0, 0], [1, 2])}, "speed: its times must increase"),
+        ({"speed": ([0, 1], [1])}, "speed: 2 times and 1 values: must be as many"),
+        ({"speed": ([0, 1], [1, np.nan])}, "speed: all of its times and values must be finite"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(arguments, expected):
+    with pytest.raises(rf.InputError, match=expected) as refused:
+        rf.simulate(RIG, **{"speed": 100.0, **arguments})
+    assert "\n" not in str(refused.value)
+
+
+def test_files_that_are_none_are_refused_by_their_name(tmp_path):
+    path = tmp_path / "machine.toml"
+    path.write_text("nonsense")
+    for read in (rf.load, rf.read_run, lambda p: rf.simulate_fmu(p, speed=1.0, stop=1.0)):
+        with pytest.raises(rf.InputError, match=r"machine\.toml"):
+            read(path)
+
+
+def test_a_signal_that_was_not_recorded_is_told_its_neighbour(result):
+    with pytest.raises(KeyError, match=r"disc\[3\]\.xx.*nearest name is disc\[3\]\.v?x"):
+        result["disc[3].xx"]
+
+
+@pytest.mark.parametrize(
+    ("speed", "stop", "why"),
+    [
+        (([0, 1], [60, 55]), None, "the amplitude is largest at an edge of the run"),
+        (150.0, 2.5, "the speed is constant"),
+        (([0, 3], [60, 50]), None, "the amplitude is largest at an edge of the run"),
+    ],
+)
+def test_peaks_that_are_none_say_why(speed, stop, why):
+    peaks = rf.simulate(RIG, speed=speed, stop=stop, tolerance=1e-2).peaks
+    assert peaks == ()
+    assert peaks.why == why
+    assert str(peaks) == f"no peaks: {why}"
+
+
+def test_peaks_of_a_run_read_from_its_folder_say_that_they_are_not_kept(result, tmp_path):
+    result.save(tmp_path)
+    assert "read from its folder" in str(rf.read_run(tmp_path).peaks)

@@ -1,0 +1,58 @@
+"""The README says what the code says."""
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_pages_made_from_the_code_say_what_it_says_now():
+    made = runpy.run_path(str(ROOT / "docs" / "site" / "made.py"))["made"]()
+    assert len(made) == 5
+    for page, text in made.items():
+        assert page.read_text(encoding="utf-8") == text, f"{page.name}: make pages"
+
+
+def test_the_hosts_page_names_test_files_that_exist():
+    page = (ROOT / "docs" / "reference" / "hosts.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"(?:tests|benchmarks)/[a-z_/]+\.(?:py|c)", page))
+    assert len(named) >= 5
+    for file in named:
+        assert (ROOT / file).is_file(), file
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        "README.md",
+        "docs/explanation/impact.md",
+        "docs/explanation/integrators.md",
+        "docs/explanation/performance.md",
+        "docs/explanation/reproduction.md",
+    ],
+)
+def test_what_is_linked_is_there(page):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
+    assert links
+    for link in links:
+        assert ((ROOT / page).parent / link).exists(), link
+
+
+@pytest.mark.parametrize(("page", "least"), [("README.md", 2), ("CONTRIBUTING.md", 12)])
+def test_the_make_targets_named_exist(page, least):
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    named = set(re.findall(r"(?:^|`)make ([a-z-]+)", (ROOT / page).read_text("utf-8"), re.M))
+    assert len(named) >= least
+    for target in named:
+        assert re.search(rf"^{target}:", makefile, re.M), target
+
+
+def test_the_machine_of_the_readme_is_one():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (machine,) = re.findall(r"```toml\n(.*?)```", text, re.S)
+    assert parse_rotor(machine).name == "fan"

@@ -1,0 +1,48 @@
+"""The page of a study in a browser: a point of its map opens its run."""
+
+import math
+
+import pytest
+
+from rotor_fmu.files import write_text
+from rotor_fmu.report.study_page import study_page
+from rotor_fmu.saved_results.folders import read_study
+
+from ..recordings import write_study
+from .browser import Page
+
+
+@pytest.mark.slow
+def test_a_point_of_the_map_opens_its_run(silent, tmp_path):
+    columns = write_study(tmp_path / "study")
+    write_text(study_page(*read_study(tmp_path / "study")), tmp_path / "study.html")
+    page = Page(silent, tmp_path / "study.html")
+    row = 17
+    page.click_at("map.chart", columns["mu"][row], 1e6 * columns["clearance"][row])
+    assert page.text("reading").startswith(f"Run {row}, id017: mu ")
+    assert f", clearance {1e6 * columns['clearance'][row]:.2f}"[:-1] in page.text("reading")
+    assert " µm, peak " in page.text("reading")
+    cells = page.run(
+        "return [...document.querySelectorAll('#picked td')].map((c) => c.textContent)"
+    )
+    output = dict(zip(cells[::2], cells[1::2], strict=True))
+    assert output["id"] == "id017"
+    assert float(output["mu [-]"]) == pytest.approx(columns["mu"][row], rel=1e-4)
+    assert float(output["clearance [µm]"]) == pytest.approx(
+        1e6 * columns["clearance"][row], rel=1e-4
+    )
+    axes = "return [map.chart.plot, map.curve.plot].flatMap((p) => [p.below[0], p.left[0]])"
+    labels = page.run(f"{axes}.map((a) => a.axis_label.text)")
+    assert labels == ["mu [-]", "clearance [µm]", "speed [Hz]", "amplitude [µm]"]
+    assert page.run("return map.bar.title.text") == "peak [µm]"
+    assert float(output["peak [µm]"]) == pytest.approx(500 + 800 * columns["mu"][row], rel=1e-4)
+    assert output["with its signals"] == "rotor-fmu study ... --select id017"
+    hertz = page.run("return map.line.data.x")
+    assert hertz == pytest.approx([w / (2 * math.pi) for w in (20.0, 30.0, 40.0)])
+    page.find("after").click()
+    assert page.text("reading").startswith("Run 18, id018")
+    page.set("run", "3")
+    assert page.text("reading").startswith("Run 3, id003")
+    failed = columns["status"].index("failed: whirled apart")
+    page.set("run", failed)
+    assert page.text("reading").endswith("failed: whirled apart")

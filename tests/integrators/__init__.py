@@ -1,0 +1,1 @@
+"""Time integration: schemes, their error control, sensitivities."""

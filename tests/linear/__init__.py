@@ -1,0 +1,1 @@
+"""Linear analyses: modes, stability, critical speeds, balancing, reduction."""

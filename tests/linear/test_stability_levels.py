@@ -1,0 +1,383 @@
+"""Stability levels 1 and 2 of API 617: against closed forms, eigenvalues and ROSS 2.3."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import Stage, campbell, level_1, level_2, modes
+from rotor_fmu.model.linear.linear_machine import LinearMachine
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.journal_bearing import JournalBearing
+from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
+from rotor_fmu.model.structure.assembly import assemble
+
+from rotor_fmu.linear import acceptance, answers
+from tests.dense import dense_matrices
+from tests.linear.test_acceptance import CLOSE, ROOT, ROSS, RPM, SHAFT, support
+from tests.validation.test_ross import machine
+
+
+@pytest.mark.parametrize("file", ROSS)
+def test_level_1_is_that_of_ross(file):
+    expected = ROSS[file]["level_1"]
+    result = level_1(
+        machine(file), 900.0, node=4, stiffness=expected["stiffness"], seals=True, contacts="open"
+    )
+    scale = np.abs(expected["log_dec"]).max()
+    first = result.first_log_dec
+    np.testing.assert_allclose(first, expected["log_dec"], rtol=CLOSE, atol=CLOSE * scale)
+    assert (result.log_dec <= first).all()
+
+
+def test_alford_s_cross_coupling_is_that_of_the_formula_in_its_own_units():
+    """API 617: q = HP B C / (D H N) (rho_d / rho_s) with N.m/s, mm, rev/min, C = 9.55, B = 3, q
+    in kN/mm."""
+    stage = Stage(3, 2000e3, 0.4, 0.02, 1.6)
+    expected = 2000e3 * 3 * 9.55 / (400 * 20 * 9000) * 1.6 * 1e6
+    assert stage.cross_coupling(9000 * RPM) == pytest.approx(expected, rel=1e-4)
+
+
+def test_the_rotor_is_unstable_from_the_threshold_on():
+    rotor = machine("under_tension.toml")
+    result = level_1(rotor, 900.0, node=4, anticipated=5e3)
+    below, above = (
+        level_1(rotor, 900.0, node=4, stiffness=[q * result.threshold]).log_dec[0]
+        for q in (0.999, 1.001)
+    )
+    assert below > 0 > above
+    assert result.ratio == pytest.approx(result.threshold / 5e3)
+    assert result.sensitivity < 0
+
+
+def test_a_jeffcott_rotor_is_unstable_where_the_cross_coupling_is_its_damping_times_its_frequency():
+    """Q0 = c omega, of a mass between two bearings, and log dec = pi (c omega - q) / k nearly."""
+    text = SHAFT.replace("diameters = [0.03", "diameters = [0.1").replace("0.03,", "0.1,")
+    rotor = parse_rotor(text + support(4, 1e4, 2.0) + support(1, 1e-3) + support(7, 1e-3))
+    result = level_1(rotor, 50.0, node=4)
+    assert result.threshold == pytest.approx(2.0 * result.frequency[0], rel=1e-3)
+
+
+def test_without_gyroscopic_moments_the_forward_mode_is_the_one_that_cross_coupling_drives():
+    """A point mass on a light shaft: Q0 = c omega exactly, where both circles have one eigenvalue
+    without cross coupling."""
+    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+    result = level_1(parse_rotor(text), 150.0, node=2)
+    assert result.threshold == pytest.approx(20.0 * 100.0, rel=1e-3)
+    assert result.log_dec_alone == pytest.approx(2 * math.pi * 0.1 / math.sqrt(1 - 0.01), rel=1e-3)
+
+
+def test_on_stiffnesses_that_differ_cross_coupling_has_to_overcome_their_difference_too():
+    """Q0^2 = (ky - kx)^2 / 4 + c^2 (kx + ky) / (2 m), of a point mass with k = 10 kN/m, c = 20
+    N.s/m, m = 1 kg, by the characteristic polynomial of its two coordinates."""
+    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+    bearing = "[[linear_bearing]]\nnode = 2\nkxx = {}\nkyy = {}\ncxx = 0.0\ncyy = 0.0\n"
+    for kxx, kyy in ((0.0, 3e3), (3e3, 0.0), (0.0, 300.0)):
+        rotor = parse_rotor(text + bearing.format(kxx, kyy))
+        expected = math.hypot((kyy - kxx) / 2, 20.0 * math.sqrt((2e4 + kxx + kyy) / 2))
+        assert level_1(rotor, 150.0, node=2).threshold == pytest.approx(expected, rel=1e-3)
+
+
+def test_below_the_threshold_no_mode_of_the_rotor_grows_and_above_one_does():
+    """Of a rotor whose lowest mode whirls forward without cross coupling, and backward with it."""
+    rotor = parse_rotor(ANISOTROPIC)
+    result = level_1(rotor, 1152.0, node=4)
+    for share, grows in ((0.2, False), (0.99, False), (1.01, True)):
+        q = share * result.threshold
+        coupled = replace(rotor, parts=(*rotor.parts, coupling(4, q)))
+        assert (modes(coupled, 1152.0, count=8).eigenvalues.real > 0).any() == grows
+    assert (np.diff(result.log_dec[10:]) < 0).all()
+
+
+def coupling(node, q):
+    return LinearBearing(node=node, kxx=0.0, kyy=0.0, kxy=q, kyx=-q, cxx=0.0, cyy=0.0)
+
+
+ANISOTROPIC = """
+name = "compressor"
+[material]
+young = 2.1e11
+density = 7833.0
+[shaft]
+nodes = [0.0, 0.254, 0.4572, 0.635, 0.8, 1.016, 1.27]
+diameters = [0.1, 0.1, 0.115, 0.127, 0.115, 0.1]
+eta_v = 2e-5
+[[disc]]
+node = 3
+diameter = 0.406
+width = 0.0508
+[[disc]]
+node = 5
+diameter = 0.406
+width = 0.0508
+""" + "".join(
+    f"[[linear_bearing]]\nnode = {node}\nkxx = 1e8\nkyy = 1.2e8\ncxx = 1e5\ncyy = 1e5\n"
+    for node in (2, 6)
+)
+
+
+def test_level_2_adds_what_acts_one_by_one():
+    rotor = machine("compressor.toml")
+    result = level_2(rotor, 900.0, cross_couplings={4: 1e6})
+    names = [case.name for case in result.cases]
+    assert names == ["rotor and bearings", "with seal[1]", "with the cross coupling", "with all"]
+    everything = level_1(rotor, 900.0, node=4, stiffness=[1e6], seals=True)
+    assert result.cases[-1].log_dec == pytest.approx(everything.log_dec[0])
+    bare = replace(rotor, parts=tuple(p for p in rotor.parts if not isinstance(p, Seal)))
+    assert result.cases[0].log_dec == pytest.approx(level_1(bare, 900.0).log_dec_alone)
+
+
+@pytest.mark.parametrize("q", [0.0, 3e7])
+def test_both_levels_are_of_the_same_mode(q):
+    """Of a rotor on bearings that differ in x and y, where the lowest mode that is not backward
+    becomes another one by cross coupling."""
+    rotor = parse_rotor(ANISOTROPIC)
+    of_1 = level_1(rotor, 1152.0, node=4, anticipated=q, stiffness=[q])
+    of_2 = level_2(rotor, 1152.0, cross_couplings={4: q} if q else None)
+    assert of_2.cases[0].log_dec == pytest.approx(of_1.log_dec_alone, rel=1e-9)
+    assert of_2.cases[-1].log_dec == pytest.approx(of_1.log_dec_anticipated, rel=1e-6)
+
+
+def test_a_second_mode_that_grows_is_seen_at_both_levels():
+    """Damping in the middle, where the second mode has a node, and the opposite of it beside."""
+    sides = "".join(
+        f"[[linear_bearing]]\nnode = {node}\nkxx = 0\nkyy = 0\ncxx = -50\ncyy = -50\n"
+        for node in (2, 6)
+    )
+    rotor = parse_rotor(SHAFT + support(1, 1e8) + support(7, 1e8) + support(4, 1e3, 500.0) + sides)
+    seen = modes(rotor, 50.0)
+    lowest = int(np.argmin(seen.log_dec))
+    assert seen.log_dec[:2].min() > 0 > seen.log_dec[lowest]
+    of_1, of_2 = level_1(rotor, 50.0, stiffness=[0.0]), level_2(rotor, 50.0)
+    for found in (of_1.log_dec_alone, of_2.cases[0].log_dec):
+        assert found == pytest.approx(seen.log_dec[lowest], rel=1e-6)
+    assert of_1.threshold == 0.0
+    assert of_1.is_level_2_required
+    assert not of_2.is_met
+
+
+def test_a_seal_that_makes_another_mode_grow_is_seen():
+    """Without it every mode decays."""
+    text = SHAFT + support(1, 1e8) + support(7, 1e8) + support(4, 1e3, 500.0)
+    seal = "[[seal]]\nnode = 2\nkxx = 0\nkyy = 0\ncxx = -100\ncyy = -100\n"
+    rotor = parse_rotor(text + support(2, 1.0, 5.0) + support(6, 1.0, 5.0) + seal)
+    alone, with_seal = level_2(rotor, 50.0).cases
+    assert alone.log_dec > 0 > with_seal.log_dec
+    assert with_seal.log_dec == pytest.approx(modes(rotor, 50.0).log_dec.min(), rel=1e-6)
+
+
+OVERHUNG = """
+name = "overhung"
+[material]
+young = 2.1e11
+density = 7850.0
+[[section]]
+length = 0.6
+elements = 8
+outer = 0.08
+bore = 0.02
+[[section]]
+length = 0.15
+elements = 3
+outer_left = 0.08
+outer_right = 0.05
+[[disc]]
+node = 12
+diameter = 0.35
+width = 0.05
+bore = 0.05
+""" + "".join(
+    f"[[linear_bearing]]\nnode = {node}\nkxx = 5e7\nkyy = 9e7\ncxx = 3e4\ncyy = 4e4\n"
+    for node in (2, 8)
+)
+
+
+def test_the_first_forward_mode_of_an_overhung_rotor_stays_the_one_it_is():
+    """Also where cross coupling between the bearings would make a higher mode grow first: as many
+    see it who look at eigenvalues with the coupling where the impeller is."""
+    rotor, speed = parse_rotor(OVERHUNG), 9000 * RPM
+    bare = modes(rotor, speed)
+    clear = int(np.flatnonzero(bare.forwardness > 0.5)[0])
+    for node in (None, 5):
+        result = level_1(rotor, speed, node=node, stiffness=[0.0])
+        assert result.node == (node or 12)
+        assert result.frequency[0] == pytest.approx(bare.damped[clear], rel=1e-9)
+        assert result.log_dec[0] == pytest.approx(bare.log_dec[clear], rel=1e-9)
+    threshold = level_1(rotor, speed).threshold
+    for q in (0.3 * threshold, 0.999 * threshold, 1.001 * threshold):
+        seen = modes(replace(rotor, parts=(*rotor.parts, coupling(12, q))), speed)
+        expected = seen.log_dec[np.flatnonzero(seen.forwardness > 0.5)[0]]
+        *_, with_all = level_2(rotor, speed, cross_couplings={12: q}).cases
+        assert with_all.log_dec == pytest.approx(expected, rel=1e-6)
+        assert (with_all.log_dec > 0) == (q < threshold)
+
+
+def test_cross_coupling_is_put_where_the_stages_are_only_if_all_stand_beyond_the_bearings():
+    rotor, speed = parse_rotor(OVERHUNG), 9000 * RPM
+    for stages, node in (({10: 2e5, 12: 1e5}, 10), ({5: 1e5, 12: 2e5}, 5), ({5: 1e5}, 5)):
+        result = level_1(rotor, speed, anticipated=stages, stiffness=[0.0])
+        assert result.node == node
+        assert result.anticipated == pytest.approx(sum(stages.values()))
+
+
+def test_cross_coupling_does_not_move_a_journal_in_its_film():
+    """Both levels are those of the machine on bearings with the coefficients that its films have
+    where gravity alone holds it."""
+    text = (ROOT / "examples" / "oil_film" / "rotor.toml").read_text()
+    rotor, speed, q = parse_rotor(text), 300.0, 1e3
+    machine = LinearMachine(rotor)
+    linear, names = machine.at(speed), machine.supports.interfaces
+    fixed = {
+        where: LinearBearing(
+            node=part.node,
+            **{
+                letter + axes: -float(tangent[names.index(where)][i, j])
+                for letter, tangent in (("k", linear.laws.by_d), ("c", linear.laws.by_v))
+                for axes, i, j in (("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1))
+            },
+        )
+        for where, part in rotor.named_parts()
+        if isinstance(part, JournalBearing)
+    }
+    assert len(fixed) == 2
+    kept = tuple(fixed.get(where, part) for where, part in rotor.named_parts())
+    same = replace(rotor, parts=kept)
+    for node in (2, 4):
+        one, other = (level_1(r, speed, node=node, anticipated=q) for r in (rotor, same))
+        assert one.log_dec_anticipated == pytest.approx(other.log_dec_anticipated, rel=1e-6)
+        assert one.threshold == pytest.approx(other.threshold, rel=1e-6)
+        cases = [level_2(r, speed, cross_couplings={node: q}).cases[-1] for r in (rotor, same)]
+        assert cases[0].log_dec == pytest.approx(cases[1].log_dec, rel=1e-6)
+
+
+PINION = """
+name = "pinion with two overhung wheels"
+[material]
+young = 2.05e11
+density = 7833.0
+[shaft]
+nodes = [0.0, 0.05, 0.1, 0.13, 0.16, 0.26, 0.36, 0.39, 0.42, 0.47, 0.52]
+diameters = [0.05, 0.05, 0.06, 0.06, 0.09, 0.09, 0.06, 0.06, 0.05, 0.05]
+[[body]]
+node = 1
+mass = 3.5
+I_d = 0.008
+I_p = 0.013
+[[body]]
+node = 11
+mass = 2.8
+I_d = 0.006
+I_p = 0.0095
+"""
+PINION_BEARING = 2.0446e8, 8.978e4  # N/m, N.s/m
+
+
+def dense_roots(rotor, speed, bearings, coupled, q):
+    """Eigenvalues, and whether each whirls forward, of the dense matrices of a machine on bearings
+    (node, k, c) with a cross coupling q at the node `coupled`, of x and y of all dofs."""
+    M, C, K, G, _ = dense_matrices(assemble(rotor))
+    half = len(M) // 2
+    for node, k, c in bearings:
+        for at in (2 * (node - 1), half + 2 * (node - 1)):
+            K[at, at] += k
+            C[at, at] += c
+    x, y = 2 * (coupled - 1), half + 2 * (coupled - 1)
+    K[x, y] += q
+    K[y, x] -= q
+    D = C + speed * G
+    inverse = np.linalg.inv(M)
+    roots, states = np.linalg.eig(
+        np.block([[np.zeros_like(M), np.eye(2 * half)], [-inverse @ K, -inverse @ D]])
+    )
+    x, y = states[:half:2], states[half : 2 * half : 2]
+    turning, against = (np.sum(np.abs(x + s * y) ** 2, axis=0) for s in (1j, -1j))
+    return roots, turning > against
+
+
+def test_a_heavily_damped_lowest_mode_does_not_hide_one_that_is_nearly_unstable():
+    """The least decrement of the forward modes up to twice the speed, by dense eigenvalues: the
+    lowest forward mode keeps more than 1.3, while that above it becomes unstable."""
+    (k, c), speed = PINION_BEARING, 30_000 * RPM
+    shaft = parse_rotor(PINION)
+    bearings = "".join(
+        f"[[linear_bearing]]\nnode = {n}\nkxx = {k}\nkyy = {k}\ncxx = {c}\ncyy = {c}\n"
+        for n in (4, 8)
+    )
+    rotor = parse_rotor(PINION + bearings)
+    threshold = level_1(rotor, speed, node=1).threshold
+    for share in (0.0, 0.5, 0.96, 1.0):
+        q = share * threshold
+        roots, is_forward = dense_roots(shaft, speed, [(4, k, c), (8, k, c)], 1, q)
+        counts = is_forward & (roots.imag > 0) & (roots.imag < 2 * speed)
+        expected = (-2 * math.pi * roots.real / roots.imag)[counts].min()
+        found = level_1(rotor, speed, node=1, anticipated=q, stiffness=[q])
+        with_all = level_2(rotor, speed, cross_couplings={1: q} if q else None)
+        for log_dec in (found.log_dec[0], found.log_dec_anticipated, with_all.cases[-1].log_dec):
+            assert log_dec == pytest.approx(expected, rel=1e-6, abs=1e-7)
+        assert with_all.is_met == (share < 0.9)
+        assert with_all.cases[-1].first_log_dec > 1.0
+
+
+PULLING = "[[{kind}]]\nnode = {node}\nkxx = {k}\nkyy = {ky}\ncxx = 2e3\ncyy = 2e3\n"
+
+
+def pulled(kind="linear_bearing", node=4, k=-5e6):
+    """A rotor on bearings of 10 kN/mm, and in x alone a stiffness at one node beside them."""
+    held = "".join(PULLING.format(kind="linear_bearing", node=n, k=1e7, ky=1e7) for n in (1, 7))
+    return parse_rotor(SHAFT + held + PULLING.format(kind=kind, node=node, k=k, ky=0.0))
+
+
+def all_roots(rotor, speed):
+    """All eigenvalues of the dense matrices [1/s]."""
+    linear = LinearMachine(rotor).at(speed)
+    inverse = np.linalg.inv(linear.M.toarray())
+    none, one = np.zeros_like(inverse), np.eye(len(inverse))
+    stiff, damped = inverse @ linear.K.toarray(), inverse @ linear.D.toarray()
+    return np.linalg.eigvals(np.block([[none, one], [-stiff, -damped]]))
+
+
+@pytest.mark.parametrize("k", [-1e6, -2.5e6, -3e6, -5e6])
+def test_what_grows_without_oscillating_is_not_stable(k):
+    """A bearing that pulls the shaft to one side, more strongly than it is stiff or less."""
+    rotor, speed = pulled(k=k), 300.0
+    largest = max(all_roots(rotor, speed), key=lambda root: root.real)
+    grows = largest.real > 0.0
+    if grows:
+        assert largest.imag == 0.0
+        assert modes(rotor, speed).growing == pytest.approx([largest.real], rel=1e-6)
+    one, two = level_1(rotor, speed, node=4, anticipated=1e3), level_2(rotor, speed)
+    assert (one.threshold == 0.0) == (one.log_dec_alone == -math.inf) == grows
+    assert one.is_level_2_required or not grows
+    assert (two.cases[0].log_dec == -math.inf) == grows
+    assert two.is_met != grows
+    assert (campbell(rotor, [100.0, speed]).threshold is not None) == grows
+
+
+def test_a_rotor_that_nothing_holds_does_not_grow_by_rounding():
+    free = parse_rotor((ROOT / "examples" / "drop" / "compressor.toml").read_text())
+    for rotor in (free, parse_rotor(SHAFT)):
+        for speed in (0.0, 300.0):
+            assert len(modes(rotor, speed, contacts="open").growing) == 0
+    assert campbell(free, [0.0, 100.0], contacts="open").threshold is None
+
+
+def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
+    cases = level_2(pulled("seal"), 300.0).cases
+    assert [case.log_dec == -math.inf for case in cases] == [False, True]
+
+
+def test_the_tables_name_growth_without_oscillation_and_a_missing_stage():
+    rotor = pulled()
+    tables = (
+        answers.modes(rotor, 300.0).table(),
+        acceptance.level_1(rotor, 300.0, node=4).table(),
+        acceptance.level_2(rotor, 300.0).table(),
+    )
+    for table in tables:
+        assert "UNSTABLE: a motion grows without oscillating" in table.title
+    assert "no stage and no cross coupling was given: QA is 0" in tables[1].title
+    for result in (acceptance.level_1(rotor, 300.0, node=4), acceptance.level_2(rotor, 300.0)):
+        result.figure().canvas.draw()
+    given = acceptance.level_1(pulled(k=-1e6), 300.0, node=4, anticipated=1e3).table().title
+    assert "UNSTABLE" not in given
+    assert "no stage" not in given

@@ -1,0 +1,174 @@
+"""Growing whirls: found where closed forms have them, named where the steps hide them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rotor_fmu.model.kernels.kernel import interpreted
+from rotor_fmu.model.parts.bearing import Bearing
+from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.settings import PRESETS, choose
+from rotor_fmu.model.simulation import Simulation, StepFailure
+from rotor_fmu.model.stability import resolution, survey_block
+
+from benchmarks.growth import refined, with_bearings
+from papers.integrators.members import chung_hulbert, hht, newmark
+
+from ..machines import jeffcott, jeffcott_stiffness
+from ..validation.whip import OVERHUNG, overhung_machine, run_down
+from ..validation.windows import rig
+
+resolving_step, seen_growth = (
+    interpreted(resolution.resolving_step),
+    interpreted(resolution.seen_growth),
+)
+SPEED, CLEARANCE = 400.0, 1e-4
+ZETA, BETA = 0.05, 20.0
+MASS = 7800.0 * math.pi / 4 * 0.3**2 * 0.05  # of the Jeffcott rotor's disc [kg]
+
+
+def rubbing_jeffcott(ratio):
+    """Jeffcott's rotor in a stator of stiffness beta k, mu being `ratio` times that from which it
+    may whip, mu_c = 2 zeta sqrt(1 + beta) / beta (Black 1968)."""
+    k = jeffcott_stiffness()
+    mu_c = 2 * ZETA * math.sqrt(1 + BETA) / BETA
+    stator = ClearanceContact(
+        node=2, journal_radius=0.5, clearance=CLEARANCE, k=BETA * k, mu=ratio * mu_c, c=0.0
+    )
+    rotor = jeffcott(damping=2 * ZETA * math.sqrt(k * MASS))
+    return rotor.with_parts(ClearanceContact, stator)
+
+
+def whirls(rotor, settings=PRESETS["controlled"], speed=SPEED):
+    return Simulation(rotor, settings, speed=speed, warn=lambda message: None)._whirls
+
+
+@pytest.mark.parametrize(("ratio", "is_growing"), [(0.97, False), (1.03, True), (1.15, True)])
+def test_a_jeffcott_rotor_may_whip_above_blacks_coefficient_of_friction(ratio, is_growing):
+    result = whirls(rubbing_jeffcott(ratio))
+    assert bool(result) == is_growing
+    for whirl in result:
+        k = jeffcott_stiffness()
+        frequency = math.sqrt((1 + BETA) * k / MASS)
+        assert whirl.is_backward
+        assert whirl.root.imag == pytest.approx(frequency, rel=0.03)  # the shaft has a mass too
+        growth = ZETA * (ratio - 1) * math.sqrt(k / MASS)
+        assert whirl.root.real == pytest.approx(growth, rel=0.5 if ratio < 1.1 else 0.15)
+
+
+def test_against_the_rotation_means_the_same_for_a_shaft_that_turns_the_other_way():
+    one, other = (whirls(rubbing_jeffcott(1.15), speed=speed) for speed in (SPEED, -SPEED))
+    assert [w.is_backward for w in other] == [w.is_backward for w in one]
+    np.testing.assert_allclose([w.root for w in other], [w.root for w in one], rtol=1e-9)
+
+
+def test_of_many_bearings_each_alone_is_surveyed_by_fewer_dofs_and_has_the_same_whirls(monkeypatch):
+    rotor = with_bearings(refined(rig(), 60), 14)
+    rotor = rotor.with_parts(Bearing, *(replace(b, mu=0.6) for b in rotor.bearings))
+    few = Simulation(rotor, speed=SPEED, warn=lambda message: None)
+    monkeypatch.setattr(survey_block, "_PAYS", 0.0)
+    all_of_them = Simulation(rotor, speed=SPEED, warn=lambda message: None)
+    n, coarse = all_of_them._run.survey.basis.shape
+    assert all_of_them._run.survey.single_contact_basis.shape[0] == 0
+    assert few._run.survey.single_contact_basis.shape[:2] == (14, n)
+    assert few._run.survey.single_contact_basis.shape[2] < 0.75 * coarse
+    by_place = [
+        {(w.closed, w.speed): w for w in reversed(sim._whirls)} for sim in (few, all_of_them)
+    ]
+    assert by_place[0].keys() == by_place[1].keys()
+    assert sum(len(closed) == 1 for closed, _ in by_place[0]) >= 12
+    for place, whirl in by_place[0].items():
+        assert whirl.root == pytest.approx(by_place[1][place].root, rel=2e-4)
+        assert whirl.is_backward == by_place[1][place].is_backward
+    steps = [sim._run.memory.record[0].h_in_contact for sim in (few, all_of_them)]
+    assert steps[0] == pytest.approx(steps[1], rel=1e-3)
+
+
+def test_the_overhung_machine_has_the_root_that_an_eigenvalue_solver_finds():
+    """11.37 + 7976i at 400 rad/s: dense matrices of the machine with F = -k (1 + i mu) d at the
+    journal, written out and solved apart from this code."""
+    result = [w for w in whirls(overhung_machine()) if w.speed == SPEED]
+    assert result[0].root == pytest.approx(11.3704 + 7976.255j, rel=1e-5)
+    assert result[0].is_backward
+    assert whirls(overhung_machine(mu=0.02)) == ()
+
+
+@pytest.mark.parametrize("preset", sorted(PRESETS))
+def test_the_rig_has_no_growing_whirl_and_no_preset_warns_of_one(preset):
+    said = []
+    sim = Simulation(rig(), PRESETS[preset], speed=SPEED, warn=said.append)
+    assert sim._whirls == ()
+    assert said == []
+
+
+def test_a_machine_that_starts_at_rest_is_looked_at_anew_when_it_turns():
+    said = []
+    rotor = overhung_machine(mu=0.02)
+    sim = Simulation(rotor, choose("robust"), speed=0.0, warn=said.append)
+    before = float(sim._surveyed_to[0])
+    sim.advance(0.01, 0.0)
+    sim.advance(0.02, 2 * before)
+    assert sim._surveyed_to[0] > before
+
+
+@pytest.mark.parametrize("scheme", [chung_hulbert(0.2), chung_hulbert(0.3), hht(0.3)])
+def test_the_resolving_step_leaves_the_growth_its_share_and_one_a_little_longer_does_not(scheme):
+    root = 11.4 + 7976j
+    h = resolving_step(scheme, root, 0.9)
+    assert seen_growth(scheme, h, root) == pytest.approx(0.9 * root.real, rel=1e-3)
+    assert seen_growth(scheme, 1.1 * h, root) < 0.9 * root.real
+    assert seen_growth(scheme, 5e-4, root) < 0.0
+
+
+def test_newmark_hides_no_growth():
+    assert seen_growth(newmark(), 5e-4, 11.4 + 7976j) > 0.0
+
+
+@pytest.mark.parametrize("preset", ["robust", "moderate", "paper", "paper-adaptive"])
+def test_steps_that_hide_a_whirl_are_named_before_the_run(preset):
+    said = []
+    Simulation(overhung_machine(), choose(preset), speed=SPEED, warn=said.append)
+    assert len(said) == 1
+    for part in ("bearing[1] in contact and slipping", "backward whirl of 1270 Hz", "at most"):
+        assert part in said[0]
+
+
+def test_the_step_that_the_warning_advises_finds_the_whirl():
+    said = []
+    Simulation(overhung_machine(), choose("robust"), speed=SPEED, warn=said.append)
+    h = float(said[0].split("steps of at most ")[1].split(" s")[0])
+    after = []
+    with pytest.raises(StepFailure, match="diverged by an instability of the machine"):
+        run_down(overhung_machine(), choose("robust", h=h), 5.0, after.append)
+    assert after == []
+
+
+def kicked(ratio, settings, share):
+    """Growth of the whirl's radius over 60 cycles [1], begun at `share` of the separatrix's."""
+    mu = ratio * 2 * ZETA * math.sqrt(1 + BETA) / BETA
+    omega = ZETA / mu + math.sqrt(1 + (ZETA / mu) ** 2)
+    radius = CLEARANCE * BETA / (BETA - 2 * ZETA * omega / mu) if ratio > 1 else 20 * CLEARANCE
+    unit = math.sqrt(jeffcott_stiffness() / MASS)
+    sim = Simulation(rubbing_jeffcott(ratio), settings, speed=SPEED, warn=lambda message: None)
+    r = share * radius
+    stiffness = 1 + BETA * (1 - CLEARANCE / r)
+    sim.motion.q[2] = r
+    sim.motion.v[2] = -1j * r * math.sqrt(stiffness) * unit
+    seen = []
+    for k in range(60):
+        sim.advance((k + 1) * 2 * math.pi / (math.sqrt(stiffness) * unit), SPEED)
+        seen.append(abs(sim.motion.q[2]))
+    return np.mean(seen[-10:]) / np.mean(seen[:10])
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+def test_a_kicked_jeffcott_rotor_whips_above_the_separatrix_and_above_mu_c_alone(tolerance):
+    settings = choose(tolerance=tolerance)
+    assert kicked(0.97, settings, 1.0) < 1.0
+    assert kicked(1.15, settings, 0.7) < 1.0 < kicked(1.15, settings, 1.5)
+    assert kicked(1.03, settings, 0.5) < 1.0 < kicked(1.03, settings, 1.5)
+
+
+def test_the_machine_of_the_examples_is_that_of_these_tests():
+    assert OVERHUNG.is_file()

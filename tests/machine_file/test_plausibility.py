@@ -1,0 +1,96 @@
+"""Values that nobody means are asked about; those of the examples are not."""
+
+import warnings
+from pathlib import Path
+
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.simulation import RotorWarning
+
+import rotor_fmu as rf
+from rotor_fmu.machine_file.loading import machine_text
+from rotor_fmu.machine_file.plausibility import questions
+
+ROOT = Path(__file__).parents[2]
+GOOD = [
+    *(ROOT / "examples").glob("*/*.toml"),
+    *(ROOT / "tests" / "reference").glob("ross*/*.toml"),
+]
+MACHINES = [path for path in GOOD if "[material" in path.read_text()]
+
+
+@pytest.mark.parametrize("path", MACHINES, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_a_machine_that_is_meant_is_not_asked_about(path):
+    assert questions(parse_rotor(machine_text("--rotor", path))) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "young = 2.1e11",
+            "young = 210.0",
+            "material.young = 210 Pa: is that what is meant; 210 GPa?",
+        ),
+        (
+            "density = 7800.0",
+            "density = 7.8",
+            "density = 7.8 kg/m3: is that what is meant; 7.8 g/cm3?",
+        ),
+        ("density = 7800.0", "density = 0.283", "0.283 lb/in3?"),
+        (
+            "diameter = 0.12",
+            "diameter = 120.0",
+            "disc[1].diameter = 120 m: is that what is meant; 120 mm?",
+        ),
+        (
+            "clearance = 50e-6",
+            "clearance = 50.0",
+            "clearance = 50 m: is that what is meant; 50 mm?",
+        ),
+        (
+            "clearance = 50e-6",
+            "clearance = 0.04",
+            "is larger than the journal, whose radius is 0.0075 m",
+        ),
+        ("e = 80e-6", "e = 0.08", "disc[1].e = 0.08 m: is that what is meant; 0.08 mm?"),
+        (
+            "e = 80e-6",
+            "e = 80e-6\nphase = 90.0",
+            "disc[1].phase = 90 rad: is that what is meant; 90 deg?",
+        ),
+        (
+            "diameter = 0.12\nwidth = 0.02",
+            "diameter = 19.0\nwidth = 19.0",
+            "has a mass of 4.202e+04 t",
+        ),
+        (
+            "rated_speed = 400.0",
+            "rated_speed = 30e3",
+            "moves the rim of the largest disc at 1800 m/s; 30000 rpm?",
+        ),
+        ("mu = ", "mu = 5.0 # ", "bearing[1].mu = 5: is that what is meant; 5 percent?"),
+    ],
+)
+def test_what_was_probably_meant_is_asked(old, new, expected):
+    toml = rig_toml()
+    assert old in toml
+    (asked, *_) = [q for q in questions(parse_rotor(toml.replace(old, new))) if expected in q]
+    assert asked
+
+
+def test_a_command_says_it_and_goes_on_and_python_warns(tmp_path, capsys):
+    from rotor_fmu.cli import app
+
+    file = tmp_path / "rig.toml"
+    file.write_text(rig_toml().replace("density = 7800.0", "density = 7.8"))
+    out = ["--out", str(tmp_path / "out")]
+    app(["show", "--rotor", str(file), *out], standalone_mode=False)
+    said = capsys.readouterr()
+    assert f"rotor-fmu: warning: {file}: material.density = 7.8 kg/m3: is that" in said.err
+    assert "disc[1]" in said.out
+    with pytest.warns(RotorWarning, match=r"7\.8 g/cm3\?"):
+        rf.load(file)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rf.load()

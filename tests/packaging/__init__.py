@@ -1,0 +1,1 @@
+"""What is installed, built and cached, and the structure of the packages."""

@@ -1,0 +1,1 @@
+"""Contact, rest, energy and outputs of a simulated machine."""

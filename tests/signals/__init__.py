@@ -1,0 +1,1 @@
+"""What is recorded and computed from signals."""

@@ -1,0 +1,225 @@
+"""Pictures of runs draw the run, not where it was sampled."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rotor_fmu.model.time_loop.recorder import Record
+
+from rotor_fmu import vibration
+from rotor_fmu.run_pictures.run_folder import write_run_pictures
+from rotor_fmu.runs.input_signals import Signals
+from rotor_fmu.runs.job import execute_recorded, prepare
+from rotor_fmu.runs.measuring_points import probe_that_moves_most
+from rotor_fmu.runs.peaks import is_constant, peak_index
+from rotor_fmu.runs.recording import Recording
+from rotor_fmu.runs.run_down import Run, run_recorded
+from rotor_fmu.runs.run_files import clear
+from rotor_fmu.runs.summary import summary
+from rotor_fmu.runs.summary_sentences import sentences
+
+from ..recordings import recorded
+
+TURN = 2 * math.pi
+NAMES = ("bearing[2].x", "bearing[2].y", "bearing[2].psi")
+
+
+def sampled(recording: Recording, rate: float) -> Recording:
+    """The rows nearest to equal times, as an FMU's host has them."""
+    even = np.arange(recording.t[0], recording.t[-1], 1 / rate)
+    rows = np.searchsorted(recording.t, even)
+    columns = {name: column[rows] for name, column in recording.columns.items()}
+    return Recording(recording.t[rows], columns, recording.units, {})
+
+
+@pytest.fixture(scope="module")
+def past_50_hz():
+    """Through 50 Hz, 250 Hz over 5, at 64 and at 150 rows a turn, and at every step."""
+    job = prepare(None, None, ["solver.tolerance=1e-4"], None, 4.0, 0.04)
+    t = np.array([0.0, 1.0, 4.0])
+    speed = TURN * np.array([52.0, 52.0, 48.0])
+    constant = {name: np.zeros(3) for name in job.signals.values}
+    signals = Signals(t, constant | {"speed": speed})
+    plan = prepare(None, None, ["solver.tolerance=1e-4", f"speed={speed[0]}"], None, 4.0, 0.04)
+    plan = type(plan)(**{**vars(plan), "signals": signals})
+
+    def at(angle):
+        recording = run_recorded(job.rotor, plan, Record(NAMES, angle, 100_000))[1]
+        late = recording.t > 1.0
+        columns = {name: column[late] for name, column in recording.columns.items()}
+        return Recording(recording.t[late], columns, recording.units, {})
+
+    return at(TURN / 64), at(TURN / 150), at(0.0)
+
+
+def apart(one, other):
+    """Share of the time by which two pictures differ, at each speed [1]."""
+    bins = {"speeds": 40, "angles": 36}
+    shares = [
+        vibration.time_share(run.t, run.w, run.place("bearing[2]").z, **bins).share
+        for run in (one, other)
+    ]
+    return 0.5 * np.abs(shares[0] - shares[1]).sum(axis=1)
+
+
+def test_contact_angles_do_not_depend_on_the_rate_of_recording(past_50_hz):
+    at_64, at_150, every = past_50_hz
+    assert len(every.t) > 1.3 * len(at_64.t)
+    for other in (at_150, every):
+        assert apart(at_64, other).max() < 0.05
+
+
+def test_samples_at_250_hz_show_islands_at_50_hz_which_the_recording_has_not(past_50_hz):
+    at_64, _, every = past_50_hz
+    as_sampled = apart(sampled(every, 250.0), every)
+    assert as_sampled.max() > 5 * apart(at_64, every).max()
+
+
+def test_a_spectrum_tells_amplitude_and_frequency_of_unevenly_sampled_sines():
+    rng = np.random.default_rng(1)
+    t = np.sort(rng.uniform(0, 4, 20_000))
+    f, lines = vibration.spectrum(
+        t, 3.0 + 2.0 * np.sin(TURN * 25 * t) + 0.1 * np.sin(TURN * 60 * t)
+    )
+    for hz, size in ((25, 2.0), (60, 0.1)):
+        near = np.abs(f - hz) < 1
+        assert lines[near].max() == pytest.approx(size, rel=0.02)
+    assert lines[0] < 0.01
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "expected"),
+    [
+        (lambda t: np.exp(-((t - 6) ** 2)), 6.0),
+        (lambda t: t, None),
+        (lambda t: -t, None),
+        (lambda t: np.minimum(t, 9.95), None),  # the last turn's maximum at the end
+        (lambda t: np.where(t < 1, 10.0, np.exp(-((t - 6) ** 2))), 6.0),  # a start-up
+    ],
+)
+def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected):
+    t = np.linspace(0, 10, 1001)
+    w = 400 - 20 * t
+    at = peak_index(t, w, amplitude(t))
+    assert (None if at is None else pytest.approx(t[at])) == expected
+    assert peak_index(t, np.full_like(t, 100.0), amplitude(t)) is None
+
+
+def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first_two():
+    t = np.linspace(0, 3, 3001)
+    w = 6000 - 2000 * t
+    amplitude = np.where(t < 0.5, 10.0, np.exp(-(((t - 1.55) / 0.1) ** 2)))
+    assert t[peak_index(t, w, amplitude)] == pytest.approx(1.55)
+
+
+def test_what_is_largest_while_the_highest_speed_is_held_is_no_peak():
+    t = np.linspace(0, 20, 2001)
+    w = np.minimum(20 * t, 300.0)
+    assert peak_index(t, w, w + (t > 17) * (t < 18)) is None
+    assert t[peak_index(t, w, -abs(t - 9))] == pytest.approx(9)
+
+
+def test_one_speed_is_told_from_many():
+    assert is_constant(np.full(5, 100.0))
+    assert is_constant(np.zeros(5))
+    assert not is_constant(np.linspace(100, 90, 5))
+
+
+def test_the_place_that_moves_most_stands_for_a_machine():
+    """Of all that are observed, whatever their kind, not of the journals in their bearings; of two
+    that move as much the last."""
+    t = np.linspace(0, 1, 101)
+
+    def columns(**amplitudes):
+        moved = {f"{name}.x": a * np.sin(50 * t) for name, a in amplitudes.items()}
+        moved |= {f"{name}.y": 0 * t for name in amplitudes}
+        return moved | {f"{name}.x_amp": t for name in amplitudes if name != "bearing"}
+
+    assert probe_that_moves_most(columns(disc=1.0, probe=2.0, bearing=9.0)) == "probe"
+    assert probe_that_moves_most(columns(probe=1.0, disc=2.0)) == "disc"
+    assert probe_that_moves_most(columns(first=1.0, second=1.001, third=1.0)) == "third"
+    assert probe_that_moves_most(columns(bearing=1.0)) is None
+
+
+@pytest.mark.parametrize(
+    ("stop", "sets", "reason"),
+    [
+        (1.0, [], "the amplitude is largest at an edge of the run"),
+        (3.0, [], "the amplitude is largest at an edge of the run"),
+        (3.0, ["speed=185"], "the speed is constant"),
+    ],
+)
+def test_a_run_without_a_peak_says_why(stop, sets, reason):
+    job = prepare(None, None, sets, None, stop, 0.01)
+    run, recording = execute_recorded(job, "")
+    figures = summary(run)
+    assert figures["no_peak"] == reason
+    assert figures["x_peak_um"] is figures["x_peak_hz"] is None
+    assert figures["x_largest_um"] > 0
+    said, *_ = sentences(figures, recording, Path("report.html"))
+    assert said.startswith(f"No peak, because {reason}")
+    assert "moved by at most" in said
+
+
+def test_a_doubtful_run_names_the_message_that_makes_it_so():
+    """Not the first one, which may be a note, and none for a verification, which has its own."""
+    figures = {"place": None, "status": "doubtful: too-coarse"}
+    figures |= {"messages": ["a whirl grows", "the step is long"], "codes": ["", "too-coarse"]}
+    *_, said = sentences(figures, recorded(stop=1.0), Path("report.html"))
+    assert said == "The run is doubtful: too-coarse: the step is long; open report.html."
+    figures["status"] = "doubtful: not-confirmed"
+    *_, said = sentences(figures, recorded(stop=1.0), Path("report.html"))
+    assert said == "The run is doubtful: not-confirmed; open report.html."
+
+
+def test_a_run_whose_fmu_ended_in_its_first_step_has_no_pictures(tmp_path):
+    recording = recorded(stop=1.0)
+    none = {name: np.zeros(0) for name in recording.columns}
+    run = Run(np.zeros(0), none, "failed: a limit", (), 0.0)
+    assert write_run_pictures(run, recording, {"place": "disc[2]"}, "run", True, tmp_path) == []
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("um", "said"), [(283.4, "283 um"), (12.3, "12 um"), (0.3412, "0.34 um"), (2e-4, "0.0002 um")]
+)
+def test_a_small_motion_is_not_said_to_be_none(um, said):
+    figures = {"place": "disc[2]", "no_peak": "the speed is constant"}
+    figures |= dict.fromkeys(("x_peak_um", "y_peak_um"))
+    figures |= {"x_largest_um": um, "y_largest_um": 0.5 * um, "status": "ok"}
+    first, *_ = sentences(figures, recorded(stop=1.0), Path("report.html"))
+    assert first == (
+        f"No peak, because the speed is constant; disc 2 moved by at most {said} from rest."
+    )
+
+
+def test_a_run_takes_away_its_own_earlier_files_alone(tmp_path):
+    own = ("summary.json", "run_down.csv", "recording.npz", "run_down_orbit.png")
+    for name in (*own, "notes.txt", "RotorBearing.fmu", "summary.json.bak"):
+        (tmp_path / name).write_bytes(b"")
+    clear(tmp_path)
+    left = {path.name for path in tmp_path.iterdir()}
+    assert left == {"notes.txt", "RotorBearing.fmu", "summary.json.bak"}
+
+
+def test_pictures_go_with_the_recording_that_they_were_drawn_of(tmp_path):
+    for name in ("orbit.png", "mine.png"):
+        (tmp_path / name).write_bytes(b"")
+    clear(tmp_path)  # without a recording they are the user's
+    assert {path.name for path in tmp_path.iterdir()} == {"orbit.png", "mine.png"}
+    (tmp_path / "recording.npz").write_bytes(b"")
+    clear(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.png"}
+
+
+@pytest.mark.parametrize("speed", [100.0, -103.3, 107.7])
+def test_the_spectrum_of_a_run_at_one_speed_has_its_1x_on_a_line(speed):
+    t = np.arange(0.0, 4.0, 4e-4)
+    phi = speed * t
+    x = 3e-5 * np.cos(phi - 0.4)
+    late = vibration.second_half(t, phi)
+    assert 1.9 < t[-1] - t[late][0] < 2.0
+    f, lines = vibration.spectrum(t[late], x[late])
+    assert lines.max() == pytest.approx(3e-5, rel=2e-3)
+    assert f[np.argmax(lines)] == pytest.approx(abs(speed) / TURN, rel=2e-3)

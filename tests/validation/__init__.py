@@ -1,0 +1,1 @@
+"""Results against other programs, and the verification that the project carries."""

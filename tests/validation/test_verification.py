@@ -1,0 +1,117 @@
+"""A run held against the same run, finer: what is confirmed, and what is not."""
+
+import json
+import math
+
+import pytest
+from rotor_fmu.model.settings import PRESETS, choose
+from rotor_fmu.model.simulation import RotorWarning
+
+import rotor_fmu as rf
+from rotor_fmu import studies
+from rotor_fmu.cli import app
+from rotor_fmu.machine_studies.machine_tables import read_study
+from rotor_fmu.runs.run_down import Run
+from rotor_fmu.runs.verify_run import CONFIRMED, NOT_CONFIRMED, SENSITIVE, compare
+from rotor_fmu.studies.runner import run_study
+
+from ..studies.functions import here, quiet
+
+RAMP = ([0.0, 0.5], [220.0, 215.0])
+
+
+def test_steps_that_end_on_another_solution_are_not_confirmed():
+    with pytest.warns(RotorWarning, match="too coarse in contact"):
+        run = rf.simulate(rf.load(), speed=RAMP, preset="paper", verify=True)
+    assert run.verification["conclusion"] == NOT_CONFIRMED
+    assert run.status == "doubtful: too-coarse-in-contact, not-confirmed"
+    assert run.verification["finer"] == {"solver.h": 0.002}
+
+
+def test_a_tolerance_is_confirmed_by_a_tenth_of_it_and_both_stand_side_by_side():
+    run = rf.simulate(rf.load(), speed=RAMP, tolerance=1e-3, verify=True)
+    finer = rf.simulate(rf.load(), speed=RAMP, tolerance=1e-4)
+    assert run.verification["conclusion"] == CONFIRMED
+    assert run.status == run.verification["finer_status"] == "ok"
+    for rows, own, other in (
+        (run.verification["peaks"], max, max),
+        (run.verification["final"], lambda column: column[-1], lambda column: column[-1]),
+    ):
+        assert rows
+        for row in rows:
+            assert row["value"] == own(run.points.columns[row["name"]])
+            assert row["finer"] == other(finer.points.columns[row["name"]])
+    assert rf.simulate(rf.load(), speed=RAMP).verification is None
+
+
+def ended_at(x, amplitude):
+    """A run of a part that ends there."""
+    columns = {"a.x_amp": [0.5, amplitude], "a.y_amp": [0.5, 0.1], "a.x": [0.0, x], "a.y": [0.0, 0]}
+    return Run([0.0, 1.0], columns, "ok", (), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "amplitude", "expected"),
+    [
+        (1.0, 1.0, CONFIRMED),
+        (1.05, 1.01, CONFIRMED),
+        (0.0, 1.01, SENSITIVE),
+        (1.0, 1.05, NOT_CONFIRMED),
+        (1.0, math.nan, NOT_CONFIRMED),
+    ],
+)
+def test_what_follows_from_two_runs(x, amplitude, expected):
+    verification = compare(ended_at(1.0, 1.0), ended_at(x, amplitude), choose())
+    assert verification.conclusion == expected
+
+
+def test_the_command_tells_it_in_words_and_in_the_summary(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    options = ["run-down", "--direct", "--verify", "--stop", "0.2", "--out", "."]
+    app([*options], standalone_mode=False)
+    words = capsys.readouterr().out
+    figures = json.loads((tmp_path / "summary.json").read_text())["verification"]
+    assert f"{figures['conclusion']}, by the same run with solver.tolerance = 0.0001: ok" in words
+    assert "disc[3].x_amp, largest" in words
+    assert "finer run" in (tmp_path / "report.html").read_text()
+
+
+def test_a_tolerance_that_has_no_tenth_is_refused_before_anything_is_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    options = ["run-down", "--verify", "--set", "solver.tolerance=2e-9", "--stop", "1"]
+    with pytest.raises(rf.InputError, match=r"a finer run .*: solver.tolerance = 2e-10: must be"):
+        app(options, standalone_mode=False)
+    assert not any(tmp_path.iterdir())
+
+
+CHOICES = [list(PRESETS).index(name) for name in ("controlled", "paper")]
+STUDY = f"""
+machine = "rig"
+verify = true
+[run]
+kind = "run-down"
+from = 220
+to = 215
+rate = 10
+[vary]
+"solver.preset" = {{ values = {CHOICES} }}
+[keep]
+X = {{ peak = "disc[3].x" }}
+"""
+
+
+def test_a_study_says_how_far_each_run_is_from_a_finer_one(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    run_study(read_study(path), tmp_path / "out", here, quiet)
+    data = studies.open(tmp_path / "out")
+    near, far = data.verification.values
+    assert near < 0.01 < 0.05 < far
+    assert list(data.status.values) == ["ok", "doubtful: too-coarse-in-contact, not-confirmed"]
+
+
+def test_a_study_verifies_or_not(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY.replace("true", '"yes"'))
+    with pytest.raises(rf.InputError, match="verify = 'yes': must be true or false"):
+        read_study(path)
