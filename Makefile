@@ -30,38 +30,38 @@ $(VENV)/made-test: $(VENV)/made
 # the solver as machine code, made anew after a change of it; what makes it is installed where there is
 # none, and the linker zig where a C compiler cannot do what it does
 KERNELS := $(wildcard model/*.py model/*/*.py rotor_fmu/library/*.py rotor_fmu/fmi/machine_table.py rotor_fmu/fmi/c/*)
-$(VENV)/core: $(VENV)/made $(KERNELS)
+$(VENV)/library: $(VENV)/made $(KERNELS)
 	extra=$$($(BIN)/python -c "from rotor_fmu.library.build import missing_here as m; print(m())"); \
 		test -z "$$extra" || $(INSTALL) --editable ".[$$extra]"
-	$(BIN)/rotor-fmu core --platform here \
-		|| { $(INSTALL) --editable ".[build]" && $(BIN)/rotor-fmu core --platform here; } \
+	$(BIN)/rotor-fmu library --platform here \
+		|| { $(INSTALL) --editable ".[build]" && $(BIN)/rotor-fmu library --platform here; } \
 		|| echo "no FMU can be built, and runs are slow"
-	touch $(VENV)/core
+	touch $(VENV)/library
 
-run-down: $(VENV)/core
+run-down: $(VENV)/library
 	$(BIN)/rotor-fmu run-down --out out/run_down
 
-reproduce: $(VENV)/core $(VENV)/made-papers
+reproduce: $(VENV)/library $(VENV)/made-papers
 	$(BIN)/python -m papers.zigulic2003 --out out/reproduce
 
-survey: $(VENV)/core $(VENV)/made-papers
+survey: $(VENV)/library $(VENV)/made-papers
 	$(BIN)/python -m papers.integrators survey --out out/survey
 
 # after a change of the model's numbers: the result that the FMU carries
-reference: $(VENV)/core
+reference: $(VENV)/library
 	$(BIN)/python -m rotor_fmu.fmi.packing.reference
 
-test: $(VENV)/made-test $(VENV)/core
+test: $(VENV)/made-test $(VENV)/library
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-test-native: $(VENV)/made-test $(VENV)/core
+test-native: $(VENV)/made-test $(VENV)/library
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "native and not slow"
 
-test-all: $(VENV)/made-test $(VENV)/core
+test-all: $(VENV)/made-test $(VENV)/library
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "slow or not slow"
 
 # all tests as on other processors, and on loaded cores: hours; stopped with Ctrl-C it goes on from there
-test-processors: $(VENV)/made-test $(VENV)/core
+test-processors: $(VENV)/made-test $(VENV)/library
 	$(BIN)/python -m tools.processors
 
 # the documentation as a site that works from disk: build/site/index.html
@@ -85,15 +85,15 @@ types: $(VENV)/made-test
 	$(BIN)/python -m mypy
 
 # wrong versions of description, documents, FMU and ledger that the tests must see
-mutants: $(VENV)/made-test $(VENV)/core
+mutants: $(VENV)/made-test $(VENV)/library
 	$(BIN)/python -m tools.mutants
 
 # lines of Python that the tests run; kernels are machine code and not among them
-coverage: $(VENV)/made-test $(VENV)/core
+coverage: $(VENV)/made-test $(VENV)/library
 	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report=term:skip-covered
 
 # what a run costs beside other programs; stopped with Ctrl-C it goes on from there
-bench: $(VENV)/core
+bench: $(VENV)/library
 	for peers in scikit-sundae exudyn "ross-rotordynamics plotly<7"; do \
 		$(INSTALL) $$peers \
 			|| echo "$$peers: cannot be installed; the report will say so"; \
@@ -106,7 +106,7 @@ bench: $(VENV)/core
 # used; HOME_URL=address of the files for an index page's pictures
 dist: $(VENV)/made-test
 	$(INSTALL) build twine
-	$(BIN)/rotor-fmu core
+	$(BIN)/rotor-fmu library
 	$(BIN)/python tools/release.py "$(HOME_URL)"
 
 clean:

@@ -18,8 +18,8 @@ from pathlib import Path
 from rotor_fmu.model.kernels.library import here
 
 from rotor_fmu.fmi.packing.native_fmu import build_native
-from rotor_fmu.library import build as core
-from rotor_fmu.library.build import CoreError
+from rotor_fmu.library import build
+from rotor_fmu.library.build import LibraryError
 from rotor_fmu.library.platforms import PLATFORMS
 
 from .native_master import CMaster, children_cpu, median_ratio
@@ -61,7 +61,7 @@ def wide_library(folder: Path) -> Path:
     assert name is not None
     wide = dataclasses.replace(PLATFORMS[name], features=WIDE)
     target = folder / f"wide{wide.suffix}"
-    core.link(wide, core.objects(wide, core.kernels(), folder), target)
+    build.link(wide, build.objects(wide, build.kernels(), folder), target)
     return target
 
 
@@ -93,7 +93,7 @@ def rows(master: CMaster, folder: Path) -> list[tuple[str, str]]:
     try:
         fmu = build_native(folder / "all")
         result.append(("an FMU with all five platforms", f"{fmu.stat().st_size / 1e6:.2f} MB"))
-    except CoreError as error:
+    except LibraryError as error:
         result.append(("an FMU with all five platforms", str(error)))
     return result
 

@@ -1,9 +1,9 @@
 """A release that is whole: make dist [HOME_URL=https://where/the/project/lies].
 
 Source archive and wheel are made in dist/ of what is committed, the wheel with the libraries of the
-solver that `rotor-fmu core` made, checked as an index checks them, installed into an environment of
-their own, and used. With the address of the project's files, which
-an index page needs, the README's pictures and links are pointed there.
+solver that `rotor-fmu library` made, checked as an index checks them, installed into an environment
+of their own, and used. With the address of the project's files, which an index page needs, the
+README's pictures and links are pointed there.
 """
 
 import re

@@ -2,9 +2,10 @@
 
 A file counts only if its name shows that it was made of exactly these kernels and is complete:
 
-    linux64.CORE.KERNELS.CHECKSUM.so
+    linux64.SOURCES.KERNELS.CHECKSUM.so
 
-CORE is the digest of all sources of the library, KERNELS that of the kernels of a run (`digest`).
+SOURCES is the digest of all sources of the library, KERNELS that of the kernels of a run
+(`digest`).
 """
 
 import ctypes
@@ -40,17 +41,17 @@ def here() -> str | None:
     return _PLATFORMS.get((sys.platform, machine)) if is_wide else None
 
 
-def file_name(name: str, core: str, suffix: str, content: bytes) -> str:
+def file_name(name: str, sources: str, suffix: str, content: bytes) -> str:
     """Return the file name of a platform's library with this content."""
     checksum = hashlib.sha256(content).hexdigest()[:_DIGITS]
-    return f"{name}.{core}.{kernels_digest()}.{checksum}{suffix}"
+    return f"{name}.{sources}.{kernels_digest()}.{checksum}{suffix}"
 
 
-def find(name: str, core: str = "*") -> Path | None:
-    """Return the library of a platform that was made of these kernels, if there is one; core: the
-    digest of all its sources."""
+def find(name: str, sources: str = "*") -> Path | None:
+    """Return the library of a platform that was made of these kernels, if there is one;
+    sources: the digest of all its sources."""
     for folder in folders():
-        for file in sorted(folder.glob(f"{name}.{core}.{kernels_digest()}.*")):
+        for file in sorted(folder.glob(f"{name}.{sources}.{kernels_digest()}.*")):
             if file.name == file_name(name, file.name.split(".")[1], file.suffix, _read(file)):
                 return file
     return None

@@ -67,7 +67,7 @@ def build_fmu(
     InputError
         If an argument is not among those allowed, or a tool that makes C source or components is
         missing.
-    CoreError
+    LibraryError
         If a library is missing and cannot be made (`pip install "rotor-fmu[build]"`).
 
     Examples

@@ -28,7 +28,7 @@ COMMANDS = {
     _FMU: {
         "build": "fmus:build",
         "ssp": "systems:ssp",
-        "core": "fmus:core",
+        "library": "fmus:libraries",
         "variables": "runs:variables",
         "host-env": "runs:host_env",
     },

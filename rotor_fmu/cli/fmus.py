@@ -1,4 +1,4 @@
-"""`rotor-fmu build` and `rotor-fmu core`."""
+"""`rotor-fmu build` and `rotor-fmu library`."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -112,7 +112,7 @@ def build(
 
 
 @with_output_options
-def core(platforms: Platforms = None) -> dict[str, Any]:
+def libraries(platforms: Platforms = None) -> dict[str, Any]:
     """Build the solver library of each platform ahead of runs, FMUs and pages.
 
     Without it every run compiles the solver first, and `build` makes the libraries that it needs.

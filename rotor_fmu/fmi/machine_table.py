@@ -93,9 +93,9 @@ class _Texts:
         return self._places[text]
 
 
-def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
-    """Return the file's content; core: of the library that reads it, 16 characters; guid: the
-    FMU's.
+def table_bytes(fmu_interface: FmuInterface, sources: str, guid: str) -> bytes:
+    """Return the file's content; sources: digest of the library that reads it, 16 characters; guid:
+    the FMU's.
 
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """
@@ -152,7 +152,7 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
     inputs = sum(v.causality == "input" for v in fmu_interface.table)
     assert all(v.causality == "input" for v in fmu_interface.table[:inputs])
     head = _HEAD.pack(
-        *(MAGIC, core.encode(), guid.encode(), LARGEST, 0),
+        *(MAGIC, sources.encode(), guid.encode(), LARGEST, 0),
         *(_HEAD.size + len(body), len(fmu_interface.table), observed_at, inputs),
         *(index["tau_drive" if fmu_interface.is_free else "speed"], fmu_interface.is_free),
         *(len(GIVEN), 1 + NAMES.index("tolerance")),

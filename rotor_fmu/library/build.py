@@ -57,7 +57,7 @@ _MODULE = ("-Os", "-mexec-model=reactor", "-Wl,-z,stack-size=1048576")
 _EXPORTS = ("-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free")
 
 
-class CoreError(RunFailed):
+class LibraryError(RunFailed):
     """A library that cannot be built; the message names what is missing or is the linker's."""
 
 
@@ -78,7 +78,7 @@ def _emitted_sources() -> list[Path]:
 
 
 @cache
-def core_digest() -> str:
+def sources_digest() -> str:
     """Return the digest of the library's sources, sixteen characters."""
     digest = hashlib.sha256()
     for file in sorted(C_SOURCES.glob("*.[ch]")):
@@ -93,15 +93,15 @@ def library(platform: Platform) -> Path:
     reported on standard error.
 
     It stands beside the kernels in a source tree, for all whatever their cache, and for what is
-    built of the tree; else in the user's cache. Raises `CoreError`.
+    built of the tree; else in the user's cache. Raises `LibraryError`.
     """
-    result = find(platform.name, core_digest())
+    result = find(platform.name, sources_digest())
     if result:
         record(result.parent)
         return result
     extra = missing_extra(platform)
     if extra:
-        raise CoreError(
+        raise LibraryError(
             f"there is no library of the solver for {platform.name}, and none can be made: "
             f"{_TOOLS[extra]} is not installed: pip install 'rotor-fmu[{extra}]'"
         )
@@ -109,7 +109,7 @@ def library(platform: Platform) -> Path:
     folder = _folder()
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
         work = Path(name)
-        made = work / f"core{platform.suffix}"
+        made = work / f"library{platform.suffix}"
         link(platform, objects(platform, kernels(), work), made)
         return _put(folder, platform, made.read_bytes())
 
@@ -118,7 +118,7 @@ def missing_extra(platform: Platform) -> str:
     """Return the extra that making the library of a platform takes and that is not installed, ""
     for none: nothing where there is such a library, for this machine no linker where it has a C
     compiler."""
-    if find(platform.name, core_digest()):
+    if find(platform.name, sources_digest()):
         return ""
     links = platform.name == here() and _has_cc()
     if links and all(find_spec(name) for name in ("numba", "platformdirs")):
@@ -145,7 +145,7 @@ def _folder() -> Path:
 
 def _put(folder: Path, platform: Platform, content: bytes) -> Path:
     """Write a library whole, and take away those of older sources where they lie beside them."""
-    target = folder / file_name(platform.name, core_digest(), platform.suffix, content)
+    target = folder / file_name(platform.name, sources_digest(), platform.suffix, content)
     # called so that another process, which puts its own, does not take it for an old one
     unfinished = folder / f".{target.name}.{os.getpid()}.part"
     unfinished.write_bytes(content)
@@ -219,13 +219,13 @@ def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
 
 def link(platform: Platform, parts: list[Path], target: Path) -> None:
     """Link object files with the instance in C: for this machine by its C compiler, if the library
-    then runs on every Linux that it is for, else by zig. Raises `CoreError`."""
+    then runs on every Linux that it is for, else by zig. Raises `LibraryError`."""
     if platform.name == here() and _has_cc():
         done = _run(_link_command(["cc", "-static-libgcc"], platform, parts, target))
         if done.returncode == 0 and runs_on_old_linux(target.read_bytes()):
             return
     if find_spec("ziglang") is None:
-        raise CoreError(
+        raise LibraryError(
             f"the library for {platform.name} could not be linked by cc for a Linux with GLIBC "
             f"{'.'.join(map(str, _GLIBC))}, and {_TOOLS['build']} is not installed: "
             "pip install 'rotor-fmu[build]'"
@@ -236,7 +236,7 @@ def link(platform: Platform, parts: list[Path], target: Path) -> None:
 
 def link_kernels(parts: list[Path], target: Path) -> None:
     """Link the kernels of an FMU alone, as object files for WebAssembly, into a module that asks
-    its surroundings for nothing. Raises `CoreError`."""
+    its surroundings for nothing. Raises `LibraryError`."""
     names = chain.from_iterable(_EMITTED_TOGETHER)
     exports = [f"-Wl,--export={name}_kernel" for name in names if name not in _OF_ANALYSES]
     link_module(parts, target, exports, "the kernels as a module")
@@ -244,7 +244,7 @@ def link_kernels(parts: list[Path], target: Path) -> None:
 
 def link_module(parts: list[Path], target: Path, options: Sequence[str], what: str) -> None:
     """Link C and object files for WebAssembly into a module, which `what` names. Raises
-    `CoreError`."""
+    `LibraryError`."""
     command = [sys.executable, "-m", "ziglang", "cc", "-target", WASM.zig, *_FLAGS, *_MODULE]
     _run_all([[*command, *options, "-o", str(target), *map(str, parts)]], what)
 
@@ -271,7 +271,7 @@ def _link_command(
     compiler: list[str], platform: Platform, parts: list[Path], target: Path
 ) -> list[str]:
     command = [*compiler, *_FLAGS, *((*_MODULE, *_EXPORTS) if platform is WASM else _SHARED)]
-    command += [f"-I{fmi_headers()}", f'-DCORE="{core_digest()}"', "-o", str(target)]
+    command += [f"-I{fmi_headers()}", f'-DSOURCES="{sources_digest()}"', "-o", str(target)]
     if platform.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{target.name}")
     command += [str(file) for file in (*sorted(C_SOURCES.glob("*.c")), *parts)]
@@ -283,13 +283,13 @@ def _link_command(
 
 
 def _run_all(commands: list[list[str]], what: str) -> None:
-    """Run commands at the same time. Raises `CoreError` if one fails."""
+    """Run commands at the same time. Raises `LibraryError` if one fails."""
     with ThreadPoolExecutor(len(commands)) as pool:
         for done in pool.map(_run, commands):
             if done.returncode:
                 lines = [line for line in done.stderr.splitlines() if "rror" in line]
                 reason = lines[-1].strip() if lines else "no reason given"
-                raise CoreError(f"{what} could not be made: {reason}")
+                raise LibraryError(f"{what} could not be made: {reason}")
 
 
 def _run(command: list[str]) -> subprocess.CompletedProcess[str]:

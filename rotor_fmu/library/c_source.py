@@ -13,14 +13,14 @@ from ..model.kernels.digest import made_here, syntax_digest
 from .build import (
     C_SOURCES,
     WASM,
-    CoreError,
-    core_digest,
+    LibraryError,
     emitted_digest,
     fmi_headers,
     forget_old,
     kernels,
     link_kernels,
     objects,
+    sources_digest,
     unfinished_folder,
 )
 
@@ -63,8 +63,8 @@ def source_files(fmi: int) -> dict[str, bytes]:
     """Return the files of the folder `sources` of an FMU of FMI 2.0 or 3.0 by name: the instance in
     C, the standard's headers, and the kernels.
 
-    Raises `InputError` where a tool that makes C of the kernels is not there, and `CoreError` where
-    it fails.
+    Raises `InputError` where a tool that makes C of the kernels is not there, and `LibraryError`
+    where it fails.
     """
     versions = made_here()
     about = f"{emitted_digest()} {WASM}"
@@ -74,11 +74,11 @@ def source_files(fmi: int) -> dict[str, bytes]:
         with unfinished_folder(folder) as work:
             _write_kernels(work)
     result = {file.name: file.read_bytes() for file in folder.iterdir()}
-    core = f'#define CORE "{core_digest()}"\n{_BEFORE}'.encode()
+    sources = f'#define SOURCES "{sources_digest()}"\n{_BEFORE}'.encode()
     headers = sorted(fmi_headers().glob(f"fmi{fmi}*.h"))
     for file in (*C_SOURCES.iterdir(), *_C_SOURCE.iterdir(), *headers):
         if file.name not in (*_LEFT_OUT, _OTHER_VERSION[fmi]):
-            before = core if file.suffix == ".c" else b""
+            before = sources if file.suffix == ".c" else b""
             result[file.name] = before + file.read_bytes().replace(b"\r\n", b"\n")
     return result
 
@@ -94,7 +94,9 @@ def _write_kernels(folder: Path) -> None:
         command = [tool, str(module), "-o", str(source), "-n", "kernels"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
-            raise CoreError(f"{_TOOL} cannot make C of the kernels: {done.stderr.strip()[-200:]}")
+            raise LibraryError(
+                f"{_TOOL} cannot make C of the kernels: {done.stderr.strip()[-200:]}"
+            )
         text = source.read_text(encoding="utf-8").replace(_UNUSED, "", 1)
         text = text.replace(_RETURN, _RETURN.replace("return ", ""), 1)
         (folder / source.name).write_text(f"{_BEFORE}{_BEFORE_KERNELS}{text}", encoding="utf-8")

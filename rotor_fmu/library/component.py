@@ -16,12 +16,12 @@ from ..model.kernels.digest import made_here, syntax_digest
 from .build import (
     C_SOURCES,
     WASM,
-    CoreError,
-    core_digest,
+    LibraryError,
     forget_old,
     kernels,
     link_module,
     objects,
+    sources_digest,
     unfinished_folder,
 )
 from .platforms import COMPONENT
@@ -32,7 +32,7 @@ _INTERFACES, _WORLD = _FOLDER / "fmi3.wit", "co-simulation-fmu"
 _PACKAGE = "@bytecodealliance/jco"
 # `component.c` includes FMI 3.0's functions; what asks a system for something is left out.
 _LEFT_OUT = ("fmi2.c", "fmi3.c", "from_page.c", "system.c")
-_FILE = f"core{COMPONENT.suffix}"
+_FILE = f"library{COMPONENT.suffix}"
 
 
 def component(table: bytes) -> bytes:
@@ -43,11 +43,11 @@ def component(table: bytes) -> bytes:
 def empty_component() -> bytes:
     """Return the component without a machine, made if there is none.
 
-    Raises `InputError` where a tool that makes components is not there, and `CoreError` where one
-    fails.
+    Raises `InputError` where a tool that makes components is not there, and `LibraryError` where
+    one fails.
     """
     versions = made_here()
-    digest = hashlib.sha256(core_digest().encode())
+    digest = hashlib.sha256(sources_digest().encode())
     for file in sorted(_FOLDER.iterdir()):
         digest.update(file.name.encode() + b"\0" + file.read_bytes().replace(b"\r\n", b"\n"))
     folder = versions / f"component-{syntax_digest([Path(__file__)], digest.hexdigest())}"
@@ -67,7 +67,7 @@ def make(target: Path) -> None:
         module = work / "module.wasm"
         sources = [file for file in C_SOURCES.glob("*.c") if file.name not in _LEFT_OUT]
         parts = [*sorted(sources), *sorted(_FOLDER.glob("*.c")), *objects(WASM, kernels(), work)]
-        options = (f"-I{C_SOURCES}", f'-DCORE="{core_digest()}"')
+        options = (f"-I{C_SOURCES}", f'-DSOURCES="{sources_digest()}"')
         link_module(parts, module, options, f"the module for {COMPONENT.name}")
         done = subprocess.run(
             [*command, module, _INTERFACES, _WORLD, target],
@@ -78,7 +78,7 @@ def make(target: Path) -> None:
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if "rror" in line]
         reason = lines[0].strip() if lines else "no reason given"
-        raise CoreError(f"jco cannot make a component for {COMPONENT.name}: {reason}")
+        raise LibraryError(f"jco cannot make a component for {COMPONENT.name}: {reason}")
 
 
 def _tools() -> list[str]:

@@ -10,7 +10,7 @@ from ..about import __version__
 from ..display import current
 from ..fmi.machine_table import FmuInterface, table_bytes
 from ..fmi.packing.machine_files import Machine
-from ..library.build import core_digest, library
+from ..library.build import library, sources_digest
 from ..library.platforms import WASM
 from ..report.run_page import head, json_in_script, machine_html, template
 from .controls import course, groups, places, recorded, shown_in
@@ -23,8 +23,8 @@ def solver_page(machine: Machine, given: Mapping[str, float] | None = None) -> s
     """Return the page of a machine as HTML; given: values of its controls at the beginning, in SI
     units, where they differ from the machine file's.
 
-    Raises `QuantityError` for an impossible machine and `CoreError` where there is no library for
-    a page and none can be made.
+    Raises `QuantityError` for an impossible machine and `LibraryError` where there is no library
+    for a page and none can be made.
     """
     script = "\n".join(_template(name) for name in _SCRIPTS)
     css = f"{template('page.css').template}\n{_template('page.css')}"
@@ -43,7 +43,7 @@ def solver_page(machine: Machine, given: Mapping[str, float] | None = None) -> s
 def solver_table(machine: Machine) -> bytes:
     """Return the table of a machine as the page's solver reads it."""
     fmu_interface = FmuInterface(machine.rotor, machine.table, machine.is_free)
-    return table_bytes(fmu_interface, core_digest(), "")
+    return table_bytes(fmu_interface, sources_digest(), "")
 
 
 def page_data(machine: Machine) -> dict[str, Any]:

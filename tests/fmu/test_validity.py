@@ -19,7 +19,7 @@ from rotor_fmu.fmi.description import reached_by
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.python_fmu import build, is_current
 from rotor_fmu.fmi.variables import Variable, unit
-from rotor_fmu.library.build import CoreError
+from rotor_fmu.library.build import LibraryError
 
 ROOT = Path(__file__).parents[2]
 
@@ -265,10 +265,12 @@ def test_without_a_library_an_fmu_is_not_built_and_a_sentence_says_what_makes_on
     monkeypatch.setattr("rotor_fmu.fmi.packing.python_fmu.find", lambda *_: None)
     monkeypatch.setattr("rotor_fmu.library.build.find_spec", lambda name: None)
     with pytest.raises(
-        CoreError, match=r"no library .* for linux64.*pip install 'rotor-fmu\[(kernels|build)\]'"
+        LibraryError, match=r"no library .* for linux64.*pip install 'rotor-fmu\[(kernels|build)\]'"
     ):
         build(tmp_path)
     monkeypatch.setattr("rotor_fmu.fmi.packing.python_fmu.here", lambda: "aarch64-darwin")
-    with pytest.raises(CoreError, match=r"no library .* rotor-fmu core --platform linux64 makes"):
+    with pytest.raises(
+        LibraryError, match=r"no library .* rotor-fmu library --platform linux64 makes"
+    ):
         build(tmp_path)
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""`rotor-fmu build --native` and `rotor-fmu core` on the command line."""
+"""`rotor-fmu build --native` and `rotor-fmu library` on the command line."""
 
 import subprocess
 import sys
@@ -34,7 +34,7 @@ def test_a_build_says_where_the_fmu_is_and_takes_no_compiler_once_the_library_is
             ("build", "--native", "--platform", "vax"),
             "--platform vax: must be one of linux64, win64",
         ),
-        (("core", "--platform", "vax"), "--platform vax: must be one of linux64, win64"),
+        (("library", "--platform", "vax"), "--platform vax: must be one of linux64, win64"),
     ],
 )
 def test_what_cannot_be_built_is_refused_in_one_line(arguments, sentence):
@@ -53,7 +53,7 @@ def test_without_the_linker_it_says_what_to_install(tmp_path, monkeypatch):
         "import sys; sys.modules['ziglang'] = None\n"
         "import importlib.util as u; find = u.find_spec\n"
         "u.find_spec = lambda name, *a: None if name == 'ziglang' else find(name, *a)\n"
-        "from rotor_fmu.cli import main; sys.argv = ['rotor-fmu', 'core']; main()"
+        "from rotor_fmu.cli import main; sys.argv = ['rotor-fmu', 'library']; main()"
     )
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=False

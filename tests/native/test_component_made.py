@@ -18,7 +18,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.machine_table import FILE
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library import component as making
-from rotor_fmu.library.build import CoreError
+from rotor_fmu.library.build import LibraryError
 from rotor_fmu.library.platforms import COMPONENT, DRAFT, PLATFORMS
 from rotor_fmu.library.wasm_memory import with_data
 
@@ -191,7 +191,7 @@ def test_what_jco_refuses_is_one_sentence(monkeypatch, tmp_path):
     monkeypatch.setattr(making, "objects", lambda *_: [])
     monkeypatch.setattr(making, "kernels", lambda: tmp_path)
     monkeypatch.setattr(making, "link_module", lambda _, target, *rest: target.write_bytes(empty))
-    with pytest.raises(CoreError, match=r"^jco cannot make a component for wasm32-wasip2: .+"):
+    with pytest.raises(LibraryError, match=r"^jco cannot make a component for wasm32-wasip2: .+"):
         making.make(tmp_path / "core.wasm")
     assert not list(tmp_path.iterdir())
 
@@ -204,7 +204,7 @@ def test_it_is_made_once_for_a_version_of_the_sources(monkeypatch, tmp_path):
     assert making.component(b"one") == b"one"
     assert making.component(b"other") == b"other"
     assert len(made) == 1
-    monkeypatch.setattr(making, "core_digest", lambda: "of other sources")
+    monkeypatch.setattr(making, "sources_digest", lambda: "of other sources")
     making.component(b"one")
     assert len(made) == 2
     monkeypatch.undo()

@@ -7,7 +7,7 @@ import subprocess
 import fmpy
 import pytest
 
-from rotor_fmu.library.build import C_SOURCES, core_digest, fmi_headers, kernels, objects
+from rotor_fmu.library.build import C_SOURCES, fmi_headers, kernels, objects, sources_digest
 from rotor_fmu.library.platforms import PLATFORMS
 
 from ..fmu.masters import COMPILER, HERE, NEEDS_COMPILER, Master
@@ -64,7 +64,7 @@ def test_the_sanitizers_find_neither_a_wrong_access_nor_undefined_behaviour(fmu,
     master = Master(fmu, tmp_path / "host", is_alone=True)
     target = master.folder / "binaries" / "linux64" / "RotorBearingNative.so"
     parts = objects(PLATFORMS["linux64"], kernels(), tmp_path)
-    name = f'-DCORE="{core_digest()}"'
+    name = f'-DSOURCES="{sources_digest()}"'
     skin = ("-std=c2x", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
     skin += (name, f"-I{fmi_headers()}")
     for options, files in (

@@ -95,7 +95,7 @@ def test_a_library_for_macos_has_its_exports_its_name_and_on_arm_a_signature(lib
     linkers = {"__dso_handle", "_mh_dylib_header"}
     ours = ("fmi2", "fmi3", "rotor_")
     assert all(symbol.startswith(ours) for symbol in exported - linkers), exported
-    assert b"@rpath/core.dylib" in commands[0x0D]
+    assert b"@rpath/library.dylib" in commands[0x0D]
     assert (0x1D in commands) or name == "darwin64"
 
 

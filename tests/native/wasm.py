@@ -7,7 +7,7 @@ import struct
 import numpy as np
 from rotor_fmu.model.kernels.library import find
 
-from rotor_fmu.library.build import core_digest, library
+from rotor_fmu.library.build import library, sources_digest
 from rotor_fmu.library.platforms import WASM
 
 SETTERS = {
@@ -22,7 +22,7 @@ class Native:
     """This machine's library, or another for this machine."""
 
     def __init__(self, table, file=None):
-        self._library = ctypes.CDLL(str(file or find("linux64", core_digest())))
+        self._library = ctypes.CDLL(str(file or find("linux64", sources_digest())))
         self._rooms = []
         receive = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p)
         self._receive = receive(lambda environment, status, message: None)

@@ -13,7 +13,7 @@ from rotor_fmu.model.kernels import library
 import rotor_fmu
 
 ROOT = Path(rotor_fmu.__file__).parents[1]
-MISSING = "no library was made of these kernels (rotor-fmu core --platform here)"
+MISSING = "no library was made of these kernels (rotor-fmu library --platform here)"
 has_platform = pytest.mark.skipif(
     library.here() is None, reason="no library can be made for this processor and system"
 )

@@ -17,7 +17,7 @@ print(digest.kernels_digest())
 ALL = f"""
 {OF_KERNELS}
 from rotor_fmu.library import build
-print(build.emitted_digest(), build.core_digest())
+print(build.emitted_digest(), build.sources_digest())
 """
 SIMULATION = ("model", "simulation.py")  # runs the kernels, and is none
 

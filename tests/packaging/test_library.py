@@ -8,7 +8,7 @@ import pytest
 from rotor_fmu.model.kernels.library import find, here
 
 from rotor_fmu.library import build
-from rotor_fmu.library.build import CoreError, link, missing_extra, runs_on_old_linux
+from rotor_fmu.library.build import LibraryError, link, missing_extra, runs_on_old_linux
 from rotor_fmu.library.emit import check_size
 from rotor_fmu.library.platforms import PLATFORMS, WASM
 
@@ -39,7 +39,7 @@ def test_a_library_runs_where_its_versions_of_the_c_library_are(content, is_old)
 @ON_LINUX
 def test_the_library_of_this_machine_runs_on_every_linux_that_it_is_for():
     file = find(here())
-    assert file is not None, "there is no library (rotor-fmu core --platform here)"
+    assert file is not None, "there is no library (rotor-fmu library --platform here)"
     assert runs_on_old_linux(file.read_bytes())
 
 
@@ -81,7 +81,7 @@ def test_cc_links_for_this_machine_and_zig_where_it_cannot(monkeypatch, tmp_path
 @ON_LINUX
 def test_without_zig_a_library_that_cc_cannot_link_says_what_to_install(monkeypatch, tmp_path):
     Compilers(monkeypatch, NEW, has_zig=False)
-    with pytest.raises(CoreError, match=r"GLIBC 2\.17, and ziglang .*'rotor-fmu\[build\]'"):
+    with pytest.raises(LibraryError, match=r"GLIBC 2\.17, and ziglang .*'rotor-fmu\[build\]'"):
         link(PLATFORMS[here()], [], tmp_path / "library")
 
 

@@ -61,7 +61,7 @@ typedef struct {
 } Span; /* speeds beyond which a sentence warns */
 
 typedef struct {
-    char magic[8], core[16], guid[40];
+    char magic[8], sources[16], guid[40];
     double largest;    /* of a machine's parameter, in size */
     uint64_t checksum; /* of all of the file but itself */
     int64_t bytes, variables, observed_at, inputs, drive_at, is_free; /* the inputs come first */

@@ -134,7 +134,7 @@ const char *check_table(const void *content, size_t size)
     if (size < sizeof *table || memcmp(table->magic, "ROTORFMU", 8)
         || (size_t)table->bytes != size || size % 8)
         return "is no table of a machine, or is truncated";
-    if (memcmp(table->core, CORE, sizeof table->core))
+    if (memcmp(table->sources, SOURCES, sizeof table->sources))
         return "was made for another build of this FMU's library";
     if (checksum(table, size, offsetof(Table, checksum)) != table->checksum || !is_sound(table))
         return "is damaged";

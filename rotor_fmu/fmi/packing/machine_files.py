@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ...library.build import core_digest
+from ...library.build import sources_digest
 from ...model.machine.rotor import Rotor
 from ...model.machine.toml import parse_rotor, rig_toml
 from ...model.settings import choose
@@ -69,14 +69,14 @@ def machine_of(
 def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]:
     """Return the files by their path in an FMU of this version of FMI; the GUID of `of` is filled
     in."""
-    core = core_digest()
-    content = f"{of.identifier} {fmi} {core} {machine.toml}"
+    sources = sources_digest()
+    content = f"{of.identifier} {fmi} {sources} {machine.toml}"
     of = replace(of, guid=guid(machine.table, content), step=machine.step)
     known = machine.table if fmi == 2 else (*machine.table, TIME)
     fmu_interface = FmuInterface(machine.rotor, known, machine.is_free)
     return {
         **documents(machine.rotor, machine.table, of.identifier, of.needs_python, fmi),
         DESCRIPTION: xml_bytes(description(of, machine.table, fmi)),
-        TABLE: table_bytes(fmu_interface, core, of.guid),
+        TABLE: table_bytes(fmu_interface, sources, of.guid),
         ROTOR_FILE: machine.toml.encode(),
     }

@@ -31,8 +31,8 @@ def build_native(
     component; reduction: component modes kept of the shaft, 0 for all of it; step: fixed step
     length of an FMU for real time [s]; starts: start values of solver parameters by name. Raises
     `QuantityError` for an impossible rotor, `SettingsError` for an impossible step or start value,
-    `CoreError` where a library is missing and cannot be made, `InputError` where a tool that makes
-    components is missing, and `OSError` if `out` cannot be written.
+    `LibraryError` where a library is missing and cannot be made, `InputError` where a tool that
+    makes components is missing, and `OSError` if `out` cannot be written.
     """
     machine = machine_of(rotor_toml, is_free, reduction, step, starts)
     name = machine.identifier(NATIVE)

@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ...library.build import CoreError, core_digest, library
+from ...library.build import LibraryError, library, sources_digest
 from ...library.platforms import PLATFORMS
 from ...model.kernels.library import find, here
 from ..description import Described
@@ -36,7 +36,7 @@ def build(
     rotor_toml: TOML text of the rotor, by default the paper's rig; reduction: component modes kept
     of the shaft, 0 for all of it; platforms: of `SYSTEMS`, by default those whose library is there,
     this machine's if there is none; starts: start values of solver parameters by name. Raises
-    `QuantityError` for an impossible rotor, `SettingsError` for impossible values, `CoreError`
+    `QuantityError` for an impossible rotor, `SettingsError` for impossible values, `LibraryError`
     where a library is missing and cannot be made, and `OSError` if `out` cannot be written. Equal
     sources give equal bytes.
     """
@@ -65,7 +65,7 @@ def is_current(
     """Return whether `fmu` is what `build` would make now.
 
     Compares all files of this project; those of pythonfmu are compared by its version only. Raises
-    `QuantityError` for an impossible rotor, and `CoreError` as `build` does.
+    `QuantityError` for an impossible rotor, and `LibraryError` as `build` does.
     """
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False
@@ -88,13 +88,13 @@ def package_name() -> str:
 def _libraries(platforms: Sequence[str] | None) -> dict[str, bytes]:
     """Return the libraries of platforms, by the file's name in the FMU's package."""
     if platforms is None:
-        platforms = [name for name in SYSTEMS if find(name, core_digest())]
+        platforms = [name for name in SYSTEMS if find(name, sources_digest())]
     if not platforms:
         mine = here()
         if mine not in SYSTEMS:
-            raise CoreError(
+            raise LibraryError(
                 f"there is no library of the solver for {' or '.join(SYSTEMS)}, on which the FMU "
-                f"runs: rotor-fmu core --platform {SYSTEMS[0]} makes one"
+                f"runs: rotor-fmu library --platform {SYSTEMS[0]} makes one"
             )
         platforms = [mine]
     return {

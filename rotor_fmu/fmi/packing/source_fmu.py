@@ -27,7 +27,7 @@ def build_source(
     standard; reduction: component modes kept of the shaft, 0 for all of it; step: fixed step length
     of an FMU for real time [s]; starts: start values of solver parameters by name. Raises
     `QuantityError` for an impossible rotor, `SettingsError` for an impossible step or start value,
-    `InputError` where a tool that makes C of the kernels is missing, `CoreError` where it fails,
+    `InputError` where a tool that makes C of the kernels is missing, `LibraryError` where it fails,
     and `OSError` if `out` cannot be written.
     """
     machine = machine_of(rotor_toml, is_free, reduction, step, starts)
