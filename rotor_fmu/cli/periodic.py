@@ -247,8 +247,13 @@ def _second(
 
 
 def _folds(result: "ResponseResult", name: str, low: float, high: float) -> dict[str, Any]:
-    """Return where the first fold lies over the quantity of `--fold-over`."""
-    folds = result.fold_curve(name, low, high)
+    """Return where the first fold lies over the quantity of `--fold-over`; where there is none, say
+    so: the curve itself is an answer."""
+    try:
+        folds = result.fold_curve(name, low, high)
+    except InputError as error:
+        typer.echo(f"--fold-over {name}: {error}")
+        return {"second": [], "first": [], "name": name, "ends": []}
     return {
         "second": folds.second.tolist(),
         "first": folds.first.tolist(),

@@ -21,6 +21,13 @@ from .speeds import OperatingRange, Rated, operating_range
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
+# the kinds of plot that each option changes
+_KINDS = {
+    "--place": tuple(kind for kind in PLOTS if kind != "energy"),
+    "--speed": ("orbit", "spectrum"),
+    "--pp": ("bode", "polar", "cascade", "spectrum"),
+}
+
 
 @with_output_options
 def plot(
@@ -57,6 +64,9 @@ def plot(
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
         raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
+    for option, value in {"--place": place, "--speed": speed, "--pp": pp}.items():
+        if value and kind not in _KINDS[option]:
+            raise InputError(f"{option}: changes no plot {kind}, only {', '.join(_KINDS[option])}")
     at = None if speed is None else in_si("--speed", speed, "rad/s")
     if at == 0:
         raise InputError(f"--speed {speed}: must not be 0")
@@ -128,8 +138,22 @@ def report(
     --rated, and carries the check on into contact: where its response closes a clearance it is run
     up and down with its contacts.
     """
+    of_machine = {
+        "--range": operating,
+        "--rated": rated,
+        "--node": node,
+        "--mode": mode,
+        "--clearance": clearance,
+        "--stage": stage,
+        "--cross-coupling": cross_coupling,
+    }
     if rotor is None:
+        for option, value in of_machine.items():
+            if value is not None and value != []:
+                raise InputError(f"{option}: is of the report of a machine, which needs --rotor")
         return _report_of_runs(paths or [], is_live, units, out)
+    if is_live:
+        raise InputError("--live and --rotor: `rotor-fmu page` writes the page of a machine")
     if paths:
         raise InputError(f"{paths[0]} and --rotor: the report is of a run or of a machine")
     machine = machine_in_units(rotor, units)

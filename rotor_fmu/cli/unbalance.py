@@ -45,8 +45,9 @@ def unbalance(
         ),
     ] = None,
     factor: Annotated[
-        float, typer.Option(help="With --mode: multiple of the residual unbalance 4W/N.")
-    ] = 2.0,
+        float | None,
+        typer.Option(help="With --mode: multiple of the residual unbalance 4W/N; default: 2."),
+    ] = None,
     operating: OperatingRange = None,
     rated: Rated = None,
     clearance: Clearances = None,
@@ -65,14 +66,17 @@ def unbalance(
     gaps = clearances_of(clearance)
     if mode is not None and given:
         raise InputError("--mode and --unbalance: only one of both may place unbalances")
+    if mode is None and factor is not None:
+        raise InputError(f"--factor {factor:g}: needs --mode, whose unbalances it multiplies")
     if (mode is not None or gaps) and ends is None:
         raise InputError("--mode and --clearance: need the operating range, --range FROM:TO")
     check_nodes(machine, "--node", (*(node or []), *gaps))
     from ..linear import acceptance, answers
-    from ..model.linear import placed_unbalances
+    from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
 
     if mode is not None and ends is not None:
-        placed = placed_unbalances(machine, mode, ends[1], factor=factor, contacts=contacts)
+        times = FACTOR if factor is None else factor
+        placed = placed_unbalances(machine, mode, ends[1], factor=times, contacts=contacts)
         given = [(p.node, p.amount, p.phase) for p in placed]
     if len(speeds) == 0:
         speeds = usual_speeds(machine, contacts, ends, _POINTS)

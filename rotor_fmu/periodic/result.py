@@ -196,8 +196,10 @@ class ResponseResult:
         Raises `InputError` where there is no such fold or parameter.
         """
         folds = [b for b in self.bifurcations if b.kind == FOLD]
+        if not folds:
+            raise InputError("the curve has no smooth fold")
         if not 0 <= i < len(folds):
-            raise InputError(f"i = {i}: there are {len(folds)} folds")
+            raise InputError(f"i = {i}: must be from 0 to {len(folds) - 1}, a fold of the curve")
         check_names(self._found.rotor, {name: 0.0})
         try:
             return folds_over(self._found, folds[i], name, low, high)

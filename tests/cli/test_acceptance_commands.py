@@ -70,6 +70,16 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
             ["unbalance", "--range", "60:100Hz", "--mode", "1", "--factor", "nan"],
             "factor = nan: must be > 0 and finite",
         ),
+        (
+            ["unbalance", "--factor", "3"],
+            "--factor 3: needs --mode, whose unbalances it multiplies",
+        ),
+        (
+            ["report", "run", "--node", "2"],
+            "--node: is of the report of a machine, which n",
+        ),
+        (["report", "run", "--stage", "3:1kW:1:1:1"], "--stage: is of the report of a machine"),
+        (["report", "--rotor", COMPRESSOR, "--live"], "--live and --rotor: `rotor-fmu page` w"),
         (["unbalance", "--range", "60:50Hz"], "--range 60:50Hz: FROM must be below TO"),
         (["unbalance", "--range", "0:50Hz"], "--range 0:50Hz: must be FROM:TO, both above 0"),
         (["unbalance", "--rotor", COMPRESSOR, "--mode", "1"], "need the operating range"),

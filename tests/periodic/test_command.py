@@ -48,6 +48,17 @@ def test_that_the_laws_are_compiled_first_is_said(process, monkeypatch, compiles
     assert (said in done.stderr.splitlines()) == compiles
 
 
+def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process, tmp_path):
+    second = ("--fold-over", "contact[1].mu=0.01:0.1")
+    asked = ("--rotor", str(JEFFCOTT), "--speed", "100:110", *second, "--out", "out")
+    done = process("response", *asked)
+    assert done.returncode == 0
+    assert "--fold-over contact[1].mu: the curve has no smooth fold" in done.stdout.splitlines()
+    written = json.loads((tmp_path / "out" / "response.json").read_text())
+    assert written["folds"]["first"] == []
+    assert written["bifurcations"] == []
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
