@@ -242,10 +242,11 @@ def _meeting(
 
 
 def _growth(modes: Modes) -> float:
-    """Return the largest share of growth of a mode, Re lambda / |lambda|; of what does not
-    oscillate, its sign."""
+    """Return the largest share of growth of a mode that something holds, Re lambda / |lambda|; of
+    what does not oscillate, its sign."""
     growing = [1.0] if len(modes.growing) else []
-    return max([*(-modes.damping_ratio[modes.is_sound]), *growing], default=-1.0)
+    known = modes.is_sound & modes.is_held
+    return max([*(-modes.damping_ratio[known]), *growing], default=-1.0)
 
 
 def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:

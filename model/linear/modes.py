@@ -66,11 +66,19 @@ class Modes(Spectrum):
         return self.residuals <= DOUBTFUL
 
     @property
+    def is_held(self) -> np.ndarray:
+        """Which modes are faster than rounding makes those that nothing holds; shape (m,)."""
+        return self.natural > self._rounding
+
+    @property
     def growing(self) -> np.ndarray:
         """Those of `decays` that grow by more than rounding [1/s]: motions away from equilibrium
         that do not oscillate, as with a negative stiffness."""
-        highest = np.max([*self.natural, *np.abs(self.decays)], initial=0.0)
-        return self.decays[self.decays > _GROWING * highest]
+        return self.decays[self.decays > self._rounding]
+
+    @property
+    def _rounding(self) -> float:
+        return _GROWING * float(np.max([*self.natural, *np.abs(self.decays)], initial=0.0))
 
     @property
     def forwardness(self) -> np.ndarray:

@@ -279,6 +279,21 @@ def test_a_machine_that_nothing_holds_is_refused_but_for_its_modes():
     assert free.contacts == "open"
 
 
+def test_a_free_rotor_precesses_as_a_rigid_one_and_is_unstable_nowhere():
+    rotor = Rotor(STEEL, shaft(6), (Disc(4, 0.35, 0.07, bore=0.05),))
+    # mass, polar and diametral moment of inertia about the middle, of shaft and disc
+    inertias = []
+    for outer, inner, length in ((0.05, 0.0, 1.5), (0.35, 0.05, 0.07)):
+        mass = STEEL.density * math.pi / 4 * (outer**2 - inner**2) * length
+        square = (outer**2 + inner**2) / 4
+        inertias.append((mass * square / 2, mass * (3 * square + length**2) / 12))
+    polar, diametral = np.sum(inertias, axis=0)
+    turning = modes(rotor, 1.0)
+    (conical,) = turning.damped[turning.is_held][turning.damped[turning.is_held] < 2.0]
+    assert conical == pytest.approx(polar / diametral, rel=1e-4)
+    assert campbell(rotor, np.linspace(0.0, 60.0, 7)).threshold is None
+
+
 def test_impossible_wishes_are_refused():
     for wish in (
         lambda: modes(rig(), contacts="ajar"),
