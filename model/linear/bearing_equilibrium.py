@@ -1,8 +1,6 @@
 """A bearing with films, or a squeeze film damper, alone: where it rests under a load, and the mass
 that it carries without whirling."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence

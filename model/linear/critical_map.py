@@ -2,8 +2,6 @@
 bearings, all alike and isotropic, and the stiffness that the bearings have themselves.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 """A squeeze film damper alone: where its ring rests, its coefficients there, and what its film does
 as the ring orbits about the middle of its clearance."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

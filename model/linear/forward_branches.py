@@ -5,8 +5,6 @@ A mode is then no circle, and may whirl forward with one stiffness and backward 
 counts where it does not clearly whirl backward: unbalance drives what whirls either way.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -9,8 +9,6 @@ A clearance contact is open (as if it were not there), or pinned (the journal mo
 does). The laws of all other interfaces are linearized where gravity holds them at that speed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -39,6 +37,29 @@ _FAR = 1e9  # what is more than any displacement [m]
 _ABOVE = (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.4)
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
+
+
+class Undamped(NamedTuple):
+    """The undamped machine without the stiffness of its supports: real matrices of the unknowns,
+    shape (N, N), own_K without what the shaft's strain adds; the shaft's strains by the unknowns
+    and each element's flexibility; x, y of each support's displacement by the unknowns."""
+
+    M: np.ndarray
+    gyroscopic: np.ndarray
+    own_K: sp.csc_array
+    strained: sp.csr_array
+    flexibility: np.ndarray
+    across: sp.csr_array
+
+    def over_stiffness(self, matrix: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+        """Return K^-1 of a matrix, with the isotropic stiffness of each support, shape (supports,)
+        [N/m]; `LinearError` where nothing holds the machine."""
+        K = self.own_K + self.across.T @ sp.diags_array(np.repeat(stiffness, 2)) @ self.across
+        try:
+            solve = factorized(K, self.strained, self.flexibility)
+        except RuntimeError as error:
+            raise LinearError("the machine is not held by its bearings") from error
+        return solve(matrix.real)[0] + 1j * solve(matrix.imag)[0]
 
 
 class LinearMachine:
@@ -360,29 +381,6 @@ def lowest_speed(rotor: Rotor, top: float, contacts: str | None = None) -> float
         middle = math.sqrt(low * high)
         low, high = (low, middle) if is_carried(middle) else (middle, high)
     return high
-
-
-class Undamped(NamedTuple):
-    """The undamped machine without the stiffness of its supports: real matrices of the unknowns,
-    shape (N, N), own_K without what the shaft's strain adds; the shaft's strains by the unknowns
-    and each element's flexibility; x, y of each support's displacement by the unknowns."""
-
-    M: np.ndarray
-    gyroscopic: np.ndarray
-    own_K: sp.csc_array
-    strained: sp.csr_array
-    flexibility: np.ndarray
-    across: sp.csr_array
-
-    def over_stiffness(self, matrix: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
-        """Return K^-1 of a matrix, with the isotropic stiffness of each support, shape (supports,)
-        [N/m]; `LinearError` where nothing holds the machine."""
-        K = self.own_K + self.across.T @ sp.diags_array(np.repeat(stiffness, 2)) @ self.across
-        try:
-            solve = factorized(K, self.strained, self.flexibility)
-        except RuntimeError as error:
-            raise LinearError("the machine is not held by its bearings") from error
-        return solve(matrix.real)[0] + 1j * solve(matrix.imag)[0]
 
 
 def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:

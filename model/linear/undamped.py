@@ -8,8 +8,6 @@ so that all its synchronous critical speeds come from one eigenvalue problem, wi
 without G it gives the natural frequencies at standstill.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

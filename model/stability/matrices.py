@@ -1,7 +1,5 @@
 """The machine as x' = A x, its contacts open, as they carry it at rest, or closed and slipping."""
 
-from __future__ import annotations
-
 import math
 
 from ..kernels.band import add_product, solve

@@ -1,8 +1,6 @@
 """The arrays of the survey of growing whirls in a run's block: a long shaft's basis, and work
 arrays."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Messages about growing whirls: hidden by the integrator, or ended the run."""
 
-from __future__ import annotations
-
 OPEN, SLIPPING, AND = "all contacts open", " in contact and slipping", " and "
 REST = "the contacts as they carry the machine at rest"
 WAYS = ("forward", "backward")

@@ -9,8 +9,6 @@ real part there is dry whip. A smaller circle meets a softer wall; how the journ
 contact is not considered.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
