@@ -92,6 +92,15 @@ class Page:
             [{"type": "pointer", "id": "mouse", "parameters": kind, "actions": actions}]
         )
 
+    def double_click_until(self, condition, x, y):
+        """Click twice at a place of the window [px], and again where a loaded machine took both
+        clicks too far apart for a double click."""
+        end = time.monotonic() + PATIENCE
+        while not self.run(f"return {condition}"):
+            assert time.monotonic() < end, condition
+            self.mouse(x, y, "click", "click")
+            time.sleep(0.5)
+
     def wheel(self, x, y, turned):
         """Turn the wheel by so many pixels at a place of the window [px]."""
         turn = {
