@@ -192,11 +192,11 @@ def solve_pad(bearing, tables, kinematics, i, search):
         *(bearing, tables, i, search.tilt + search.by_tilt * y),
         search.rate + search.by_rate * y,
     )
-    return y, slope, _with_force_change(at, step * force_by_y)
+    return y, slope, with_force_change(at, step * force_by_y)
 
 
 @jit
-def _with_force_change(at, change):
+def with_force_change(at, change):
     """Return a `Balance` with its force changed."""
     return Balance(
         *(at.force + change, 0.0, at.p_d, at.q_d, at.p_v, at.q_v, at.g_d, at.g_v),
@@ -238,17 +238,6 @@ def search_with_inertia(bearing, kinematics, tilt, free, b, mass):
     return PadSearch(
         tilt, b, 0.0, 1.0, mass / b, free, scale, reach, negligible_force(bearing, scale)
     )
-
-
-@jit
-def search_at_rest(bearing, tables, kinematics, i):
-    """Return the `PadSearch` for the equilibrium of a pad, from the tilt on at which the journal is
-    opposite its pivot: a pad tilted so far that no pressure acts on it would stay."""
-    across = across_of(bearing, tables, i)
-    tilt = -(across.conjugate() * kinematics.displacement).real
-    negligible = negligible_force(bearing, speed_of(bearing, kinematics))
-    c = bearing.clearance
-    return PadSearch(tilt, 1.0, 0.0, 0.0, 0.0, 0.0, c, REACH * c, negligible)
 
 
 @jit

@@ -7,10 +7,13 @@ import numpy as np
 
 from ..kernels.kernel import interpreted
 from .law_probe import BY_D, LawProbe
+from .potential_rest import rest_in_potential
 
 _ITERATIONS, _CHANGE = 200, 1e-12  # of the clearance
 _NEAR = 1e-6  # of the clearance: a step no shorter than the last is of rounding then
 _SHARE = 0.1  # of the clearance, that a step of Newton's method moves the journal
+_LEFT = 1e-6  # of a load, that a film may bear more or less
+_CLOSE = 1e-5  # of the clearance: how far a rest is from where it was looked for
 
 
 class FilmProbe(LawProbe):
@@ -25,7 +28,7 @@ class FilmProbe(LawProbe):
 
     def equilibrium(self, load: complex, start: complex | None = None) -> complex | None:
         """Return the equilibrium of the journal under a load [N], by Newton's method from `start`
-        on [m]; None if none is found."""
+        on [m], or, on pads that tilt, by `rest_in_potential`; None if none is found."""
         c = self._part.clearance
         if self.speed == 0.0 and not self.is_centred(load):  # it rests on its wall, if there is one
             if load == 0.0:
@@ -36,6 +39,29 @@ class FilmProbe(LawProbe):
         turned = -1j if self.speed > 0 else 1j if self.speed < 0 else 0.0
         ahead = load / abs(load) if load != 0.0 else 0j
         d = 0.3 * c * ahead * (1.0 - turned) if start is None else start
+        found = self._by_newton(load, d)
+        if not getattr(self._part, "tilting", False) or self._balances(load, found):
+            return found
+        at_rest = rest_in_potential(self.force, load, c)
+        return at_rest if at_rest is None else self._near(load, at_rest)
+
+    def _balances(self, load: complex, d: complex | None) -> bool:
+        """Return whether the film bears a load [N] at a displacement: short steps to and fro are
+        not yet a balance."""
+        return d is not None and (load == 0.0 or abs(self.force(d) + load) <= _LEFT * abs(load))
+
+    def _near(self, load: complex, d: complex) -> complex:
+        """Return the equilibrium close to a displacement if Newton's method finds one, or else the
+        displacement: the journal may be free to move across the load there."""
+        found = self._by_newton(load, d)
+        if found is None or abs(found - d) > _CLOSE * self._part.clearance:
+            return d
+        return found if self._balances(load, found) else d
+
+    def _by_newton(self, load: complex, d: complex) -> complex | None:
+        """Return the equilibrium by Newton's method from a displacement on; None if it finds
+        none."""
+        c = self._part.clearance
         before = math.inf
         for _ in range(_ITERATIONS):
             left = self.force(d) + load

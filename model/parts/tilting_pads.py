@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..film.bearing_film import pad_count
+from ..film.pads_at_rest import search_at_rest
 from ..film.tilting_pads import (
     CONVERGED,
     ITERATIONS,
@@ -23,7 +24,6 @@ from ..film.tilting_pads import (
     next_iterate,
     on_pivot,
     pad_balance,
-    search_at_rest,
     search_with_inertia,
     search_without_inertia,
     set_pivot_displacement,
@@ -31,6 +31,7 @@ from ..film.tilting_pads import (
     solve_pad,
     speed_of,
     vibrating,
+    with_force_change,
 )
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import NOT_NEGATIVE, Output, quantity, switch
@@ -160,8 +161,10 @@ def _pad_motion(part, bearing, tables, kinematics, i, free, b):
         by = _by_pivot(at, search, slope, outwards, by_displacement, by_velocity)
         slope_of_pivot = (outwards.conjugate() * by).real - k * by_displacement
         ahead, low, high, reach = next_iterate(z, residual, slope_of_pivot, low, high, reach, scale)
-        is_found = abs(ahead - z) <= CONVERGED * scale
-        z = ahead
+        is_found = abs(ahead - z) <= CONVERGED * scale or high - low <= CONVERGED * scale
+        z = low if high - low <= CONVERGED * scale else ahead
+    if is_at_rest:  # it may bear at `low`, and nothing further on: its pivot says how much it does
+        at = with_force_change(at, residual * outwards)
     return PadMotion(search, y, slope, at, base + by_displacement * z, by_velocity * z)
 
 
