@@ -73,7 +73,7 @@ def study(
     A call that was stopped, for whatever reason, continues where it was; finished runs are not
     repeated.
     """
-    for module in ("filelock", "pyarrow", "SALib", "xarray"):
+    for module in ("pyarrow", "SALib", "xarray"):
         optional(module, "study", "study")
     definition = read_study(file, is_quick=is_quick)
     choose(units, definition.units)

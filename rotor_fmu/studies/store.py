@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError, RunFailed, optional, writable_folder
-from ..files import at_work
+from ..errors import InputError, RunFailed, writable_folder
+from ..files import only_call
 from ..output_options import write_json
 from .study import Result, Study, read_about
 
@@ -46,22 +46,14 @@ class Store:
 
     def __enter__(self) -> "Store":
         writable_folder(self._folder / "rows")
-        filelock = optional("filelock", "study", "study")
-        # on the file of this name: a lock of the system, which ends with the process that holds it
-        self._lock = filelock.FileLock(self._folder / "study.lock")
-        try:
-            self._lock.acquire(blocking=False)
-        except filelock.Timeout:
-            raise at_work(self._folder) from None
-        try:
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(only_call(self._folder / "study.lock"))
             self._begin()
-        except BaseException:
-            self._lock.release()
-            raise
+            self._lock = stack.pop_all()
         return self
 
     def __exit__(self, *reason: object) -> None:
-        self._lock.release()
+        self._lock.close()
 
     def _begin(self) -> None:
         self._refuse_another()
