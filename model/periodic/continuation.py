@@ -11,7 +11,7 @@ from . import arclength
 from .arclength import CurvePoint, NotConverged
 from .balance import Orbit
 from .branch import CLOSED, UNFINISHED, Branch, Solution, TracedPoint, Tracer, with_motion
-from .checkpoint import BranchStart, EndEvent, EventLog
+from .checkpoint import BranchStart, EndEvent, EventLog, StartEvent, Starts
 from .fourier import amplitudes, basis, repeated, resized, shifted
 from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
@@ -58,7 +58,7 @@ def start_at(
     directions = []
     for sign in (-1.0, 1.0) if direction == 0 else (direction,):
         point = arclength.with_tangent(problem, x, value, sign)
-        directions.append(np.append(point.tangent, point.tangent_value))
+        directions.append(point.direction)
     return start_along(problem, x, value, directions)
 
 
@@ -81,6 +81,22 @@ def start_along(
         directions,
         orbit,
     )
+
+
+def follow_all(search: BranchSearch, new: Starts) -> None:
+    """Follow the branches from starts, each before the next start is searched for."""
+    while True:
+        started = search.log.replay(StartEvent)
+        if started is None:
+            try:
+                started = StartEvent(next(new), [])
+            except StopIteration as end:
+                started = StartEvent(None, end.value)
+            search.log.add(started)
+        search.result.notes += started.notes
+        if started.start is None:
+            return
+        follow(search, started.start)
 
 
 def follow(search: BranchSearch, start: BranchStart) -> Branch:
