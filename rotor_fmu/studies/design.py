@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, check_one_of
 from ..units import in_si, split
 
 GRID = "grid"
@@ -280,10 +280,7 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: s
 
 def _distribution(where: str, table: Mapping[str, Any], unit: str) -> Distribution:
     kind = table["distribution"]
-    if kind not in DISTRIBUTIONS:
-        raise InputError(
-            f"{where}: distribution = {kind!r}: must be one of {', '.join(DISTRIBUTIONS)}"
-        )
+    check_one_of(f"{where}: distribution = {kind!r}", kind, DISTRIBUTIONS)
     needed = DISTRIBUTIONS[kind]
     parameters = {key: table[key] for key in table if key not in ("names", "distribution")}
     for key in needed:
