@@ -129,7 +129,8 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
             ended = search.log.add(EndEvent(why))
         ends[1] = ended.why
         if ended.why.startswith((LOST, UNFINISHED)):
-            at = f"{label} ends at {task.name} = ", _last_value(branch, start.value)
+            last = branch.points[-1].value if branch.points else start.value
+            at = f"{label} ends at {task.name} = ", last
             is_lost = ended.why.startswith(LOST)
             code = "branch-lost" if is_lost else "branch-unfinished"
             advice = "" if is_lost else "; ask for a longer step or a shorter range"
@@ -191,10 +192,6 @@ def _has_joined(branch: Branch, is_whirl: bool) -> bool:
     k = np.arange(1, 2 * turns + 1)
     odd = np.repeat((k % turns != 0) | is_whirl, 2)
     return float(np.sum(first[1:][odd] * second[1:][odd])) < 0
-
-
-def _last_value(branch: Branch, value: float) -> float:
-    return branch.points[-1].value if branch.points else value
 
 
 def _reverse(branch: Branch) -> None:

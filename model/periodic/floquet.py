@@ -204,7 +204,8 @@ def modal_basis(
     if len(mean):
         K[:b, :b] -= mean[:b, :b]
         D[:b, :b] -= mean[:b, b : 2 * b]
-    squares, shapes = _real_modes(M, K)
+    # of the symmetric part of K, mass-normalized
+    squares, shapes = scipy.linalg.eigh(0.5 * (K + K.T), M)
     slow = squares < (_KEPT * frequencies.highest) ** 2
     P, rest = shapes[:, slow], shapes[:, ~slow]
     n = P.shape[1]
@@ -230,11 +231,6 @@ def modal_basis(
     whole = np.zeros((2 * N, 2 * n + s))
     whole[:N, :n], whole[N:, n : 2 * n] = P, frequency * P
     return ModalBasis(roots, W, outputs @ vectors, R, whole @ vectors)
-
-
-def _real_modes(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the squared frequencies and the mass-normalized shapes of the symmetric part of K."""
-    return scipy.linalg.eigh(0.5 * (K + K.T), M)
 
 
 def _collocation(roots: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -42,7 +42,7 @@ def study_page(
     ]
     columns = [_head(column) for column in (*varied, *retained)]
     scales = {column["name"]: _shown_in(column["unit"])[0] for column in (*varied, *retained)}
-    values = {name: scale * _numbers(rows, name) for name, scale in scales.items()}
+    values = {n: scale * np.asarray(rows[n].to_numpy(), float) for n, scale in scales.items()}
     status = rows["status"].to_pylist()
     data = {
         "axes": axes,
@@ -76,10 +76,6 @@ def _shown_in(unit: str) -> Shown:
 def _head(column: Mapping[str, Any]) -> dict[str, str]:
     unit = _shown_in(column["unit"])[1]
     return {"name": column["name"], "unit": unit, "text": column["text"]}
-
-
-def _numbers(rows: "pyarrow.Table", name: str) -> np.ndarray:
-    return np.asarray(rows[name].to_numpy(), dtype=float)
 
 
 def _curves(
