@@ -102,7 +102,7 @@ def study_of(folder: Path, runs: int) -> Study:
 def alone(study: Study) -> Measured:
     """A loop in this process, warmed."""
     study.model.warm()
-    values = [study.design.settings(study.design.point(i)) for i in range(len(study.design))]
+    values = [study.design.values(i) for i in range(len(study.design))]
     begun, cpu = time.perf_counter(), time.process_time()
     for point in values:
         study.model.run(point)
@@ -113,7 +113,7 @@ def alone(study: Study) -> Measured:
 def readied(study: Study) -> float:
     """CPU time of making a machine ready for its run: assembly, rest, search for whirls [s]."""
     assert isinstance(study.model, MachineRuns)
-    values = [study.design.settings(study.design.point(i)) for i in range(len(study.design))]
+    values = [study.design.values(i) for i in range(len(study.design))]
     begun = time.process_time()
     for point in values:
         study.model._prepared(point, [], ())

@@ -179,11 +179,6 @@ def range_with_unit(low: float, high: float) -> str:
     return f"between {low * current().speed:.5g} and {speed_with_unit(high)}"
 
 
-def frequency_unit() -> str:
-    """Return the unit of frequencies beside speeds that are shown in Hz or rpm."""
-    return current().frequency_unit
-
-
 @contextmanager
 def restored() -> Iterator[None]:
     """Whatever units are chosen within are chosen for that long."""

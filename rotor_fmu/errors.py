@@ -4,7 +4,8 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -91,6 +92,20 @@ def optional(module: str, extra: str, what: str) -> Any:
         raise InputError(
             f"{what}: {package} is not installed: pip install 'rotor-fmu[{extra}]'"
         ) from None
+
+
+def check_one_of(
+    given: str, value: object, known: Collection[str], *, names_nearest: bool = False
+) -> None:
+    """Raise `InputError` for a value that is not among the known ones.
+
+    given: the value and what it is of, in the words of who gave it; names_nearest: whether the
+    message asks if the nearest one was meant.
+    """
+    if value not in known:
+        near = get_close_matches(str(value), known, 1) if names_nearest else ()
+        meant = f"; did you mean {near[0]}?" if near else ""
+        raise InputError(f"{given}: must be one of {', '.join(known)}{meant}")
 
 
 def writable_folder(path: Path) -> Path:

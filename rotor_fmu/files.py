@@ -49,10 +49,5 @@ def only_call(lock: Path) -> Iterator[None]:
             else:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise at_work(lock.parent) from None
+            raise InputError(f"--out {lock.parent}: another call is at work in it") from None
         yield
-
-
-def at_work(folder: Path) -> InputError:
-    """Return what is raised where another call writes to a folder."""
-    return InputError(f"--out {folder}: another call is at work in it")

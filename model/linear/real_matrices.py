@@ -106,8 +106,8 @@ class Between:
 
 
 def in_plane(z: np.ndarray) -> np.ndarray:
-    """Return x, y in turn of complex numbers, shape (2 n,)."""
-    return np.column_stack([z.real, z.imag]).ravel()
+    """Return x, y in turn of complex numbers, shape (..., n), in the shape (..., 2 n)."""
+    return np.stack([z.real, z.imag], axis=-1).reshape(*z.shape[:-1], 2 * z.shape[-1])
 
 
 def to_complex(u: np.ndarray) -> np.ndarray:

@@ -19,15 +19,12 @@ def film_in_plane(
     part: JournalBearing,
     speed: float,
     d: complex,
-    around: int = _AROUND,
-    along: int = _ALONG,
     tilts: Sequence[complex] | np.ndarray = (),
     viscosity: float | None = None,
 ) -> complex:
     """Return the film's force on a journal that rests at d [m] at a speed [rad/s], with its rupture
-    at grid points [N]; around: cells of a whole circle, along: of half the length; tilts: of pads
-    that tilt, their imaginary part how far the pivot gives [m]; viscosity [Pa.s], by default that
-    of the part, a constant."""
+    at grid points [N]; tilts: of pads that tilt, their imaginary part how far the pivot gives [m];
+    viscosity [Pa.s], by default that of the part, a constant."""
     if viscosity is None:
         assert not isinstance(part.viscosity, tuple)
         viscosity = part.viscosity
@@ -35,18 +32,16 @@ def film_in_plane(
     for i, row in enumerate(part.pad_rows()):
         at = np.array(row)
         tilt = 1j * complex(at[PAD.pivot_x], at[PAD.pivot_y]) * (tilts[i] if len(tilts) else 0.0)
-        force += _pad(part, at, viscosity * speed, d + tilt, around, along)
+        force += _pad(part, at, viscosity * speed, d + tilt)
     return force
 
 
-def _pad(
-    part: JournalBearing, row: np.ndarray, shear: float, d: complex, around: int, along: int
-) -> complex:
+def _pad(part: JournalBearing, row: np.ndarray, shear: float, d: complex) -> complex:
     """Return the force of a pad on the journal [N]; shear: viscosity times speed [Pa]."""
     first, last = row[PAD.first], row[PAD.last]
     is_whole = row[PAD.is_whole] > 0
-    n = around if is_whole else max(16, math.ceil(around * (last - first) / (2 * math.pi)))
-    step, width = (last - first) / n, 0.5 * part.length / along
+    n = _AROUND if is_whole else max(16, math.ceil(_AROUND * (last - first) / (2 * math.pi)))
+    step, width = (last - first) / n, 0.5 * part.length / _ALONG
     c = part.clearance * row[PAD.clearance]
     d = d + part.clearance * complex(row[PAD.x], row[PAD.y])
 
@@ -65,19 +60,19 @@ def _pad(
     if is_whole:
         circle[0, m - 1], circle[m - 1, 0] = -before[0], -behind[-1]
     across = sp.diags_array(
-        [np.full(along, 2.0), -np.ones(along - 1), -np.ones(along - 1)], offsets=[0, 1, -1]
+        [np.full(_ALONG, 2.0), -np.ones(_ALONG - 1), -np.ones(_ALONG - 1)], offsets=[0, 1, -1]
     ).tolil()
     across[0, 1] = -2.0
-    A = sp.kron(sp.eye_array(along), circle) + sp.kron(across, sp.diags_array(h**3 / width**2))
+    A = sp.kron(sp.eye_array(_ALONG), circle) + sp.kron(across, sp.diags_array(h**3 / width**2))
     source = 6 * shear * (np.exp(-1j * theta) * -1j * d).real
-    b = np.tile(source, along)
+    b = np.tile(source, _ALONG)
     if part.rupture == GUEMBEL:
         p = np.maximum(spsolve(A.tocsc(), b), -part.supply_pressure)
     else:
         p = _at_least_nothing(A.tocsr(), b)
-    weights = np.full(along, 2.0 * width)
+    weights = np.full(_ALONG, 2.0 * width)
     weights[0] = width
-    around_force = (p.reshape(along, m) * weights[:, None]).sum(axis=0) @ np.exp(1j * theta)
+    around_force = (p.reshape(_ALONG, m) * weights[:, None]).sum(axis=0) @ np.exp(1j * theta)
     return complex(-around_force * R * step)
 
 

@@ -171,14 +171,14 @@ def correct(
     value: float,
     plane: np.ndarray,
     scale: float,
-    before: np.ndarray,
-    iterations: int = _ITERATIONS,
+    before: np.ndarray | None = None,
 ) -> CurvePoint:
     """Return the point that Newton's method finds at right angles to `plane`; its tangent continues
-    in the direction of `before`. Raises `NotConverged`, also where the iteration leads to a value
-    that no machine can have."""
+    in the direction of `before`, by default that of `plane`. Raises `NotConverged`, also where the
+    iteration leads to a value that no machine can have."""
+    before = plane if before is None else before
     try:
-        return _newton_in_plane(equations, x, value, plane, scale, before, iterations)
+        return _newton_in_plane(equations, x, value, plane, scale, before)
     except QuantityError as error:
         raise NotConverged() from error
 
@@ -190,7 +190,6 @@ def _newton_in_plane(
     plane: np.ndarray,
     scale: float,
     before: np.ndarray,
-    iterations: int,
 ) -> CurvePoint:
     """Return the point that Newton's method finds at right angles to a plane."""
     x, corrections = x.copy(), []
@@ -198,7 +197,7 @@ def _newton_in_plane(
     bordered = np.zeros((n + 1, n + 1))
     right = np.zeros((n + 1, 2))
     limit = _LARGEST_CHANGE * (1.0 + float(np.linalg.norm(x)))
-    for _ in range(iterations):
+    for _ in range(_ITERATIONS):
         residual, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
         bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_parameter, plane
         right[:n, 0], right[n, 1] = -residual, 1.0
@@ -234,14 +233,9 @@ def step_along(
     plane = predictor = point.direction
     if len(point.curvature):
         predictor = plane + 0.5 * length * point.curvature
-    return correct(
-        equations,
-        point.x + length * predictor[:-1],
-        point.value + length * scale * predictor[-1],
-        plane,
-        scale,
-        plane,
-    )
+    x = point.x + length * predictor[:-1]
+    value = point.value + length * scale * predictor[-1]
+    return correct(equations, x, value, plane, scale)
 
 
 def trace(
@@ -327,15 +321,10 @@ def _beyond_corner(
         beyond = np.append(-_solve_linear(jacobian, by_parameter), 1.0)
         beyond /= np.linalg.norm(beyond)
         for direction in (beyond, -beyond):
+            x = point.x + length * direction[:-1]
+            value = point.value + length * scale * direction[-1]
             try:
-                result = correct(
-                    equations,
-                    point.x + length * direction[:-1],
-                    point.value + length * scale * direction[-1],
-                    direction,
-                    scale,
-                    direction,
-                )
+                result = correct(equations, x, value, direction, scale)
             except NotConverged:
                 continue
             chord = np.append(result.x - point.x, (result.value - point.value) / scale)

@@ -108,18 +108,15 @@ class HarmonicBalance:
         rows = np.concatenate([[size[0]], np.repeat(size[1:], 2)])
         self.row_scale = 1.0 / np.maximum(rows, 1e-9 * size.max(initial=1.0))
 
-    def modified(
-        self, H: int | None = None, reference: float | None = None, turns: int | None = None
-    ) -> "HarmonicBalance":
-        """Return the equations with another number of harmonics, reference value or length of the
-        period."""
+    def modified(self, H: int, reference: float | None = None) -> "HarmonicBalance":
+        """Return the equations with another number of harmonics, and another reference value."""
         other = HarmonicBalance(
             self.machine_at,
             self.parameter,
             self.reference if reference is None else reference,
-            self.H if H is None else H,
+            H,
             speed=self._speed,
-            turns=self.turns if turns is None else turns,
+            turns=self.turns,
             is_autonomous=self.is_autonomous,
             omega=self.omega_scale,
             state_scale=self.state_scale,

@@ -270,16 +270,6 @@ class Tracer:
                 result.append(crossed)
         return result
 
-    def _point_at(
-        self, problem: PeriodicEquations, before: CurvePoint, length: float
-    ) -> CurvePoint:
-        return arclength.step_along(problem, before, length, problem.parameter.scale)
-
-    def _distance(self, problem: PeriodicEquations, before: CurvePoint, after: CurvePoint) -> float:
-        scale = problem.parameter.scale
-        distance = after.x - before.x, (after.value - before.value) / scale
-        return float(before.tangent @ distance[0] + before.tangent_value * distance[1])
-
     def _locate_fold(
         self, problem: PeriodicEquations, before: CurvePoint, after: CurvePoint
     ) -> Bifurcation:
@@ -336,7 +326,9 @@ class Tracer:
     ) -> tuple[CurvePoint, bool]:
         """Return the root of a test function, by the Illinois method, and whether the function is
         smooth there."""
-        low, high = 0.0, self._distance(problem, before, after)
+        scale = problem.parameter.scale
+        along = before.tangent_value * ((after.value - before.value) / scale)
+        low, high = 0.0, float(before.tangent @ (after.x - before.x) + along)
         f_low, f_high = at_before, at_after
         whole = max(abs(f_low), abs(f_high))
         point, value, width = after, f_high, high
@@ -345,7 +337,7 @@ class Tracer:
             if not low < s < high:
                 s = 0.5 * (low + high)
             try:
-                point = self._point_at(problem, before, s)
+                point = arclength.step_along(problem, before, s, scale)
             except NotConverged:
                 break
             value = test(point)

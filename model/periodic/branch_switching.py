@@ -5,8 +5,6 @@ angles to v and to the branch that is left. For a period doubling v contains onl
 change sign from one period to the next; v and -v lead to the same motion, one period apart.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from ..message_templates import Message
@@ -14,8 +12,8 @@ from . import arclength
 from .arclength import CurvePoint, NotConverged
 from .balance import HarmonicBalance, Orbit
 from .branch import BRANCHING, DOUBLING, Bifurcation, Branch
-from .checkpoint import BranchStart, StartEvent
-from .continuation import BranchSearch, follow, is_known, start_along
+from .checkpoint import Starts
+from .continuation import BranchSearch, follow_all, is_known, start_along
 from .fourier import repeated
 from .method_switch import PeriodicEquations
 from .problem import Task
@@ -41,24 +39,10 @@ def follow_switched(search: BranchSearch) -> None:
                 text = f"there are more than {_MOST_BRANCHES} branches: not all were followed"
                 search.result.notes.append(Message(text, "few-branches"))
                 return
-            _follow_from(search, branch, bifurcation)
+            follow_all(search, _starts(search, branch, bifurcation))
 
 
-def _follow_from(search: BranchSearch, branch: Branch, bifurcation: Bifurcation) -> None:
-    """Follow the branches that begin at a bifurcation."""
-    new = _starts(search, branch, bifurcation)
-    while True:
-        started = search.log.replay(StartEvent)
-        if started is None:
-            started = search.log.add(StartEvent(next(new, None), []))
-        if started.start is None:
-            return
-        follow(search, started.start)
-
-
-def _starts(
-    search: BranchSearch, branch: Branch, bifurcation: Bifurcation
-) -> Iterator[BranchStart]:
+def _starts(search: BranchSearch, branch: Branch, bifurcation: Bifurcation) -> Starts:
     """Yield the starts of branches at a bifurcation that lie on no known branch."""
     task, orbit, value = search.result.task, bifurcation.orbit, bifurcation.value
     is_doubling = bifurcation.kind == DOUBLING
@@ -82,8 +66,8 @@ def _starts(
         if point is None:
             continue
         if not is_known(search.result.branches, problem.split(point.x, point.value), point.value):
-            direction = np.append(point.tangent, point.tangent_value)
-            yield start_along(problem, point.x, point.value, [direction])
+            yield start_along(problem, point.x, point.value, [point.direction])
+    return []
 
 
 def _equations_of(search: BranchSearch, orbit: Orbit, value: float) -> PeriodicEquations:
@@ -105,7 +89,7 @@ def _perturbed(
     for size in _PERTURBATIONS:
         far = value + size * scale * across[-1]
         try:
-            point = arclength.correct(problem, x + size * across[:-1], far, across, scale, across)
+            point = arclength.correct(problem, x + size * across[:-1], far, across, scale)
         except NotConverged:
             continue
         if task.low <= point.value <= task.high:

@@ -6,7 +6,7 @@ taken over unchanged.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
@@ -31,6 +31,9 @@ class BranchStart(NamedTuple):
     value: float
     directions: list[np.ndarray]
     orbit: Orbit | None = None
+
+
+Starts = Generator[BranchStart, None, list[Message]]  # notes for the user in the end
 
 
 class StartEvent(NamedTuple):

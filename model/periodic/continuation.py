@@ -11,7 +11,7 @@ from . import arclength
 from .arclength import CurvePoint, NotConverged
 from .balance import Orbit
 from .branch import CLOSED, UNFINISHED, Branch, Solution, TracedPoint, Tracer, with_motion
-from .checkpoint import BranchStart, EndEvent, EventLog
+from .checkpoint import BranchStart, EndEvent, EventLog, StartEvent, Starts
 from .fourier import amplitudes, basis, repeated, resized, shifted
 from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
@@ -58,7 +58,7 @@ def start_at(
     directions = []
     for sign in (-1.0, 1.0) if direction == 0 else (direction,):
         point = arclength.with_tangent(problem, x, value, sign)
-        directions.append(np.append(point.tangent, point.tangent_value))
+        directions.append(point.direction)
     return start_along(problem, x, value, directions)
 
 
@@ -81,6 +81,22 @@ def start_along(
         directions,
         orbit,
     )
+
+
+def follow_all(search: BranchSearch, new: Starts) -> None:
+    """Follow the branches from starts, each before the next start is searched for."""
+    while True:
+        started = search.log.replay(StartEvent)
+        if started is None:
+            try:
+                started = StartEvent(next(new), [])
+            except StopIteration as end:
+                started = StartEvent(None, end.value)
+            search.log.add(started)
+        search.result.notes += started.notes
+        if started.start is None:
+            return
+        follow(search, started.start)
 
 
 def follow(search: BranchSearch, start: BranchStart) -> Branch:
@@ -113,7 +129,8 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
             ended = search.log.add(EndEvent(why))
         ends[1] = ended.why
         if ended.why.startswith((LOST, UNFINISHED)):
-            at = f"{label} ends at {task.name} = ", _last_value(branch, start.value)
+            last = branch.points[-1].value if branch.points else start.value
+            at = f"{label} ends at {task.name} = ", last
             is_lost = ended.why.startswith(LOST)
             code = "branch-lost" if is_lost else "branch-unfinished"
             advice = "" if is_lost else "; ask for a longer step or a shorter range"
@@ -175,10 +192,6 @@ def _has_joined(branch: Branch, is_whirl: bool) -> bool:
     k = np.arange(1, 2 * turns + 1)
     odd = np.repeat((k % turns != 0) | is_whirl, 2)
     return float(np.sum(first[1:][odd] * second[1:][odd])) < 0
-
-
-def _last_value(branch: Branch, value: float) -> float:
-    return branch.points[-1].value if branch.points else value
 
 
 def _reverse(branch: Branch) -> None:

@@ -23,9 +23,9 @@ from .force_corners import crossings
 from .fourier import basis
 from .laws import ForcesAndTangents
 from .linear_structure import CondensedMachine
+from .mesh import POINTS
 
-_C = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
-_SAMPLED = np.array([*_C[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
+_SAMPLED = np.array([*POINTS[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
 _LEAST, _MOST = 96, 1024  # steps a turn
 _KEPT = 200.0  # modes up to so many times the highest frequency of the orbit are kept
 
@@ -137,7 +137,7 @@ def _sorted(values: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def quadrature_weights() -> np.ndarray:
     """Return the weights of the three points of a step in its mean."""
-    powers = np.array([_C**p for p in range(3)])
+    powers = np.array([POINTS**p for p in range(3)])
     return np.linalg.solve(powers, 1.0 / np.arange(1, 4))
 
 
@@ -204,7 +204,8 @@ def modal_basis(
     if len(mean):
         K[:b, :b] -= mean[:b, :b]
         D[:b, :b] -= mean[:b, b : 2 * b]
-    squares, shapes = _real_modes(M, K)
+    # of the symmetric part of K, mass-normalized
+    squares, shapes = scipy.linalg.eigh(0.5 * (K + K.T), M)
     slow = squares < (_KEPT * frequencies.highest) ** 2
     P, rest = shapes[:, slow], shapes[:, ~slow]
     n = P.shape[1]
@@ -232,11 +233,6 @@ def modal_basis(
     return ModalBasis(roots, W, outputs @ vectors, R, whole @ vectors)
 
 
-def _real_modes(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the squared frequencies and the mass-normalized shapes of the symmetric part of K."""
-    return scipy.linalg.eigh(0.5 * (K + K.T), M)
-
-
 def _collocation(roots: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return for Radau IIA steps of lengths h [s], shape (l,), the growth of each mode at the three
     points, shape (l, 3, modes), and the weights of the forces at the points, shape (l, 3, 3, modes)
@@ -244,8 +240,8 @@ def _collocation(roots: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
     Both follow from (1 - z a)^-1, z = h root, by its adjugate 1 - z (tr a - a) + z^2 adj a.
     """
-    powers = np.array([_C**p for p in range(3)])
-    integrals = np.array([_C ** (p + 1) / (p + 1) for p in range(3)])
+    powers = np.array([POINTS**p for p in range(3)])
+    integrals = np.array([POINTS ** (p + 1) / (p + 1) for p in range(3)])
     a = integrals.T @ np.linalg.inv(powers).T
     trace, det, one = np.trace(a), np.linalg.det(a), np.eye(3)
     adjugate = det * np.linalg.inv(a)

@@ -2,6 +2,7 @@
 they are far below the accuracy."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,14 +49,21 @@ def _with_more(
     """Return equations and point with `factor` times the harmonics; raises `NotConverged`."""
     H = min(accuracy.most, math.ceil(factor * problem.H) + problem.turns)
     other = problem.modified(H, reference=point.value)
+    return other, _solved_by(other, problem, point, keeps_value)
+
+
+def _solved_by(
+    other: HarmonicBalance, problem: HarmonicBalance, point: CurvePoint, keeps_value: bool = False
+) -> CurvePoint:
+    """Return a point of the equations `problem` as one of the equations `other`, with another
+    number of harmonics; raises `NotConverged`."""
     before = _converted_direction(problem, point.direction, other)
     before /= np.linalg.norm(before)
     plane = np.append(np.zeros(len(before) - 1), 1.0) if keeps_value else before
-    result = arclength.correct(
-        other, problem.converted(point.x, other), point.value, plane, other.parameter.scale, before
-    )
+    x = problem.converted(point.x, other)
+    result = arclength.correct(other, x, point.value, plane, other.parameter.scale, before)
     curvature = _converted_direction(problem, point.curvature, other)
-    return other, result._replace(corrections=point.corrections, curvature=curvature)
+    return result._replace(corrections=point.corrections, curvature=curvature)
 
 
 def _converted_direction(
@@ -77,19 +85,6 @@ def with_fewer_harmonics(
     if H < problem.H and problem.last_share(point.x) < 1e-3 * accuracy.share:
         other = problem.modified(H, reference=point.value)
         if other.last_share(problem.converted(point.x, other)) < 0.1 * accuracy.share:
-            before = _converted_direction(problem, point.direction, other)
-            before /= np.linalg.norm(before)
-            try:
-                result = arclength.correct(
-                    other,
-                    problem.converted(point.x, other),
-                    point.value,
-                    before,
-                    other.parameter.scale,
-                    before,
-                )
-            except NotConverged:
-                return problem, point
-            curvature = _converted_direction(problem, point.curvature, other)
-            return other, result._replace(corrections=point.corrections, curvature=curvature)
+            with suppress(NotConverged):
+                return other, _solved_by(other, problem, point)
     return problem, point

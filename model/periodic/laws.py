@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import backend
+from ..linear.real_matrices import in_plane
 from ..parts import LAWS
 from ..parts.law_probe import BY_D, BY_V
 from ..parts.linear_bearing import LINEAR_BEARING
@@ -184,14 +185,8 @@ class LawsAlongMotion:
         at.call_laws(*weights, float(speed))
         p, q = samples.p[0], samples.q[0]
         tangent = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
-        return _plane(samples.force), tangent.transpose(3, 2, 0, 1), samples.rates.copy()
+        return in_plane(samples.force.T), tangent.transpose(3, 2, 0, 1), samples.rates.copy()
 
 
 def _complex(d: np.ndarray) -> np.ndarray:
     return (d[:, ::2] + 1j * d[:, 1::2]).T
-
-
-def _plane(z: np.ndarray) -> np.ndarray:
-    out = np.empty((z.shape[1], 2 * len(z)))
-    out[:, ::2], out[:, 1::2] = z.T.real, z.T.imag
-    return out

@@ -40,6 +40,11 @@ class DynamicStiffness(NamedTuple):
     r_of_loads: np.ndarray
     r_by_b: np.ndarray
 
+    def whole(self, b: np.ndarray) -> np.ndarray:
+        """Return all coordinates (b, r) from amplitudes b, shape (H + 1, b)."""
+        r = self.r_of_loads - np.einsum("krb,kb->kr", self.r_by_b, b)
+        return np.concatenate([b, r], axis=1)
+
 
 class CondensedMachine:
     """A machine whose linear part is condensed to its nonlinear interfaces.
@@ -183,8 +188,7 @@ class CondensedMachine:
     def expanded(self, parts: DynamicStiffness, b: np.ndarray) -> np.ndarray:
         """Return all displacements from complex amplitudes b, shape (H + 1, b): x and y of every
         dof and housing in turn, complex, shape (H + 1, 2 size)."""
-        r = parts.r_of_loads - np.einsum("krb,kb->kr", parts.r_by_b, b)
-        return np.concatenate([b, r], axis=1) @ (self.machine.expand @ self._T).T
+        return parts.whole(b) @ (self.machine.expand @ self._T).T
 
     def tangents_in_b(self, by: np.ndarray) -> np.ndarray:
         """Return the tangents of the interfaces, shape (n, m, 2, 2), in the coordinates b, shape

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..linear.real_matrices import in_plane
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from ..simulation import Simulation
@@ -81,7 +82,7 @@ def _path(
     states by linear interpolation."""
     t, step = samples.t, samples.t[1] - samples.t[0]
     places = machine.state_places
-    d, v = (_plane(z[:, machine.is_nonlinear]) for z in (samples.d, samples.v))
+    d, v = (in_plane(z[:, machine.is_nonlinear]) for z in (samples.d, samples.v))
     states = samples.states[:, places]
 
     def at(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -97,9 +98,3 @@ def _path(
     state_scale = np.maximum(np.abs(states).max(axis=0, initial=0.0), 1e-9)
     highest = 2 * np.pi / (_RESOLVED * step)
     return MotionPath(at, Frequencies(speed, abs(speed), max(highest, abs(speed))), state_scale)
-
-
-def _plane(z: np.ndarray) -> np.ndarray:
-    out = np.empty((len(z), 2 * z.shape[1]))
-    out[:, ::2], out[:, 1::2] = z.real, z.imag
-    return out

@@ -14,7 +14,7 @@ from .force_corners import crossings
 from .linear_structure import CondensedMachine
 
 POINTS = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
-_COARSEST, _FINEST = 6, 13  # halvings of the period
+_COARSEST, _UNIFORM, _FINEST = 6, 9, 13  # halvings of the period
 _MISSED_IMPULSE = 3e-6  # that a parabola may miss in a step, as a share of the period's
 _FINER, _COARSER = 3, 1  # halvings at once
 _CORNER_SAMPLES = 2048  # instants at which corners are looked for
@@ -25,9 +25,9 @@ _BACK = np.array(
 )
 
 
-def uniform_mesh(halvings: int = 9) -> np.ndarray:
+def uniform_mesh() -> np.ndarray:
     """Return a uniform mesh of the period, as fractions of it."""
-    return np.linspace(0.0, 1.0, 2**halvings + 1)
+    return np.linspace(0.0, 1.0, 2**_UNIFORM + 1)
 
 
 def refined_mesh(ends: np.ndarray, which: np.ndarray) -> np.ndarray:

@@ -63,4 +63,4 @@ def _transferred(
     x = other.join(orbit)
     plane = np.append((other.join(ahead) - x) / _AHEAD, point.tangent_value)
     plane /= np.linalg.norm(plane)
-    return arclength.correct(other, x, point.value, plane, scale, plane)
+    return arclength.correct(other, x, point.value, plane, scale)

@@ -2,7 +2,6 @@
 the range and from seeds."""
 
 import math
-from collections.abc import Generator
 
 import numpy as np
 
@@ -14,8 +13,8 @@ from .arclength import CurvePoint, NotConverged
 from .balance import HarmonicBalance, Orbit
 from .branch import Branch, solution
 from .branch_switching import follow_switched
-from .checkpoint import BranchStart, EventLog, StartEvent
-from .continuation import LOST, BranchSearch, ReportPoint, follow, is_known, start_at
+from .checkpoint import EventLog, Starts
+from .continuation import LOST, BranchSearch, ReportPoint, follow, follow_all, is_known, start_at
 from .method_switch import PeriodicEquations
 from .problem import SPEED, Machines, Note, PeriodicError, Response, Task, check, machines_of
 from .self_excited import growing_whirls, rolling_whirls
@@ -89,26 +88,7 @@ def _from_ends(search: BranchSearch) -> None:
                 (s, 0.0) for s in _beyond_lost_ends(search.result) if s not in {v for v, _ in todo}
             ]
         is_seed = value in task.seeds and direction == 0
-        _follow_all(search, _starts_at(search, value, direction, is_seed))
-
-
-Notes = list[Message]
-
-
-def _follow_all(search: BranchSearch, new: Generator[BranchStart, None, Notes]) -> None:
-    """Follow the branches from starts, each before the next start is searched for."""
-    while True:
-        started = search.log.replay(StartEvent)
-        if started is None:
-            try:
-                started = StartEvent(next(new), [])
-            except StopIteration as end:
-                started = StartEvent(None, end.value)
-            search.log.add(started)
-        search.result.notes += started.notes
-        if started.start is None:
-            return
-        follow(search, started.start)
+        follow_all(search, _starts_at(search, value, direction, is_seed))
 
 
 def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
@@ -133,7 +113,7 @@ def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
 def _from_whirls(search: BranchSearch) -> None:
     """Follow whirls that roll along a wall or grow from rest, from the ends of the range, its
     middle, and the seeds."""
-    _follow_all(search, _whirl_starts(search))
+    follow_all(search, _whirl_starts(search))
     if not search.result.branches:
         text = (
             "no whirl was found that rolls along a wall or grows from rest: friction or speed may "
@@ -142,7 +122,7 @@ def _from_whirls(search: BranchSearch) -> None:
         search.result.notes.append(Message(text, "no-motion"))
 
 
-def _whirl_starts(search: BranchSearch) -> Generator[BranchStart, None, Notes]:
+def _whirl_starts(search: BranchSearch) -> Starts:
     task, machines = search.result.task, search.machines
     for value in (*task.seeds, 0.5 * (task.low + task.high), task.high, task.low):
         speed = task.speed_at(value)
@@ -190,13 +170,11 @@ def _beyond_lost_ends(result: Response) -> list[float]:
     return outcome
 
 
-def _starts_at(
-    search: BranchSearch, value: float, direction: float, is_seed: bool
-) -> Generator[BranchStart, None, Notes]:
+def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bool) -> Starts:
     """Yield starts at motions through which no branch passes yet: the first one found, at a seed
     all of them."""
     result, task, machines = search.result, search.result.task, search.machines
-    notes: Notes = []
+    notes: list[Message] = []
     is_found = is_new = False
     for guess in guesses(result.rotor, task, machines, value, is_seed, notes):
         H = min(max(guess.H, task.accuracy.least), task.accuracy.most)

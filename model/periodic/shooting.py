@@ -304,8 +304,7 @@ class Shooting:
         """Return the unknowns of an orbit with any number of harmonics."""
         machine = self.machine_at(orbit.parameter)
         parts = machine.dynamic_stiffness(orbit.omega, orbit.speed, orbit.H, self.turns)
-        b = amplitudes(orbit.b)
-        q = np.hstack([b, parts.r_of_loads - np.einsum("krb,kb->kr", parts.r_by_b, b)])
+        q = parts.whole(amplitudes(orbit.b))
         v = 1j * orbit.omega * np.arange(len(q))[:, None] * q
         return self._weights * np.concatenate([each.sum(axis=0).real for each in (q, v)])
 

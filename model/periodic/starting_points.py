@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..linear.real_matrices import in_plane, to_complex
 from ..machine.rotor import Rotor
 from ..message_templates import Message
 from ..settings import choose
@@ -120,12 +121,9 @@ def _recorded_period(
         states[t] = run.motion.internal_state
     angles = 2 * math.pi * np.arange(n) / n + phase / turns
     value, _ = basis(min(H, n // 3), angles)
-    plane = np.empty((n, 2 * machine.laws.count))
-    plane[:, ::2], plane[:, 1::2] = d.real, d.imag
     P = projection(value)
-    return Orbit(
-        P @ machine.b_of_displacements(plane), P @ states, speed / turns, turns, speed, speed
-    )
+    b = P @ machine.b_of_displacements(in_plane(d))
+    return Orbit(b, P @ states, speed / turns, turns, speed, speed)
 
 
 def integrate_from_orbit(
@@ -165,7 +163,6 @@ def _set_motion(
     state = run.motion
     factor = 1j * orbit.omega * np.arange(len(motion))[:, None]
     for target, power in ((state.q, 0), (state.v, 1), (state.a, 2), (state.v_dot, 2)):
-        plane = (factor**power * motion).sum(axis=0).real
-        target[:] = plane[::2] + 1j * plane[1::2]
+        target[:] = to_complex((factor**power * motion).sum(axis=0).real)
     series = amplitudes(orbit.states).real.sum(axis=0)
     state.internal_state[machine.state_places] = series

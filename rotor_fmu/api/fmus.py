@@ -4,7 +4,7 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..errors import InputError
+from ..errors import InputError, check_one_of
 from ..model.simulation import warn
 from ..run_status import messages_and_codes
 from ..runs.recording import Recording
@@ -84,8 +84,7 @@ def build_fmu(
     options = ("is_native", "is_source", "platforms")
     kind.check(f"fmi = {fmi}", chosen_step, platforms or (), options)
     for name in platforms or ():
-        if name not in kind.platforms:
-            raise InputError(f"platforms: {name!r}: must be one of {', '.join(kind.platforms)}")
+        check_one_of(f"platforms: {name!r}", name, kind.platforms)
     try:
         given = [f"{name}={value}" for name, value in (parameters or {}).items()]
         starts = parse_starts(machine.rotor, is_free, given)

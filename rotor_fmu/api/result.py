@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import check_one_of
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..plotting.notebook import png, shown
@@ -201,8 +201,7 @@ class Result(RecordedSignals):
         from ..run_pictures.signal_plots import KINDS
         from ..run_pictures.view import View
 
-        if kind not in KINDS:
-            raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
+        check_one_of(f"kind = {kind!r}", kind, KINDS)
         return shown(KINDS[kind](View(self.recording, place, speed, is_pp)))
 
     def _signal(self, place: str | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, check_one_of
 from ..fmi.interface import interface
 from ..fmi.variables import Variable
 from ..model.settings import PRESETS
@@ -143,8 +143,7 @@ def plan(
         raise InputError(f"step = {step} s: must be > 0 and at most stop = {stop:g} s")
     given: dict[str, float | str] = dict(parameters or {})
     if preset is not None:
-        if preset not in PRESETS:
-            raise InputError(f"preset = {preset!r}: must be one of {', '.join(PRESETS)}")
+        check_one_of(f"preset = {preset!r}", preset, PRESETS)
         given["solver.preset"] = preset
     if tolerance is not None:
         given["solver.tolerance"] = tolerance

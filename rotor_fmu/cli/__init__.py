@@ -14,7 +14,7 @@ from ..errors import run
 from ..threads import ONE_THREAD
 
 _PACKAGE = Path(__file__).parent
-# command: module beside this one and the function, or group of commands, in it
+# command: module beside this one and the function in it
 _RUNS, _FMU, _LINEAR = "Runs", "FMUs", "Machines"
 COMMANDS = {
     _RUNS: {
@@ -92,24 +92,19 @@ def _no_type(ctx: Any) -> None:
 
 
 def _summary(place: str) -> str:
-    """Return the first sentence of a command's docstring, or a group's help, without importing its
-    module."""
+    """Return the first sentence of a command's docstring without importing its module."""
     module, _, attribute = place.partition(":")
     tree = ast.parse(_PACKAGE.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8"))
-    for node in tree.body:
-        if isinstance(node, ast.FunctionDef) and node.name == attribute:
-            text = ast.get_docstring(node) or ""
-            return " ".join(text.split("\n\n")[0].split())
-    return " ".join((ast.get_docstring(tree) or "").split(": ", 1)[-1].split())
+    functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
+    text = ast.get_docstring(next(f for f in functions if f.name == attribute)) or ""
+    return " ".join(text.split("\n\n")[0].split())
 
 
 def _loaded(name: str) -> Any:
     module, _, attribute = _PLACES[name].partition(":")
-    result = getattr(import_module(f".{module}", __package__), attribute)
-    if not isinstance(result, typer.Typer):
-        function, result = result, typer.Typer(add_completion=False)
-        result.command(name, cls=_Command)(function)
-    command = typer.main.get_command(result)
+    alone = typer.Typer(add_completion=False)
+    alone.command(name, cls=_Command)(getattr(import_module(f".{module}", __package__), attribute))
+    command = typer.main.get_command(alone)
     command.name = name
     paragraphs = (command.help or "").split("\n\n")
     command.help = "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from ..errors import InputError, writable_folder
+from ..errors import InputError, check_one_of, writable_folder
 from ..files import write_text
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options
@@ -95,8 +95,7 @@ def _result(
             "or [[floating_ring_bearing]]"
         )
     chosen = name or next(iter(known))
-    if chosen not in known:
-        raise InputError(f"--bearing {chosen}: must be one of {', '.join(known)}")
+    check_one_of(f"--bearing {chosen}", chosen, known)
     kind = type(known[chosen])
     is_damper = kind is SqueezeFilmDamper
     if loads is not None and not (loads >= 0.0 if is_damper else loads > 0.0).all():

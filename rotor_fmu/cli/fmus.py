@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import InputError, writable_folder
+from ..errors import InputError, check_one_of, writable_folder
 from ..fmi.packing.python_fmu import SYSTEMS
 from ..library.build import library
 from ..library.platforms import COMPONENT, DRAFT, LIBRARIES, PLATFORMS, WASM
@@ -138,6 +138,5 @@ def _known(platforms: list[str] | None, allowed: tuple[str, ...]) -> list[str]:
         raise InputError("--platform here: there is no library for this machine")
     platforms = [mine if name == "here" and mine else name for name in platforms or ()]
     for name in platforms:
-        if name not in allowed:
-            raise InputError(f"--platform {name}: must be one of {', '.join(allowed)}")
+        check_one_of(f"--platform {name}", name, allowed)
     return platforms

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from difflib import get_close_matches
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import InputError, writable_folder
+from ..errors import InputError, check_one_of, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 
@@ -55,10 +54,7 @@ def example(
             title = folder.joinpath("README.md").read_text("utf-8").splitlines()[0].lstrip("# ")
             typer.echo(f"{folder.name:20s} {title}")
         return
-    if name not in known:
-        near = get_close_matches(name, known, 1)
-        meant = f"; did you mean {near[0]}?" if near else ""
-        raise InputError(f"example {name}: must be one of {', '.join(known)}{meant}")
+    check_one_of(f"example {name}", name, known, names_nearest=True)
     if out is not None:
         _copy(known[name], writable_folder(out) / name)
         return

@@ -172,23 +172,14 @@ def write_response(
     result: "ResponseResult", name: str, summary: dict[str, Any], folder: Path
 ) -> None:
     """Write the picture, the page and the numbers of a response; name: of the machine."""
+    from ..periodic.response_page import response_page
     from ..plotting.figure_style import save
+    from ..report.run_page import write_page
 
     if result.points:
         save(result.figure(), folder / "response.png")
-        _write_page(result, name, folder / "response.html")
+        write_page(lambda: response_page(result, name), folder / "response.html")
     write_json(summary, folder / "response.json")
-
-
-def _write_page(result: "ResponseResult", name: str, path: Path) -> None:
-    """Write the page; where what draws it is not installed a warning says so instead."""
-    from ..files import write_text
-    from ..periodic.response_page import response_page
-
-    try:
-        write_text(response_page(result, name), path)
-    except InputError as error:
-        print(f"warning: {path.name} is not written: {error}", file=sys.stderr)
 
 
 @contextmanager

@@ -73,12 +73,15 @@ def study(
     A call that was stopped, for whatever reason, continues where it was; finished runs are not
     repeated.
     """
-    _need_extra()
+    for module in ("pyarrow", "SALib", "xarray"):
+        optional(module, "study", "study")
     definition = read_study(file, is_quick=is_quick)
     choose(units, definition.units)
     where = _where(jobs, scheduler, cluster)
     if is_drawn:
-        _check_diagram(definition)
+        from ..machine_studies.diagram import sections_of
+
+        sections_of(definition)  # refuses a study of which there is no diagram
     if select:
         return _select(definition, select, out)
     with _progress_bar(definition) as report:
@@ -94,11 +97,6 @@ def study(
     if is_drawn:
         figures["diagrams"] = _draw(definition, out)
     return figures
-
-
-def _need_extra() -> None:
-    for module in ("filelock", "pyarrow", "SALib", "xarray"):
-        optional(module, "study", "study")
 
 
 def _where(jobs: int | None, scheduler: str, cluster: str) -> ExecutorConfig:
@@ -250,13 +248,6 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
     return report
 
 
-def _check_diagram(definition: Study) -> None:
-    """Raise `InputError` for a study of which there is no diagram."""
-    from ..machine_studies.diagram import sections_of
-
-    sections_of(definition)
-
-
 def _draw(definition: Study, out: Path) -> list[str]:
     """Draw the bifurcation diagrams of a study."""
     from ..machine_studies.diagram import diagrams
@@ -285,42 +276,32 @@ def _counted(result: dict[str, Any]) -> str:
 
 
 def _select(definition: Study, select: str, out: Path) -> dict[str, Any]:
-    """Make one run again with all its signals, in a folder of its own."""
+    """Make one run again in a folder of its own: with all its signals, of a response with its
+    picture, page and numbers."""
     from ..output_options import write_json
 
     model = definition.model
     if not isinstance(model, MachineRuns):
         raise InputError("--select: only of a machine's runs")
+    number = _number_of(definition, select)
+    values = definition.design.values(number)
+    run_id = definition.row_id(values)
+    folder = writable_folder(out / "runs" / run_id)
+    about: dict[str, Any] = {"run": number, "id": run_id}
     if isinstance(model, ResponseRuns):
-        return _select_response(definition, model, select, out)
-    number = _number_of(definition, select)
-    values = definition.design.settings(definition.design.point(number))
-    run_id = definition.row_id(values)
-    recording = model.record(values)
-    folder = writable_folder(out / "runs" / run_id)
-    recording.save(folder / "recording.npz")
-    about = {"run": number, "id": run_id, "status": recording.about["status"], "values": values}
-    about["messages"] = recording.about["messages"]
-    write_json(about, folder / "summary.json")
-    typer.echo(f"run {number}, {run_id}: {recording.about['status']}")
-    typer.echo(f"written to {folder}")
-    return about | {"out": str(folder)}
+        from .periodic import write_response
 
-
-def _select_response(
-    definition: Study, model: ResponseRuns, select: str, out: Path
-) -> dict[str, Any]:
-    """Make one response again with its picture, page and numbers, in a folder of its own."""
-    from .periodic import write_response
-
-    number = _number_of(definition, select)
-    values = definition.design.settings(definition.design.point(number))
-    run_id = definition.row_id(values)
-    folder = writable_folder(out / "runs" / run_id)
-    result = model.response(values)
-    about = {"run": number, "id": run_id, "values": values}
-    write_response(result, f"{definition.name}, run {number}", about | result.summary, folder)
-    typer.echo(result.table().text())
+        result = model.response(values)
+        about |= {"values": values}
+        write_response(result, f"{definition.name}, run {number}", about | result.summary, folder)
+        typer.echo(result.table().text())
+    else:
+        recording = model.record(values)
+        recording.save(folder / "recording.npz")
+        status, messages = recording.about["status"], recording.about["messages"]
+        about |= {"status": status, "values": values, "messages": messages}
+        write_json(about, folder / "summary.json")
+        typer.echo(f"run {number}, {run_id}: {status}")
     typer.echo(f"written to {folder}")
     return about | {"out": str(folder)}
 
@@ -330,7 +311,7 @@ def _number_of(definition: Study, select: str) -> int:
     if select.isdecimal() and int(select) < len(design):
         return int(select)
     for number in range(len(design)):
-        if definition.row_id(design.settings(design.point(number))) == select:
+        if definition.row_id(design.values(number)) == select:
             return number
     raise InputError(
         f"--select {select}: no run of this study has that id; numbers go to {len(design) - 1}"

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ..cosimulation import ALGORITHMS
-from ..errors import InputError, writable_folder
+from ..errors import InputError, check_one_of, writable_folder
 from ..model.kernels.library import here
 from ..output_options import with_output_options
 from ..units import in_si
@@ -77,8 +77,7 @@ def ssp(
     ):
         if not 0 < value <= most:
             raise InputError(f"{name} {value:g}: must be > 0 and at most {most:g}")
-    if algorithm not in ALGORITHMS:
-        raise InputError(f"--algorithm {algorithm}: must be one of {', '.join(ALGORITHMS)}")
+    check_one_of(f"--algorithm {algorithm}", algorithm, ALGORITHMS)
     platform = here()
     if is_native and platform is None:
         raise InputError("--native: there is no library for this machine")

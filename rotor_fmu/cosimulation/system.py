@@ -4,7 +4,7 @@ terminals and units, parameters as SSV), and OSP's system structure with power b
 Neither holds the solver's enumerations: libcosim does not support them and aborts.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from xml.etree.ElementTree import Element, SubElement, register_namespace
 from ..fmi.packing.archive import write_archive, xml_bytes
 from ..fmi.packing.machine_files import Machine
 from ..fmi.terminals import SHAFT, Terminal, shaft_terminal, terminals_element, terminals_of
-from ..fmi.variables import Unit, Variable, unit
+from ..fmi.variables import Variable, unit
 from ..model.structure.assembly import assemble
 from . import ALGORITHMS
 
@@ -116,10 +116,8 @@ class System:
                     endElement=end,
                     endConnector=taken,
                 )
-        used = (unit(v.unit) for c in self.components for v in c.connectable() if v.kind == "Real")
-        units = _sub(root, "ssd:Units")
-        for each in dict.fromkeys(u.name for u in used):
-            _add_unit(units, unit(each))
+        used = [v for c in self.components for v in c.connectable()]
+        _add_units(_sub(root, "ssd:Units"), used)
         experiment = _sub(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(self.stop))
         annotations = _sub(experiment, "ssd:Annotations")
         annotation = _sub(annotations, "ssc:Annotation", type="com.opensimulationplatform")
@@ -183,10 +181,7 @@ def ssv(component: Component) -> Element:
         if variable.kind == "Real":
             attributes["unit"] = unit(variable.unit).name
         _sub(entry, f"ssv:{variable.kind}", **attributes)
-    units = _sub(root, "ssv:Units")
-    used = (v.unit for v in component.settable().values() if v.kind == "Real")
-    for each in dict.fromkeys(used):
-        _add_unit(units, unit(each))
+    _add_units(_sub(root, "ssv:Units"), component.settable().values())
     return root
 
 
@@ -221,9 +216,11 @@ def _add_component(elements: Element, component: Component) -> None:
     annotation.append(terminals_element(component.terminals))
 
 
-def _add_unit(units: Element, of: Unit) -> None:
-    entry = _sub(units, "ssc:Unit", name=of.name)
-    _sub(entry, "ssc:BaseUnit", **{base: str(exponent) for base, exponent in of.base.items()})
+def _add_units(units: Element, variables: Iterable[Variable]) -> None:
+    for name in dict.fromkeys(unit(v.unit).name for v in variables if v.kind == "Real"):
+        entry = _sub(units, "ssc:Unit", name=name)
+        base = {base: str(exponent) for base, exponent in unit(name).base.items()}
+        _sub(entry, "ssc:BaseUnit", **base)
 
 
 def _qualified(name: str) -> str:

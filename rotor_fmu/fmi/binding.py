@@ -63,23 +63,14 @@ def build_simulation(
     loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
     changed = changed_rotor(rotor, table, values)
     settings = settings_of(values, tolerance, warn)
-    if "tau_drive" in values:
-        return Simulation(
-            changed,
-            settings,
-            speed=values["w_start"],
-            drive_torque=values["tau_drive"],
-            loads=loads,
-            record=record,
-            coupling=coupling_options(values),
-            warn=warn,
-        )
+    is_free = "tau_drive" in values
     return Simulation(
         changed,
         settings,
-        speed=values["speed"],
-        rate=values["speed_rate"],
-        continues_speed=values["speed_continuation"] == 0,
+        speed=values["w_start" if is_free else "speed"],
+        rate=0.0 if is_free else values["speed_rate"],
+        continues_speed=is_free or values["speed_continuation"] == 0,
+        drive_torque=values.get("tau_drive"),
         loads=loads,
         record=record,
         coupling=coupling_options(values),

@@ -78,11 +78,10 @@ def coupling_parameters(is_free: bool) -> tuple[CouplingParameter, ...]:
     return tuple(each for each in _ALL if is_free or not each.is_for_torque)
 
 
-def coupling_variables(is_free: bool, is_given: bool = False) -> list[Variable]:
-    """Return them as variables of the FMU; is_given: whether the
-    sensitivities are asked for at the start."""
+def coupling_variables(is_free: bool) -> list[Variable]:
+    """Return them as variables of the FMU."""
     return [
-        Variable(name, "Boolean", "parameter", of.text, start=name == SENSITIVITIES and is_given)
+        Variable(name, "Boolean", "parameter", of.text, start=False)
         if of.is_switch
         else Variable(name, "Real", "parameter", of.text, of.unit, 0.0, low=0.0, nominal=1.0)
         for name, _, of, _ in coupling_parameters(is_free)

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..display import current, frequency_unit, shown_speed, speed_with_unit
+from ..display import current, shown_speed, speed_with_unit
 from ..model import linear
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
 from ..model.one_thread import on_one_thread
@@ -96,7 +96,7 @@ class Modes(Displayed, linear.Modes):
                 axes.plot(*bent, color=color, lw=1.6, ls=dashes, label=label)
                 axes.plot(self.z * current().length, (w * turn).real, "o", color=color, ms=3)
             axes.margins(y=0.08)
-            frequency = f"{shown_speed(self.damped[i])} {frequency_unit()}"
+            frequency = f"{shown_speed(self.damped[i])} {current().frequency_unit}"
             damping = f"damping {_clean(self.damping_ratio[i]):.2g}"
             entitle(axes, f"{i + 1}: {frequency}, {self.whirl[i]}, {damping}", 9)
             if i + columns >= shown:
@@ -181,7 +181,7 @@ class Campbell(Displayed, linear.Campbell):
         # not so far that the line of the speed, and what it meets, becomes flat
         reach = max(_REACH * max(self.harmonics) * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
         above.set(ylim=(0, max(min(highest, reach), 1e-9)), xlim=(speed[0], speed[-1]))
-        above.set_ylabel(f"Frequency [{frequency_unit()}]")
+        above.set_ylabel(current().frequency_label)
         below.set_ylabel("Logarithmic decrement [1]")
         finite = self.log_dec[np.isfinite(self.log_dec)]
         if len(finite) and np.abs(finite).max() < 1e-8:

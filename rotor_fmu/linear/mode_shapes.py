@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..display import current, frequency_unit, shown_speed
+from ..display import current, shown_speed
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, Modes
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, empty_figure, entitle
 from .linear_plots import deflection, titled
@@ -56,7 +56,7 @@ def mode_shapes_figure(result: Modes, name: str = "", shear: Sequence[float] = (
         axes.set_zticks([])
         axes.tick_params(labelsize=7, pad=-2)
         axes.set_xlabel(f"z [{current().length_unit}]", fontsize=7, labelpad=-4)
-        frequency = f"{shown_speed(result.damped[i])} {frequency_unit()}"
+        frequency = f"{shown_speed(result.damped[i])} {current().frequency_unit}"
         axes.set_title(f"{i + 1}: {frequency}, {result.whirl[i]}", fontsize=9, y=0.98)
     state = turns(result.speed, result.contacts)
     entitle(figure, titled(name, f"Mode shapes at {state}; x across, y up"))
@@ -68,7 +68,7 @@ def shapes_for_page(result: Modes) -> dict[str, object]:
     frequency in the unit that is shown, whirl, logarithmic decrement and complex x, y of the
     nodes."""
     return {
-        "unit": frequency_unit(),
+        "unit": current().frequency_unit,
         "z": (result.z * 1e3).tolist(),
         "modes": [
             {

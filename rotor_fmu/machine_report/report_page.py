@@ -17,6 +17,7 @@ from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
+from ..report.report_tables import notices_html
 from ..report.run_page import figure_html, machine_html, page, template
 from .rub_check import RubCheck, rub_check
 from .rub_plots import rub_figure
@@ -118,7 +119,7 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
             "contact"
         ),
         body=template("machine.html").substitute(
-            notices="\n".join(f'<p class="notice">{escape(text)}</p>' for text in conclusions),
+            notices=notices_html(conclusions),
             contents=" | ".join(f'<a href="#{_id(h)}">{h}</a>' for h in sections),
             sections="\n".join(
                 f'<section id="{_id(heading)}"><h2>{heading}</h2>\n'
@@ -128,20 +129,18 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
             ),
         ),
         data={"shapes": shapes_for_page(at_speed)},
-        signals=None,
         scripts=("modes.js",),
         with_charts=False,
     )
-    results = {
-        "modes": at_speed,
-        "campbell": diagram,
-        "critical_map": over_stiffness,
-        "unbalance": check,
-        "stability_level_1": level_1,
-        "stability_level_2": level_2,
-        "contact": rub,
+    data = {
+        "modes": numbers(at_speed),
+        "campbell": numbers(diagram),
+        "critical_map": numbers(over_stiffness),
+        "unbalance": numbers(check),
+        "stability_level_1": numbers(level_1),
+        "stability_level_2": numbers(level_2),
+        "contact": numbers(rub),
     }
-    data = {name: numbers(result) for name, result in results.items()}
     return Report(html, data | {"conclusions": list(conclusions)}, conclusions)
 
 

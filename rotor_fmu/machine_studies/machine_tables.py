@@ -7,7 +7,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, check_one_of
 from ..fmi.binding import load_names
 from ..fmi.variables import Variable
 from ..machine_file.loading import load_rotor
@@ -47,8 +47,7 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     toml, _ = load_rotor(_machine_path(machine_file, folder))
     run = dict(table_of(tables, "run"))
     name = run.pop("kind", None)
-    if name not in kinds:
-        raise InputError(f"run kind = {name!r}: must be one of {', '.join(kinds)}")
+    check_one_of(f"run kind = {name!r}", name, kinds)
     kind, make = kinds[name]
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
     values = {}
@@ -97,8 +96,7 @@ def _value(where: str, variable: Variable, value: object) -> float:
     if variable.kind == "Boolean" and isinstance(value, bool):
         return float(value)
     if variable.choices and isinstance(value, str):
-        if value not in variable.choices:
-            raise InputError(f"{where} = {value}: must be one of {', '.join(variable.choices)}")
+        check_one_of(f"{where} = {value}", value, variable.choices)
         return variable.choices.index(value)
     given = number(where, value, variable.unit or "1")
     low = -math.inf if variable.low is None else variable.low
@@ -227,8 +225,7 @@ def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
     if key == "which":
         return value
     if key == "way":
-        if value not in DIRECTIONS:
-            raise InputError(f"{where}: way = {value!r}: must be one of {', '.join(DIRECTIONS)}")
+        check_one_of(f"{where}: way = {value!r}", value, DIRECTIONS)
         return value
     if key == "bins":
         if not isinstance(value, dict) or set(value) != {"from", "to", "count"}:

@@ -151,12 +151,18 @@ def _poincare(metric: Metric, window: Window) -> np.ndarray:
     return _quantity(metric, window.turns)[window.per_turn - 1 :: window.per_turn]
 
 
-def _check_order(metric: Metric, how: Excitation) -> None:
-    order, turns, per_turn = metric.option("order"), how.numbers["turns"], how.numbers["per_turn"]
+def _check_resolved(metric: Metric, option: str, how: Excitation) -> None:
+    """Raise `InputError` for an order that the samples of a turn do not resolve."""
+    order, per_turn = metric.option(option), how.numbers["per_turn"]
     if not 0 < order < per_turn / 2:
         raise metric.refusal(
-            f"order = {order:g}: must be > 0 and below half of run.per_turn = {per_turn:g}"
+            f"{option} = {order:g}: must be > 0 and below half of run.per_turn = {per_turn:g}"
         )
+
+
+def _check_order(metric: Metric, how: Excitation) -> None:
+    _check_resolved(metric, "order", how)
+    order, turns = metric.option("order"), how.numbers["turns"]
     if not _is_whole(order * turns):
         raise metric.refusal(f"order = {order:g}: must make whole periods in run.turns = {turns:g}")
 
@@ -230,17 +236,13 @@ def _spectrum_orders(highest: float, turns: int) -> np.ndarray:
     return np.arange(-most, most + 1) / turns
 
 
+def _check_spectrum(metric: Metric, how: Excitation) -> None:
+    _check_resolved(metric, "orders", how)
+
+
 def _spectrum_axis(metric: Metric, how: Excitation) -> ListAxis:
     orders = _spectrum_orders(metric.option("orders"), int(how.numbers["turns"]))
     return ListAxis(f"{metric.name} order", tuple(orders.tolist()))
-
-
-def _check_spectrum(metric: Metric, how: Excitation) -> None:
-    orders, per_turn = metric.option("orders"), how.numbers["per_turn"]
-    if not 0 < orders < per_turn / 2:
-        raise metric.refusal(
-            f"orders = {orders:g}: must be > 0 and below half of run.per_turn = {per_turn:g}"
-        )
 
 
 @_kind(

@@ -1,13 +1,12 @@
 """The page of a periodic response: curves, and the orbit of the point under the pointer."""
 
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..display import current
 from ..report.packed import COARSE, packed
-from ..report.report_tables import table
+from ..report.report_tables import notices_html, table
 from ..report.run_page import page, template
 
 if TYPE_CHECKING:
@@ -51,15 +50,14 @@ def response_page(result: "ResponseResult", name: str) -> str:
     }
     found = result.table()
     body = template("response.html").substitute(
-        notices="\n".join(f'<p class="notice">{escape(str(n))}</p>' for n in result.notes),
-        tables=table("Bifurcations", list(found.heads), [list(row) for row in found.rows]),
+        notices=notices_html(result.notes),
+        tables=table("Bifurcations", found.heads, found.rows),
     )
     return page(
         title=name,
         about=found.title,
         body=body,
         data=data,
-        signals=None,
         scripts=("response.js",),
     )
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..display import Shown, current
-from ..errors import InputError
+from ..errors import InputError, check_one_of
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
@@ -138,8 +138,7 @@ class ResponseResult:
         if name not in self.probes:
             near = get_close_matches(name, self.probes, 1, 0.0)
             raise InputError(f"{name}: no such place; the nearest is {near[0] if near else 'none'}")
-        if quantity not in QUANTITIES:
-            raise InputError(f"{name}.{quantity}: must be one of {', '.join(QUANTITIES)}")
+        check_one_of(f"{name}.{quantity}", quantity, QUANTITIES)
         rows = [
             (p.value, self._quantities(p, name)[quantity], p.is_stable, i)
             for i, branch in enumerate(self.branches, 1)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import vibration
+from ..cells import cell
 from ..display import current, shown_speed
 from ..run_status import FAILED, OK
 from ..runs.recording import Recording
@@ -41,7 +42,12 @@ def notices(run: Recording, why: str | None) -> str:
             said.append(f"{run.name}: {message}")
     if why:
         said.append(f"{run.name} has no pictures over speed: {why}")
-    return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
+    return notices_html(said)
+
+
+def notices_html(said: Iterable[object]) -> str:
+    """Return notices at the head of a page as HTML."""
+    return "\n".join(f'<p class="notice">{escape(str(text))}</p>' for text in said)
 
 
 def _reached(run: Recording) -> str:
@@ -118,7 +124,7 @@ def _amplification(track: vibration.OrderTrack) -> float | str:
         return math.nan
     result = vibration.resonances(track.speed, track.major(), t=track.t)
     if result and result[0].is_fast:
-        return f"> {_cell(result[0].amplification)}, passed too fast"
+        return f"> {cell(result[0].amplification)}, passed too fast"
     return result[0].amplification if result else math.nan
 
 
@@ -158,16 +164,10 @@ def _sinks(run: Recording, of: str) -> str:
 def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Return a table as HTML; heads that are all empty are left out."""
     head = "".join(f'<th scope="col">{escape(text)}</th>' for text in heads)
-    lines = ["".join(f"<td>{escape(_cell(value))}</td>" for value in row) for row in rows]
+    lines = ["".join(f"<td>{escape(cell(value))}</td>" for value in row) for row in rows]
     body = "".join(f"<tr>{line}</tr>" for line in lines)
     top = f"<thead><tr>{head}</tr></thead>" if any(heads) else ""
     return (
         f'<div class="table"><table><caption>{escape(caption)}</caption>{top}'
         f"<tbody>{body}</tbody></table></div>"
     )
-
-
-def _cell(value: object) -> str:
-    if value is None or value != value:
-        return "-"
-    return f"{value:.5g}" if isinstance(value, float) else str(value)

@@ -4,7 +4,7 @@ import base64
 import io
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -31,15 +31,24 @@ _OF_RUNS = ("signals.js", "curves.js", "cascade.js", "bode.js", "over_speed.js",
 
 
 def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -> None:
-    """Write the page of a run, whole or not at all; summary: its figures by name. Where what draws
-    it is not installed a warning says so instead."""
-    try:
+    """Write the page of a run, as `write_page` does; summary: its figures by name."""
+
+    def made() -> str:
         recording.check_rotation()
-        page = runs_page([recording.named(path.parent.resolve().name)], [summary])
+        return runs_page([recording.named(path.parent.resolve().name)], [summary])
+
+    write_page(made, path)
+
+
+def write_page(make: Callable[[], str], path: Path) -> None:
+    """Write the page that `make` returns, whole or not at all; where what draws it is not installed
+    a warning says so instead."""
+    try:
+        text = make()
     except InputError as error:
         print(f"warning: {path.name} is not written: {error}", file=sys.stderr)
     else:
-        write_text(page, path)
+        write_text(text, path)
 
 
 def runs_page(runs: Sequence[Recording], summaries: Sequence[Mapping[str, Any]]) -> str:
@@ -84,8 +93,8 @@ def page(
     about: str,
     body: str,
     data: object,
-    signals: object,
     scripts: Sequence[str],
+    signals: object = None,
     with_charts: bool = True,
 ) -> str:
     """Return a whole page; title and about are text, body is HTML; with_charts: whether its scripts

@@ -2,14 +2,14 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..display import Shown, current
+from ..run_status import OK
 from .packed import COARSE, packed
-from .report_tables import table
+from .report_tables import notices_html, table
 from .run_page import page, template
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 _MOST_RUNS = 20_000
 _MOST_OF_CURVES = 1_500_000  # values
 _MOST_REASONS = 5
-_OK = "ok"
 
 
 def study_page(
@@ -43,7 +42,7 @@ def study_page(
     ]
     columns = [_head(column) for column in (*varied, *retained)]
     scales = {column["name"]: _shown_in(column["unit"])[0] for column in (*varied, *retained)}
-    values = {name: scale * _numbers(rows, name) for name, scale in scales.items()}
+    values = {n: scale * np.asarray(rows[n].to_numpy(), float) for n, scale in scales.items()}
     status = rows["status"].to_pylist()
     data = {
         "axes": axes,
@@ -65,7 +64,6 @@ def study_page(
         about=f"{len(rows)} of {about.get('runs', len(rows))} runs, varied: {', '.join(axes)}",
         body=body,
         data=data,
-        signals=None,
         scripts=("study.js",),
     )
 
@@ -78,10 +76,6 @@ def _shown_in(unit: str) -> Shown:
 def _head(column: Mapping[str, Any]) -> dict[str, str]:
     unit = _shown_in(column["unit"])[1]
     return {"name": column["name"], "unit": unit, "text": column["text"]}
-
-
-def _numbers(rows: "pyarrow.Table", name: str) -> np.ndarray:
-    return np.asarray(rows[name].to_numpy(), dtype=float)
 
 
 def _curves(
@@ -115,12 +109,12 @@ def _notices(about: Mapping[str, Any], status: Sequence[str], shown: int) -> str
         said.append(f"The study goes on: {len(status)} of {whole} runs have their rows.")
     if shown < len(status):
         said.append(f"The map shows {shown} of {len(status)} runs, evenly taken.")
-    reasons = Counter(text for text in status if text != _OK)
+    reasons = Counter(text for text in status if text != OK)
     for text, count in reasons.most_common(_MOST_REASONS):
         said.append(f"{count} {'run' if count == 1 else 'runs'}: {text}")
     if len(reasons) > _MOST_REASONS:
         said.append(f"... and {len(reasons) - _MOST_REASONS} more reasons; the map shows each.")
-    return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
+    return notices_html(said)
 
 
 def _ranges(

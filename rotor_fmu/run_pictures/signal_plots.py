@@ -9,7 +9,7 @@ from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
 from .. import vibration
-from ..display import current, frequency_unit, shown_speed
+from ..display import current, shown_speed
 from ..plotting.figure_style import (
     BLACK,
     BLUE,
@@ -50,18 +50,18 @@ def bode(view: View) -> Figure:
         (track.x(), BLUE, "1x of x", (0, ())),
         (track.y(), ORANGE, "1x of y", DASHED),
     ):
-        length = broken_at_reversals(n, np.abs(vector) * view.scale)
+        length = broken_at_reversals(n, np.abs(vector) * view.shown.amplitude)
         above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
         phase = np.degrees(np.angle(vector))
         phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
         below.plot(n, broken_at_reversals(n, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
-        length = broken_at_reversals(n, track.major(order) * view.scale)
+        length = broken_at_reversals(n, track.major(order) * view.shown.amplitude)
         above.plot(n, length, color=color, lw=1.1, ls=dashes, label=label)
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
-    above.set_ylabel(f"Amplitude [{view.unit}]")
+    above.set_ylabel(f"Amplitude [{view.shown.amplitude_unit}]")
     below.set_ylabel("Phase to the mark [deg]")
     below.set_yticks([-180, -90, 0, 90, 180])
     below.set_ylim(-190, 190)
@@ -79,13 +79,13 @@ def polar(view: View) -> Figure:
         (track.x(), BLUE, "1x of x", "-"),
         (track.y(), ORANGE, "1x of y", DASHED),
     ):
-        radius = np.abs(vector) * view.scale
+        radius = np.abs(vector) * view.shown.amplitude
         axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
-        _speeds_along(axes, vector * view.scale, n, color)
+        _speeds_along(axes, vector * view.shown.amplitude, n, color)
     axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.tick_params(labelsize=8)
-    units = f"radius [{view.unit}], speeds in {current().speed_unit}"
+    units = f"radius [{view.shown.amplitude_unit}], speeds in {current().speed_unit}"
     view.title(axes, f"polar plot of {view.place.label}\n{units}")
     return figure
 
@@ -135,7 +135,7 @@ def spectrum(view: View) -> Figure:
     figure, axes = new_figure()
     result = vibration.full_spectrum(*view.signal, view.speed)
     frequency = _speed(result.frequency)
-    amplitude = result.amplitude * view.scale
+    amplitude = result.amplitude * view.shown.amplitude
     axes.vlines(frequency, 0, amplitude, color=BLUE, lw=1.2)
     for i in _lines(amplitude):
         top = frequency[i], amplitude[i]
@@ -147,8 +147,8 @@ def spectrum(view: View) -> Figure:
     once = abs(_speed(result.speed))
     reach = min(1.1 * max(3 * once, float(seen.max(initial=0.0))), np.abs(frequency).max())
     axes.set_xlim(-reach, reach)
-    axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
-    axes.set_ylabel(f"Amplitude [{view.unit}]")
+    axes.set_xlabel(f"Whirl frequency [{current().frequency_unit}], backward < 0 < forward")
+    axes.set_ylabel(f"Amplitude [{view.shown.amplitude_unit}]")
     at = f"{_speed(result.speed):.4g} {current().speed_unit}"
     view.title(axes, f"full spectrum of {view.place.label} at {at}")
     return figure
@@ -170,7 +170,7 @@ def cascade(view: View) -> Figure:
     is_one_way = bool(np.all(ways < 0) or np.all(ways > 0))
     down = _speed(result.speed) if is_one_way else result.t
     across = _speed(result.frequency)
-    amplitude = np.nan_to_num(result.amplitude) * view.scale
+    amplitude = np.nan_to_num(result.amplitude) * view.shown.amplitude
     # small lines are seen beside large ones on the root's scale
     norm = PowerNorm(0.4, 0, max(float(amplitude.max(initial=0)), 1e-9))
     shades = None
@@ -202,8 +202,8 @@ def cascade(view: View) -> Figure:
             annotate(axes, f"{order:+d}x", (x, y), (0, 2), color=color, **above)
     axes.set_xlim(-limit, limit)
     axes.grid(visible=False)
-    figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.unit}]")
-    axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
+    figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.shown.amplitude_unit}]")
+    axes.set_xlabel(f"Whirl frequency [{current().frequency_unit}], backward < 0 < forward")
     axes.set_ylabel(current().speed_label if is_one_way else "Time [s]")
     kind = "cascade" if is_one_way else "waterfall"
     view.title(axes, f"{kind} of the full spectrum of {view.place.label}", pad=16)

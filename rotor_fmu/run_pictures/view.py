@@ -1,7 +1,7 @@
 """The view that a picture shows, and the common parts of all pictures of signals."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from .. import vibration
-from ..display import current
+from ..display import Display, current
 from ..plotting.figure_style import new_panels
 from ..runs.measuring_points import MeasuringPoint
 from ..runs.recording import Recording
@@ -86,19 +86,9 @@ class View:
         return TurnsShown(rows, count, speed, begin, end)
 
     @property
-    def is_pp(self) -> bool:
-        """Whether amplitudes are peak-to-peak."""
-        return self.wants_pp or current().is_pp
-
-    @property
-    def scale(self) -> float:
-        """Factor from m 0-p to the unit of the axis."""
-        return current().small * (2 if self.is_pp else 1)
-
-    @property
-    def unit(self) -> str:
-        """Unit of the axis."""
-        return f"{current().small_unit} {'pp' if self.is_pp else '0-p'}"
+    def shown(self) -> Display:
+        """The units in which the picture is shown."""
+        return replace(current(), is_pp=self.wants_pp or current().is_pp)
 
     def title(self, axes: Axes, text: str, pad: float | None = None) -> None:
         """Write the heading of a picture."""

@@ -1,6 +1,5 @@
 """A run as the user specified it: checked before anything is written, then carried out."""
 
-import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, check_one_of
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
@@ -64,10 +63,7 @@ def prepare(
     if step is not None and not 0 < step <= stop:
         raise InputError(f"--step {step:g} s: must be > 0 and at most --stop = {stop:g} s")
     if preset is not None:
-        if preset not in PRESETS:
-            near = difflib.get_close_matches(preset, PRESETS, 1)
-            meant = f"; did you mean {near[0]}?" if near else ""
-            raise InputError(f"--preset {preset}: must be one of {', '.join(PRESETS)}{meant}")
+        check_one_of(f"--preset {preset}", preset, PRESETS, names_nearest=True)
         sets = [f"solver.preset={preset}", *sets]
     _check_rows(stop, step, len(table))
     values = parse_settings(table, sets)

@@ -56,10 +56,7 @@ def open_dataset(folder: Path) -> "xarray.Dataset":
 
 def about_of(folder: Path) -> dict[str, Any]:
     """Return the description of a folder's study; `InputError` if it holds none."""
-    try:
-        about = read_about(folder)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{folder}: its study.json cannot be read") from error
+    about = read_about(folder)
     if about is None:
         raise InputError(f"{folder}: holds no study")
     return about
@@ -67,15 +64,11 @@ def about_of(folder: Path) -> dict[str, Any]:
 
 def _matrix(column: "pyarrow.ChunkedArray", coordinate: list[float]) -> np.ndarray:
     """Return lists as rows, shape (runs, longest); nan where a run failed."""
-    lengths = np.array([0 if item is None else item for item in _lengths(column)])
+    import pyarrow.compute as pc
+
+    lengths = np.array([length or 0 for length in pc.list_value_length(column).to_pylist()])
     width = len(coordinate) or int(lengths.max(initial=0))
     matrix = np.full((len(column), width), np.nan)
     flat = column.combine_chunks().flatten().to_numpy(zero_copy_only=False)
     matrix[np.arange(width) < lengths[:, None]] = flat
     return matrix
-
-
-def _lengths(column: "pyarrow.ChunkedArray") -> list[int | None]:
-    import pyarrow.compute as pc
-
-    return pc.list_value_length(column).to_pylist()

@@ -13,19 +13,19 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, check_one_of
 from ..units import in_si, split
 
 GRID = "grid"
 SAMPLED = ("random", "latin-hypercube", "sobol")
 SENSITIVITY = ("saltelli", "morris")
 DESIGNS = (GRID, *SAMPLED, *SENSITIVITY)
-# name: (what it needs, what it may have)
+# name: what it needs
 DISTRIBUTIONS = {
-    "uniform": (("low", "high"), ()),
-    "log-uniform": (("low", "high"), ()),
-    "normal": (("mean", "std"), ()),
-    "truncated-normal": (("mean", "std", "low", "high"), ()),
+    "uniform": ("low", "high"),
+    "log-uniform": ("low", "high"),
+    "normal": ("mean", "std"),
+    "truncated-normal": ("mean", "std", "low", "high"),
 }
 MOST = 10_000_000  # runs of a study
 
@@ -226,6 +226,10 @@ class Design:
         """Return the values of a point by the names of what they set."""
         return {target: point[axis.name] for axis in self.axes for target in axis.targets}
 
+    def values(self, run: int) -> dict[str, float]:
+        """Return the values of a run by the names of what they set."""
+        return self.settings(self.point(run))
+
     @property
     def _decides(self) -> dict[str, Any]:
         return {
@@ -265,7 +269,7 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: s
     elif given[0] == "grid":
         values = _grid(where, table["grid"], unit)
     else:
-        allowed |= {p for needed, _ in DISTRIBUTIONS.values() for p in needed}
+        allowed |= {p for needed in DISTRIBUTIONS.values() for p in needed}
     for key in table:
         if key not in allowed:
             raise InputError(f"{where}: {key} is unknown beside {given[0]}")
@@ -276,11 +280,8 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: s
 
 def _distribution(where: str, table: Mapping[str, Any], unit: str) -> Distribution:
     kind = table["distribution"]
-    if kind not in DISTRIBUTIONS:
-        raise InputError(
-            f"{where}: distribution = {kind!r}: must be one of {', '.join(DISTRIBUTIONS)}"
-        )
-    needed, _ = DISTRIBUTIONS[kind]
+    check_one_of(f"{where}: distribution = {kind!r}", kind, DISTRIBUTIONS)
+    needed = DISTRIBUTIONS[kind]
     parameters = {key: table[key] for key in table if key not in ("names", "distribution")}
     for key in needed:
         if key not in parameters:

@@ -11,7 +11,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -22,7 +22,6 @@ from ..threads import ONE_THREAD
 from .study import Model, Result
 
 TIME_OUT = 10.0  # within which a scheduler must answer [s]
-# before numpy is loaded: one thread a process, and the same bits in each
 Chunk = list[tuple[int, dict[str, float]]]
 _warmed: set[str] = set()
 
@@ -60,16 +59,6 @@ class ExecutorConfig:
     cluster: int = 0
 
 
-class SerialExecutor(Executor):
-    """An executor that runs in this process, at once."""
-
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future:
-        """Run the function at once."""
-        future: Future = Future()
-        future.set_result(fn(*args, **kwargs))
-        return future
-
-
 class Engine(NamedTuple):
     """An executor, how many runs it makes at a time, how long a chunk should take [s]."""
 
@@ -94,6 +83,7 @@ def engine(where: ExecutorConfig) -> Iterator[Engine]:
         with _dask(where) as result:
             yield result
         return
+    # before a worker loads NumPy: one thread a process, and the same bits in each
     with _environment(ONE_THREAD):
         executor = ProcessPoolExecutor(
             where.jobs, multiprocessing.get_context("spawn"), initializer=_begin_worker

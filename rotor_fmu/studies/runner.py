@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from ..errors import RunFailed
 from ..run_status import FAILED
 from .executors import Chunk, Done, Engine, run_chunk, worker_errors
-from .store import Row, Store
+from .store import Store
 from .study import Result, Study
 
 _QUEUED = 2  # chunks a worker, one of them waiting
@@ -43,7 +44,6 @@ class _Ahead:
         self._left = iter(np.flatnonzero(~is_done).tolist())
         self._chunk_s = chunk_s
         self._size = 1
-        self.suspects: list[int] = []
 
     def learn(self, done: Done) -> None:
         """Adapt the chunks' length to the time of the last one, at most doubling it."""
@@ -53,14 +53,8 @@ class _Ahead:
 
     def next(self) -> Chunk:
         """Return the next chunk, empty at the end."""
-        design = self._study.design
-        numbers = [n for _, n in zip(range(self._size), self._left, strict=False)]
-        return [(n, design.settings(design.point(n))) for n in numbers]
-
-    def alone(self, number: int) -> Chunk:
-        """Return one run as a chunk of its own."""
-        design = self._study.design
-        return [(number, design.settings(design.point(number)))]
+        numbers = islice(self._left, self._size)
+        return [(n, self._study.design.values(n)) for n in numbers]
 
 
 def run_study(study: Study, folder: Path, engine: MakeEngine, report: Report) -> Progress:
@@ -81,7 +75,7 @@ def run_study(study: Study, folder: Path, engine: MakeEngine, report: Report) ->
             while not is_done.all():
                 pool = pool or stack.enter_context(engine())
                 for done in _results(study, is_done, pool, suspects):
-                    _write_rows(study, store, done, is_done, progress)
+                    _write_rows(store, done, is_done, progress)
                     report(progress)
                 stack.close()
                 pool = None
@@ -93,10 +87,10 @@ def _results(
     study: Study, is_done: np.ndarray, pool: Engine, suspects: dict[int, int]
 ) -> Iterator[dict[int, Result]]:
     """Results as they come; ends when a worker died, its runs then among the suspects."""
-    ahead = _Ahead(study, is_done, pool.chunk_s)
     if suspects:
-        yield from _one_by_one(study, ahead, pool, suspects)
+        yield from _one_by_one(study, pool, suspects)
         return
+    ahead = _Ahead(study, is_done, pool.chunk_s)
     running: dict[Future, Chunk] = {}
     fatal = worker_errors()
     while True:
@@ -123,12 +117,13 @@ def _results(
 
 
 def _one_by_one(
-    study: Study, ahead: _Ahead, pool: Engine, suspects: dict[int, int]
+    study: Study, pool: Engine, suspects: dict[int, int]
 ) -> Iterator[dict[int, Result]]:
     """The suspects, one at a time: the one during which a worker dies again is at fault."""
     while suspects:
         number = next(iter(suspects))
-        future = pool.executor.submit(run_chunk, study.model, ahead.alone(number))
+        chunk = [(number, study.design.values(number))]
+        future = pool.executor.submit(run_chunk, study.model, chunk)
         if isinstance(_error_of(future), worker_errors()):
             suspects[number] += 1
             if suspects[number] >= _WORKER_DEATHS:
@@ -153,21 +148,10 @@ def _error_of(future: Future) -> BaseException | None:
 
 
 def _write_rows(
-    study: Study,
-    store: Store,
-    results: dict[int, Result],
-    is_done: np.ndarray,
-    progress: Progress,
+    store: Store, results: dict[int, Result], is_done: np.ndarray, progress: Progress
 ) -> None:
-    rows = [row_of(study, number, result) for number, result in results.items()]
-    store.write(rows)
+    store.write(results)
     store.merge_small()
     is_done[list(results)] = True
-    progress.now += len(rows)
-    progress.failed += sum(row.result.status.startswith(FAILED) for row in rows)
-
-
-def row_of(study: Study, number: int, result: Result) -> Row:
-    """Return the row of a run."""
-    point = study.design.point(number)
-    return Row(number, study.row_id(study.design.settings(point)), point, result)
+    progress.now += len(results)
+    progress.failed += sum(result.status.startswith(FAILED) for result in results.values())

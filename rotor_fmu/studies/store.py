@@ -8,15 +8,14 @@ FOLDER/rows/*.parquet      rows, in no order; one that stands in two parts count
 import contextlib
 import os
 import uuid
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError, RunFailed, optional, writable_folder
-from ..files import at_work
+from ..errors import InputError, RunFailed, writable_folder
+from ..files import only_call
 from ..output_options import write_json
 from .study import Result, Study, read_about
 
@@ -25,16 +24,6 @@ if TYPE_CHECKING:
 
 _SMALL = 4 << 20  # parts below this are merged [bytes]
 _MOST_SMALL = 64
-
-
-@dataclass(frozen=True)
-class Row:
-    """One run: its number, its id, the values of the varied parameters, its result."""
-
-    run: int
-    id: str
-    point: Mapping[str, float]
-    result: Result
 
 
 def parts(folder: Path) -> list[Path]:
@@ -57,22 +46,14 @@ class Store:
 
     def __enter__(self) -> "Store":
         writable_folder(self._folder / "rows")
-        filelock = optional("filelock", "study", "study")
-        # on the file of this name: a lock of the system, which ends with the process that holds it
-        self._lock = filelock.FileLock(self._folder / "study.lock")
-        try:
-            self._lock.acquire(blocking=False)
-        except filelock.Timeout:
-            raise at_work(self._folder) from None
-        try:
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(only_call(self._folder / "study.lock"))
             self._begin()
-        except BaseException:
-            self._lock.release()
-            raise
+            self._lock = stack.pop_all()
         return self
 
     def __exit__(self, *reason: object) -> None:
-        self._lock.release()
+        self._lock.close()
 
     def _begin(self) -> None:
         self._refuse_another()
@@ -84,10 +65,7 @@ class Store:
             left.unlink()
 
     def _refuse_another(self) -> None:
-        try:
-            there = read_about(self._folder)
-        except (OSError, ValueError) as error:
-            raise InputError(f"--out {self._folder}: its study.json cannot be read") from error
+        there = read_about(self._folder, "--out ")
         if there is None or there.get("identity") == self._study.identity:
             return
         theirs = f"{there.get('name')!r} by version {there.get('version')}"
@@ -105,12 +83,18 @@ class Store:
             is_done[pq.read_table(path, columns=["run"])["run"].to_numpy()] = True
         return is_done
 
-    def write(self, rows: Iterable[Row]) -> None:
-        """Write rows as a part of their own."""
+    def write(self, results: Mapping[int, Result]) -> None:
+        """Write the rows of runs as a part of their own; results: by the runs' numbers."""
         import pyarrow as pa
 
-        table = pa.Table.from_pylist([_cells(row) for row in rows], schema=self._schema)
-        self._put(table)
+        rows = [self._row(number, result) for number, result in results.items()]
+        self._put(pa.Table.from_pylist(rows, schema=self._schema))
+
+    def _row(self, number: int, result: Result) -> dict[str, Any]:
+        point = self._study.design.point(number)
+        run_id = self._study.row_id(self._study.design.settings(point))
+        head = {"run": number, "id": run_id, "status": result.status}
+        return {**head, **point, **result.cells}
 
     def merge_small(self, least: int = _MOST_SMALL) -> None:
         """Make one part of the small ones once there are `least`; a merge that is cut short leaves
@@ -154,11 +138,6 @@ def write_part(table: "pyarrow.Table", path: Path) -> None:
         os.fsync(file.fileno())
 
 
-def _cells(row: Row) -> dict[str, Any]:
-    head = {"run": row.run, "id": row.id, "status": row.result.status}
-    return {**head, **row.point, **row.result.cells}
-
-
 def schema_of(study: Study) -> "pyarrow.Schema":
     """Return the columns of the parts; cells of a failed run are null."""
     import pyarrow as pa
@@ -172,7 +151,7 @@ def schema_of(study: Study) -> "pyarrow.Schema":
     return pa.schema(fields)
 
 
-def read_rows(folder: Path, columns: list[str] | None = None) -> "pyarrow.Table":
+def read_rows(folder: Path) -> "pyarrow.Table":
     """Return all rows there are, each once, in the order of the runs; `InputError` without a
     study."""
     import pyarrow as pa
@@ -181,6 +160,6 @@ def read_rows(folder: Path, columns: list[str] | None = None) -> "pyarrow.Table"
     result = parts(folder)
     if not result:
         raise InputError(f"{folder}: holds no rows of a study")
-    table = pa.concat_tables([pq.read_table(path, columns=columns) for path in result])
+    table = pa.concat_tables([pq.read_table(path) for path in result])
     _, first = np.unique(table["run"].to_numpy(), return_index=True)
     return table.take(pa.array(first))

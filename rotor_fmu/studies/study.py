@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from ..about import __version__
+from ..errors import InputError
 from .design import Design
 
 Cell = float | list[float]
@@ -101,9 +102,12 @@ class Study:
         }
 
 
-def read_about(folder: Path) -> dict[str, object] | None:
-    """Return the description of a folder's study, None if it holds none."""
+def read_about(folder: Path, option: str = "") -> dict[str, Any] | None:
+    """Return the description of a folder's study, None if it holds none. Raises `InputError` where
+    it cannot be read; option: in which the folder was given, for the message."""
     try:
         return json.loads((folder / "study.json").read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
         return None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{option}{folder}: its study.json cannot be read") from error

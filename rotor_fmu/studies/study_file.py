@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..errors import InputError, read_text
+from ..errors import InputError, check_one_of, read_text
 from .design import DESIGNS, GRID, Axis, Design, axis_of, number, whole
 from .study import Column, Model, Study
 from .study_tables import Tables, known_name, nearest, table_of
@@ -152,8 +152,7 @@ def _design(table: dict[str, Any], axes: tuple[Axis, ...]) -> Design:
     for key in table:
         known_name("design", key, ("kind", "size", "seed", "levels"))
     kind = table.get("kind", GRID)
-    if kind not in DESIGNS:
-        raise InputError(f"design kind = {kind!r}: must be one of {', '.join(DESIGNS)}")
+    check_one_of(f"design kind = {kind!r}", kind, DESIGNS)
     if kind != GRID and "size" not in table:
         raise InputError(f"design {kind}: needs size")
     size = whole("design size", table["size"]) if "size" in table else 0

@@ -110,8 +110,8 @@ def without(module, *arguments):
 
 def test_a_study_names_its_extra(tmp_path):
     (tmp_path / "study.toml").write_text("")
-    done = without("filelock", "study", tmp_path / "study.toml", "--out", tmp_path / "out")
-    said = "rotor-fmu: study: filelock is not installed: pip install 'rotor-fmu[study]'\n"
+    done = without("pyarrow", "study", tmp_path / "study.toml", "--out", tmp_path / "out")
+    said = "rotor-fmu: study: pyarrow is not installed: pip install 'rotor-fmu[study]'\n"
     assert (done.returncode, done.stderr) == (2, said)
     assert not (tmp_path / "out").exists()
 

@@ -5,11 +5,12 @@ import math
 import os
 import signal
 import time
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 
 from rotor_fmu import studies
 from rotor_fmu.machine_studies.machine_tables import read_study
-from rotor_fmu.studies.executors import Engine, SerialExecutor
+from rotor_fmu.studies.executors import Engine
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.study import Column, Result
 from rotor_fmu.studies.study_file import read_study_file
@@ -78,6 +79,16 @@ def ishigami_study(folder, model=None, text=None):
     path = folder / "study.toml"
     path.write_text(text or study_text())
     return read_study_file(path, lambda tables, beside: Function(model or Ishigami()))
+
+
+class SerialExecutor(Executor):
+    """An executor that runs in this process, at once."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        """Run the function at once."""
+        future = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
 
 
 @contextlib.contextmanager

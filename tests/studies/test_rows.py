@@ -19,7 +19,7 @@ from rotor_fmu import studies
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.studies import store
 from rotor_fmu.studies.executors import Engine, ExecutorConfig, engine
-from rotor_fmu.studies.runner import row_of, run_study
+from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.store import Store
 
 from .functions import Ishigami, here, ishigami_study, one_by_one, quiet, study_text
@@ -85,9 +85,7 @@ def test_a_row_that_stands_in_two_parts_counts_once(undisturbed, tmp_path):
     study, data = undisturbed
     run_study(study, tmp_path, here, quiet)
     with Store(tmp_path, study) as again:
-        again.write(
-            [row_of(study, 7, study.model.run(study.design.settings(study.design.point(7))))]
-        )
+        again.write({7: study.model.run(study.design.values(7))})
     assert len(store.parts(tmp_path)) > 1
     assert studies.open(tmp_path).identical(data)
 
@@ -96,8 +94,7 @@ def test_merging_parts_changes_no_row(undisturbed, tmp_path):
     study, data = undisturbed
     with Store(tmp_path, study) as written:
         for number in range(len(study.design)):
-            point = study.design.settings(study.design.point(number))
-            written.write([row_of(study, number, study.model.run(point))])
+            written.write({number: study.model.run(study.design.values(number))})
             written.merge_small(least=9)
     assert len(store.parts(tmp_path)) < 9
     assert studies.open(tmp_path).identical(data)
