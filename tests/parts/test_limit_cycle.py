@@ -2,6 +2,7 @@
 equations of its own: Ocvirk's pressure, what is positive of it summed up over the circle."""
 
 import math
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -60,6 +61,7 @@ def _whirl(d, speed):
     return Whirl(float(r.max()), float(r.min()), float(ratio))
 
 
+@cache
 def _reference(speed, mass):
     def slope(t, y, out):
         d, v = complex(y[0], y[1]), complex(y[2], y[3])

@@ -22,7 +22,9 @@ def whirl(threshold):
     return rf.response(_rotor(), speed=(LOW * threshold, HIGH * threshold), whirl=True)
 
 
-@pytest.mark.parametrize("beyond", [1.05, 1.1, 1.2, 1.35])
+@pytest.mark.parametrize(
+    "beyond", [1.1, *(pytest.param(b, marks=pytest.mark.slow) for b in (1.05, 1.2, 1.35))]
+)
 def test_the_branch_is_the_limit_cycle_in_size_and_frequency(whirl, threshold, beyond):
     speed = beyond * threshold
     expected = _reference(speed, float(assemble(_rotor()).mass_sum[::2].sum()))
