@@ -78,6 +78,7 @@ def test_show_lists_a_machine_in_us_units_and_the_next_command_in_its_own(comman
     assert "zigulic2003: 8 nodes, 330 mm, 5.6" in command("show")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_machine_file_may_say_the_units(command, tmp_path):
     file = tmp_path / "rig.toml"
     file.write_text(f'units = "rpm, mil, pp"\n{rig_toml()}')
@@ -90,14 +91,16 @@ def test_the_machine_file_may_say_the_units(command, tmp_path):
     assert numbers[0][3] == pytest.approx(2 / 25.4 * numbers[1][3], rel=1e-3)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_check_by_api_617_balancing_and_compliance_are_in_the_units_chosen(command):
     """0.001 inch is 25.4 um, and a pound-force 4.4482216152605 N."""
-    given = ("--speed", "100:300", "--node", "4", "--range", "100:200")
+    given = ("--speed", "100:300:41", "--node", "4", "--range", "100:200")
     assert _column(command("unbalance", *given, "--units", "us"), "mil") == pytest.approx(
         [um / 25.4 for um in _column(command("unbalance", *given), "um")], rel=1e-3
     )
-    mine = command("frequency-response", "--force", "4", "--units", "us")
-    si = command("frequency-response", "--force", "4")
+    given = ("--force", "4", "--frequency", "50:400:41")
+    mine = command("frequency-response", *given, "--units", "us")
+    si = command("frequency-response", *given)
     assert _column(mine, "mil/lbf") == pytest.approx(
         [um / 25.4 * 4.4482216152605 for um in _column(si, "um/N")], rel=1e-3
     )

@@ -13,11 +13,11 @@ from rotor_fmu.studies.dataset import open_dataset
 from rotor_fmu.studies.runner import run_study
 
 from ..periodic.machines import OMEGA, rub
-from ..periodic.test_command import command
 from .functions import here, quiet
 
 JEFFCOTT = "jeffcott_rub/jeffcott.toml"
 RUN = "kind = 'response'\nfrom = 60\nto = 240"
+SHORT = "kind = 'response'\nfrom = 180\nto = 240"
 KEEP = """
 fold = { bifurcation = "fold" }
 end = { bifurcation = "grazing", which = "highest" }
@@ -99,6 +99,7 @@ def test_another_parameter_is_gone_over_at_one_speed(tmp_path):
 def test_a_run_of_what_no_machine_can_be_is_a_failed_row(tmp_path):
     study = read(
         tmp_path,
+        SHORT,
         keep='fold = { bifurcation = "fold" }',
         vary='"run.harmonics" = { values = [3, 900] }',
     )
@@ -166,10 +167,10 @@ def test_a_study_without_sections_has_no_diagram(tmp_path):
         diagrams(read(tmp_path), None, print)
 
 
-def test_a_run_selected_is_written_with_picture_and_page(tmp_path):
-    read(tmp_path, keep='fold = { bifurcation = "fold" }')
-    path = tmp_path / "study.toml"
-    done = command("--out", tmp_path / "out", "--select", "1", name="study", first=path)
+def test_a_run_selected_is_written_with_picture_and_page(process, tmp_path):
+    read(tmp_path, SHORT, 'fold = { bifurcation = "fold" }')
+    path = str(tmp_path / "study.toml")
+    done = process("study", path, "--out", str(tmp_path / "out"), "--select", "1")
     assert done.returncode == 0, done.stderr
     (folder,) = (tmp_path / "out" / "runs").iterdir()
     about = json.loads((folder / "response.json").read_text())
