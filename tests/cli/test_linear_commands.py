@@ -215,7 +215,7 @@ def test_the_usual_speeds_begin_where_the_films_carry_the_machine(
         monkeypatch.setattr(module, "_POINTS", 11)
     rotor = tmp_path / "rotor.toml"
     rotor.write_text(OIL_FILM.read_text().replace("k = 1e8", "").replace("mu = 0.1", shape))
-    for name in ("campbell", "unbalance"):
+    for name in ("campbell",) if shape else ("campbell", "unbalance"):
         command(name, "--rotor", str(rotor))
         speeds = json.loads((tmp_path / "out" / f"{name}.json").read_text())["speeds"]
         assert 0.0 < speeds[0] < 0.2 * speeds[-1]

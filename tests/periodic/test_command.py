@@ -1,9 +1,6 @@
 """`rotor-fmu response` and `rf.response` with what cannot be, and what they write."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -17,19 +14,9 @@ JEFFCOTT = Path(rf.__file__).parents[1] / "examples" / "jeffcott_rub" / "jeffcot
 COMMAND = "from rotor_fmu.cli import main; main()"
 
 
-def command(*arguments, name="response", first=()):
-    given = [first, *arguments] if first else arguments
-    return subprocess.run(
-        [sys.executable, "-c", COMMAND, name, *map(str, given)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | {"COLUMNS": "200"},
-    )
-
-
-def test_the_command_writes_curve_and_picture(tmp_path):
-    done = command("--rotor", JEFFCOTT, "--speed", "100:240", "--out", tmp_path, "--json")
+def test_the_command_writes_curve_and_picture(process, tmp_path):
+    given = ("--rotor", str(JEFFCOTT), "--speed", "100:240", "--out", str(tmp_path))
+    done = process("response", *given, "--json")
     assert done.returncode == 0, done.stderr
     output = json.loads(done.stdout)
     assert output["parameter"] == "speed"
