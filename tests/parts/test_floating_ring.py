@@ -132,7 +132,7 @@ def test_a_vibration_is_that_of_the_equations_linearized_by_differences(frequenc
 
 # --- in motion ---
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 
 def _pressed(side, z, velocity, turning):
@@ -172,7 +172,7 @@ def _rhs(mass, push):
 
 def test_a_pushed_rotor_moves_as_cvode_integrates_its_equations():
     """From rest, pushed for a millisecond; the journal, the ring and its speed thereafter."""
-    run = _run(rigid_in_rings(), tolerance=1e-4)
+    run = _run(rigid_in_rings(), tolerance=1e-3)
     name, c = "floating_ring_bearing[1]", RING["clearance"]
     mass, push = _mass(run), 2.0
 
@@ -188,7 +188,7 @@ def test_a_pushed_rotor_moves_as_cvode_integrates_its_equations():
     seen, expected = [], []
     for begin, end, of in ((0.0, 1e-3, push), (1e-3, 0.02, 0.0)):
         times = np.linspace(begin, end, 40)[1:]
-        solver = CVODE(_rhs(mass, of), rtol=1e-7, atol=1e-10, max_num_steps=10**6)
+        solver = CVODE(_rhs(mass, of), rtol=1e-8, atol=1e-10, max_num_steps=10**6)
         rows = solver.solve(np.concatenate([[begin], times]), y).y[1:]
         y = rows[-1]
         expected += [(complex(*row[:2]), complex(*row[4:6]), row[8]) for row in rows]
