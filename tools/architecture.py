@@ -3,6 +3,7 @@
 
 import ast
 from collections import Counter
+from functools import cache
 from graphlib import TopologicalSorter
 from html import escape
 from pathlib import Path
@@ -26,6 +27,7 @@ FLOW = (
 )
 
 
+@cache
 def modules() -> dict[str, Path]:
     """Every module of the project by its name."""
     result = {}
@@ -60,6 +62,7 @@ def package(name: str) -> str:
     return ".".join(parts[:depth])
 
 
+@cache
 def arrows() -> Counter[tuple[str, str]]:
     """How many imports go from one package to another."""
     known = modules()

@@ -51,13 +51,12 @@ def test_many_elements_without_clearance_carry_what_the_closed_form_says(exponen
     """Stribeck: the largest carries factor times the load over the count, half of them carry, and
     of a force that goes with x^n the stiffness is n F / x."""
     part = replace(BALLS, count=80, element_diameter=1e-3, exponent=exponent)
-    found = rolling_curves(_with(part), bearing="rolling_bearing[1]", load=[500.0, 1000.0])
-    for i, load in enumerate((500.0, 1000.0)):
-        assert found.largest[i] == pytest.approx(factor * load / 80, rel=5e-3)
-        assert found.loaded[i] == pytest.approx(40, abs=1)
-        carried = found.elements[i] @ np.exp(1j * found.angles)
-        assert carried == pytest.approx(-1j * load, rel=1e-9)
-        assert found.K[i, 1, 1] == pytest.approx(exponent * load / -found.y[i], rel=1e-6)
+    found = rolling_curves(_with(part), bearing="rolling_bearing[1]", load=1000.0)
+    assert found.largest[0] == pytest.approx(factor * 1000.0 / 80, rel=5e-3)
+    assert found.loaded[0] == pytest.approx(40, abs=1)
+    carried = found.elements[0] @ np.exp(1j * found.angles)
+    assert carried == pytest.approx(-1000j, rel=1e-9)
+    assert found.K[0, 1, 1] == pytest.approx(exponent * 1000.0 / -found.y[0], rel=1e-6)
 
 
 def test_a_preload_makes_it_as_stiff_as_the_closed_form():
@@ -72,7 +71,7 @@ def test_a_preload_makes_it_as_stiff_as_the_closed_form():
 def test_the_load_is_carried_wherever_elements_and_shaft_are():
     """Preload and clearance of 0.1 mm, loads over nine decades, any place of the elements."""
     random = np.random.default_rng(3)
-    for _ in range(60):
+    for _ in range(30):
         part = replace(
             BALLS,
             count=int(random.integers(3, 30)),

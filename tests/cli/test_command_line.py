@@ -2,6 +2,7 @@
 
 import json
 import re
+import runpy
 import signal
 import subprocess
 import sys
@@ -141,10 +142,9 @@ def test_bad_rotors_are_refused_in_one_line_by_every_command(
         assert "rotor.toml" in line
 
 
-def test_a_run_writes_its_figures_and_pictures(tmp_path):
-    done = rotor_fmu(
-        *("run-down", "--preset", "paper-adaptive", "--stop", "4", "--direct", "--out", "here"),
-        cwd=tmp_path,
+def test_a_run_writes_its_figures_and_pictures(process, tmp_path):
+    done = process(
+        *("run-down", "--preset", "paper-adaptive", "--stop", "4", "--direct", "--out", "here")
     )
     assert done.returncode == 0, done.stderr
     figures = json.loads((tmp_path / "here" / "summary.json").read_text())
@@ -213,16 +213,13 @@ def test_parameters_that_go_together_are_taken_together(process, tmp_path, order
     assert done.returncode == 0, done.stderr
 
 
-def test_build_fmu_py_builds_into_the_folder_named(tmp_path):
+def test_build_fmu_py_builds_into_the_folder_named(tmp_path, monkeypatch):
     script = Path(__file__).parents[2] / "build_fmu.py"
-    done = subprocess.run(
-        [sys.executable, str(script), "--out", "fmus"],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(script), "--out", "fmus"])
+    with pytest.raises(SystemExit) as end:
+        runpy.run_path(str(script), run_name="__main__")
+    assert not end.value.code
     assert (tmp_path / "fmus" / "RotorBearing.fmu").is_file()
 
 

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -74,20 +75,27 @@ rate = 20
 [keep]
 x = { peak = "disc.x" }
 """
-SCRIPT = """import resource, sys
-resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]) * 1024,) * 2)
-sys.argv = ["rotor-fmu", *sys.argv[2:]]
-from rotor_fmu.cli import main
-main()
-"""
+
+
+@contextmanager
+def little_room(kilobytes):
+    """No file grows beyond this size: a write fails amid."""
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1024, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are POSIX")
 @pytest.mark.parametrize("writer", WRITERS)
 def test_every_writer_says_a_full_disk_in_one_sentence_and_leaves_nothing_half_written(
-    writer, tmp_path
+    writer, process, tmp_path
 ):
-    """A limit on the size of a file stands for the disk: a write fails amid."""
+    """A limit on the size of a file stands for the disk."""
     arguments, limit = WRITERS[writer]
     run, out = tmp_path / "run", tmp_path / "out"
     if "RUN" in arguments:
@@ -98,12 +106,8 @@ def test_every_writer_says_a_full_disk_in_one_sentence_and_leaves_nothing_half_w
     given = [names.get(word, word).replace("OUT", str(out)) for word in arguments]
     if "--out" not in given:
         given += ["--out", str(out)]
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(limit), *given],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-    )
+    with little_room(limit):
+        done = process(*given)
     said = [line for line in done.stderr.splitlines() if line.startswith("rotor-fmu: ")]
     assert done.returncode == 1, done.stderr
     assert "Traceback" not in done.stderr

@@ -141,7 +141,7 @@ def look(driver, width=1600, dark=False):
 
 
 @pytest.fixture(
-    scope="module",
+    scope="session",
     params=[
         pytest.param(each, marks=pytest.mark.skipif(bool(each.lacks), reason=each.lacks))
         for each in (Chromium, Firefox)

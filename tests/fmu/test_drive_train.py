@@ -255,7 +255,7 @@ def test_ctrl_c_ends_the_script_in_one_line(tmp_path):
     runs = tmp_path / "out" / "drive_train" / "runs"
     while not runs.exists() and process.poll() is None:
         time.sleep(0.05)
-    time.sleep(1.0)
+    time.sleep(0.2)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=600)
     assert process.returncode == 130

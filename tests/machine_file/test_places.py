@@ -41,10 +41,11 @@ def test_every_parameter_has_a_place(machine):
 
 
 def test_a_value_at_its_place_is_the_machine_with_that_value(machine):
+    places = parameter_locations(machine)
     for name, declared, value in machine.parameters():
         changed = (not value) if declared.is_switch else 1.25 * value + 0.01
         structure = assemble(machine)
-        for place in parameter_locations(machine)[name]:
+        for place in places[name]:
             member(structure, place.member)[place.row][place.field] = changed
         prepare(structure)
         assert differences(structure, assemble(machine.with_value(str(name), changed))) == [], name

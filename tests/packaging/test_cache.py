@@ -72,6 +72,14 @@ def test_what_one_process_compiles_the_next_finds_until_a_kernel_changes(kernel)
     other = "dispatching.kernels_digest = lambda: 'f' * 16\nshow()"
     assert kernel.run(other) == (COMPILED, "")
     assert len(list((kernel.cache / "numba").iterdir())) == 2
+    # the folders are their user's alone, and code in one that others can write to is not run
+    folder = kernel.cache / "numba"
+    for each in (kernel.cache, folder, *folder.iterdir()):
+        assert each.stat().st_mode & 0o777 == 0o700
+    folder.chmod(0o777)
+    out, said = kernel.run()
+    assert out == COMPILED
+    assert f"{folder} can be written by other users (mode 777)" in said
 
 
 def test_the_cache_of_the_users_own_numba_functions_stays_where_it_is(kernel, tmp_path):
@@ -105,22 +113,6 @@ def test_a_folder_that_may_not_be_entered_is_done_without(kernel, tmp_path, wher
     assert out == COMPILED
     assert "compiled code is not cached for the next process: " in said
     assert str(locked) in said
-
-
-def test_the_folder_is_made_for_its_user_alone(kernel):
-    kernel.run()
-    folders = (kernel.cache, kernel.cache / "numba", *(kernel.cache / "numba").iterdir())
-    for folder in folders:
-        assert folder.stat().st_mode & 0o777 == 0o700
-
-
-def test_code_in_a_folder_that_others_can_write_is_not_run(kernel):
-    assert kernel.run() == (COMPILED, "")
-    folder = kernel.cache / "numba"
-    folder.chmod(0o777)
-    out, said = kernel.run()
-    assert out == COMPILED
-    assert f"{folder} can be written by other users (mode 777)" in said
 
 
 def test_another_users_folder_is_refused(tmp_path, monkeypatch):

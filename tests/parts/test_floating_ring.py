@@ -172,7 +172,7 @@ def _rhs(mass, push):
 
 def test_a_pushed_rotor_moves_as_cvode_integrates_its_equations():
     """From rest, pushed for a millisecond; the journal, the ring and its speed thereafter."""
-    run = _run(rigid_in_rings(), tolerance=1e-4)
+    run = _run(rigid_in_rings(), tolerance=1e-3)
     name, c = "floating_ring_bearing[1]", RING["clearance"]
     mass, push = _mass(run), 2.0
 

@@ -37,6 +37,35 @@ amount = {e * gap}
     )
 
 
+FAINT = 0.195  # eccentricity in clearances whose whirl, e / (2 zeta) at most, touches nothing
+FAINT_RUB = jeffcott(e=FAINT, mu=0.0)
+
+
+def sagging():
+    """A Jeffcott rotor whose weight nearly closes the clearance: half of each turn it rubs."""
+    return rf.parse(
+        rigid(
+            gravity=9.81,
+            parts=bearings(OMEGA**2, 0.1 * OMEGA)
+            + f"""
+[[contact]]
+node = 2
+journal_radius = 0.05
+clearance = {CLEARANCE}
+mu = 0.0
+k = {4 * OMEGA**2}
+c = 0.0
+[[sensor]]
+node = 2
+name = "disc"
+[[unbalance]]
+node = 2
+amount = {0.3 * CLEARANCE}
+""",
+        )
+    )
+
+
 def rub(omega, mu=MU, sign=1):
     """Radius of the synchronous full annular rub, the larger or the smaller."""
     s, d = 1 + BETA - omega**2, 2 * ZETA * omega + mu * BETA

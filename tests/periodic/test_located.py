@@ -11,8 +11,7 @@ from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
 import rotor_fmu as rf
 
-from .machines import BETA, CLEARANCE, OMEGA, jeffcott
-from .test_branches import sagging
+from .machines import BETA, CLEARANCE, OMEGA, jeffcott, sagging
 
 STIFFNESS = BETA * OMEGA**2  # of the contact
 
@@ -37,11 +36,6 @@ def test_coefficients_of_a_force_with_corners_are_its_integrals(offset):
         half = scipy.integrate.quad(press, 0.0, edge, (k,), epsabs=1e-18)[0]
         expected = -STIFFNESS * (2 / np.pi) * half * (k % 2) * np.exp(-1j * k * phase)
         assert abs(seen[k] - expected) < 1e-7 * STIFFNESS * amplitude
-
-
-@pytest.fixture(scope="module")
-def doubled():
-    return rf.response(sagging(), speed=(240.0, 400.0), branches=True, harmonics=40)
 
 
 def test_multipliers_do_not_depend_on_the_steps_although_a_contact_opens_and_closes(doubled):
@@ -75,11 +69,8 @@ def test_with_more_harmonics_a_folds_multiplier_is_nearer_to_one():
     assert off[1] < 3e-5
 
 
-def test_a_torus_begins_where_a_pair_of_multipliers_leaves_the_circle():
-    curve = rf.response(jeffcott(), speed=(60.0, 240.0))
-    over = ("contact[1].mu", 0.02, 0.3)
-    result = rf.response(jeffcott(), speed=1.4 * OMEGA, over=over, start=curve.at(1.4 * OMEGA)[0])
-    (torus,) = [b for b in result.bifurcations if b.kind == "Neimark-Sacker"]
+def test_a_torus_begins_where_a_pair_of_multipliers_leaves_the_circle(curve, over_friction):
+    (torus,) = [b for b in over_friction.bifurcations if b.kind == "Neimark-Sacker"]
     assert abs(torus.multiplier) == pytest.approx(1.0, abs=2e-6)
     assert abs(torus.multiplier.imag) > 0.1
     (fold,) = [b for b in curve.bifurcations if b.kind == "fold"]

@@ -3,45 +3,39 @@
 import numpy as np
 import pytest
 
-import rotor_fmu as rf
 from rotor_fmu.display import choose, restored
 from rotor_fmu.periodic.response_page import response_page
 
 from ..documents.browser import NASTY, Page
-from .machines import CLEARANCE, OMEGA, jeffcott, rub
+from .machines import CLEARANCE, OMEGA, rub
 
 HERTZ = 1 / (2 * np.pi)  # of a rad/s
 
 
-@pytest.fixture(scope="module")
-def result():
-    return rf.response(jeffcott(), speed=(60.0, 240.0))
-
-
-def test_the_page_is_one_file_with_tables_and_a_name_that_is_text(result):
-    html = response_page(result, NASTY)
+def test_the_page_is_one_file_with_tables_and_a_name_that_is_text(curve):
+    html = response_page(curve, NASTY)
     assert NASTY not in html
     assert "<td>fold</td>" in html
 
 
-def test_picture_table_and_page_are_in_the_units_chosen(result):
+def test_picture_table_and_page_are_in_the_units_chosen(curve):
     with restored():
         choose("rpm, mil")
-        axes = result.figure().axes[0]
-        heads = result.table().heads
-        html = response_page(result, "Jeffcott")
+        axes = curve.figure().axes[0]
+        heads = curve.table().heads
+        html = response_page(curve, "Jeffcott")
     assert axes.get_xlabel() == heads[2] == "speed [rpm]"
     assert axes.get_xlim()[1] == pytest.approx(240.0 * 30 / np.pi)
     assert axes.get_ylabel() == "Largest distance from the mean [mil]"
     drawn = max(line.get_ydata().max() for line in axes.lines)
-    assert drawn == pytest.approx(result.curve("disc").value.max() / 25.4e-6)
+    assert drawn == pytest.approx(curve.curve("disc").value.max() / 25.4e-6)
     assert axes.get_title("left").endswith("periodic motions over speed")
     assert '"unit":"rpm","small":"mil"' in html
 
 
-def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_path):
+def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, curve, tmp_path):
     path = tmp_path / "response.html"
-    path.write_text(response_page(result, "Jeffcott"), encoding="utf-8")
+    path.write_text(response_page(curve, "Jeffcott"), encoding="utf-8")
     page = Page(silent, path)
     assert page.run("return curves.place.name") == "disc"
     omega = 1.8
@@ -52,13 +46,13 @@ def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_pa
         assert f", {words}, " in said
         x, y = page.run("return [curves.path.data.x, curves.path.data.y]")
         i = page.run("return curves.row")
-        at = result.points[i]
+        at = curve.points[i]
         assert abs(at.value - omega * OMEGA) < 0.03 * omega * OMEGA
-        expected = 1e6 * result.amplitude(at, "disc")
+        expected = 1e6 * curve.amplitude(at, "disc")
         assert np.hypot(x, y) == pytest.approx(np.full(len(x), expected), rel=1e-3)
     # a motion of the mouse itself
     page.click_at("curves.chart", 1.2 * OMEGA * HERTZ, 1e6 * CLEARANCE * rub(1.2))
-    assert abs(result.points[page.run("return curves.row")].value - 1.2 * OMEGA) < 0.1 * OMEGA
+    assert abs(curve.points[page.run("return curves.row")].value - 1.2 * OMEGA) < 0.1 * OMEGA
     page.find("after").click()
     before = page.run("return curves.row")
     page.find("before").click()
@@ -67,15 +61,15 @@ def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_pa
     assert "disc.x_1x" in page.text("reading")
 
 
-def test_unstable_motions_are_dashed(silent, result, tmp_path):
+def test_unstable_motions_are_dashed(silent, curve, tmp_path):
     path = tmp_path / "response.html"
-    path.write_text(response_page(result, "Jeffcott"), encoding="utf-8")
+    path.write_text(response_page(curve, "Jeffcott"), encoding="utf-8")
     page = Page(silent, path)
     full, dashed = page.run(
         "return curves.lines[0].map((s) => s.data.y.map((v) => Number.isFinite(v) ? v : null))"
     )
-    curve = result.curve("disc")
-    for drawn, wanted in ((full, curve.stable), (dashed, ~curve.stable)):
+    line = curve.curve("disc")
+    for drawn, wanted in ((full, line.stable), (dashed, ~line.stable)):
         shown = {round(v, 1) for v in drawn if v is not None}
-        assert {round(1e6 * v, 1) for v in curve.value[wanted]} <= shown
+        assert {round(1e6 * v, 1) for v in line.value[wanted]} <= shown
         assert len(shown) <= wanted.sum() + 2  # and the points that join them

@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -12,10 +13,11 @@ import pytest
 import rotor_fmu as rf
 from rotor_fmu.periodic.saved_events import FILE, saved_journal
 
-from .machines import jeffcott
+from .machines import FAINT_RUB, jeffcott, sagging
 from .test_command import COMMAND, JEFFCOTT
 
-OPTIONS = {"speed": (100.0, 240.0)}
+OPTIONS = {"speed": (60.0, 240.0)}  # of `curve` and `isola`
+RUN = ["response", "--rotor", str(JEFFCOTT), "--speed", "60:240", "--step", "0.002"]
 
 
 class Stopping:
@@ -50,93 +52,95 @@ def equal(one, other):
     return True
 
 
-@pytest.mark.parametrize("stops", [(1,), (2,), (30, 31, 90), (149,)])
-def test_a_stopped_response_goes_on_to_the_points_of_an_undisturbed_one(tmp_path, stops):
-    machine = jeffcott()
-    whole = rf.response(machine, **OPTIONS)
-    assert len(whole.points) > 149
-    for stop in stops:
-        stopped = called(tmp_path, machine, stop)
-        assert stopped.is_stopped
-        assert len(stopped.points) == stop - 1
-        assert any("stopped" in note for note in stopped.notes)
-    assert equal(called(tmp_path, machine), whole)
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """A response stopped again and again, at each count of points, then finished: its folder and
+    what each call gave."""
+    folder = tmp_path_factory.mktemp("stopped")
+    return folder, {at: called(folder, jeffcott(), at) for at in (1, 2, 30, 31, 90, 177, 0)}
 
 
-def test_both_ways_from_a_seed_are_gone_on_with_and_a_doubled_period_too(tmp_path):
-    from .test_branches import ISOLA, sagging
-
-    for machine, options, stops in (
-        (ISOLA, {"seeds": (130.0,)}, (52, 60)),
-        (sagging(), {"speed": (240.0, 300.0), "branches": True, "harmonics": 20}, (30,)),
-    ):
-        folder = tmp_path / str(len(options))
-        folder.mkdir()
-        whole = rf.response(machine, **OPTIONS | options)
-        assert len(whole.branches) > 1
-        for stop in stops:
-            assert called(folder, machine, stop, **options).is_stopped
-        assert equal(called(folder, machine, **options), whole)
+def test_a_stopped_response_goes_on_to_the_points_of_an_undisturbed_one(stopped, curve):
+    _, calls = stopped
+    assert len(curve.points) > 177
+    for at, result in calls.items():
+        assert result.is_stopped == (at > 0)
+        assert len(result.points) == (at - 1 if at else len(curve.points))
+        assert any("stopped" in note for note in result.notes) == (at > 0)
+    assert equal(calls[0], curve)
 
 
-def test_a_line_that_was_not_finished_is_computed_again(tmp_path):
-    machine = jeffcott()
-    whole = called(tmp_path, machine)
-    file = tmp_path / FILE
+def test_a_line_that_was_not_finished_is_computed_again(stopped, curve):
+    file = stopped[0] / FILE
     text = file.read_text()
-    file.write_text(text[: len(text) // 2])
-    assert equal(called(tmp_path, machine), whole)
+    file.write_text(text[: 2 * len(text) // 3])
+    assert equal(called(stopped[0], jeffcott()), curve)
     assert file.read_text() == text
+
+
+def goes_on(folder, machine, whole, stops, **options):
+    """Whether a response stopped at counts of points goes on to another's."""
+    assert len(whole.branches) > 1
+    for stop in stops:
+        assert called(folder, machine, stop, **options).is_stopped
+    return equal(called(folder, machine, **options), whole)
+
+
+def test_both_ways_from_a_seed_are_gone_on_with(tmp_path, isola):
+    first = len(isola.branches[0].points)
+    assert len(isola.points) > first + 10
+    assert goes_on(tmp_path, FAINT_RUB, isola, (first + 2, first + 10), seeds=(130.0,))
+
+
+def test_a_doubled_period_is_gone_on_with(tmp_path):
+    options = {"speed": (240.0, 300.0), "branches": True, "harmonics": 20}
+    assert goes_on(tmp_path, sagging(), rf.response(sagging(), **options), (30,), **options)
 
 
 def test_what_was_saved_of_another_response_is_not_taken_over(tmp_path):
     machine = jeffcott()
     called(tmp_path, machine, 5)
-    other = called(tmp_path, machine, speed=(150.0, 240.0))
-    assert equal(other, rf.response(machine, speed=(150.0, 240.0)))
+    other = called(tmp_path, machine, speed=(180.0, 240.0))
+    assert equal(other, rf.response(machine, speed=(180.0, 240.0)))
 
 
-def test_ctrl_c_keeps_points_and_pictures_and_the_same_call_goes_on(tmp_path):
-    arguments = ["response", "--rotor", JEFFCOTT, "--speed", "60:240", "--step", "0.002"]
-    call = [sys.executable, "-c", COMMAND, *map(str, arguments), "--out", str(tmp_path)]
-    with subprocess.Popen(call, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as run:
-        file = tmp_path / FILE
-        while run.poll() is None and not (file.exists() and file.read_text().count("\n") > 20):
-            pass
-        run.send_signal(signal.SIGINT)
-        _, said = run.communicate()
-    assert run.returncode == 130
-    assert "the same call continues from there" in said
-    before = len(json.loads((tmp_path / "response.json").read_text())["branches"][0]["value"])
-    assert before >= 18
-    assert (tmp_path / "response.png").exists()
-    saved = file.read_text().splitlines()
-    with subprocess.Popen(call, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as run:
-        while run.poll() is None and file.read_text().count("\n") <= len(saved) + 3:
-            pass
-        run.send_signal(signal.SIGINT)
-        run.communicate()
-    assert file.read_text().splitlines()[: len(saved)] == saved
+def started(folder):
+    """A call in a process of its own that takes long."""
+    call = [sys.executable, "-c", COMMAND, *RUN, "--out", str(folder)]
+    return subprocess.Popen(call, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
-def test_a_second_call_into_the_same_folder_is_refused_while_the_first_is_at_work(tmp_path):
-    arguments = ["response", "--rotor", JEFFCOTT, "--speed", "60:240", "--step", "0.002"]
-    call = [sys.executable, "-c", COMMAND, *map(str, arguments), "--out", str(tmp_path)]
-    with subprocess.Popen(call, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as run:
-        file = tmp_path / FILE
-        while run.poll() is None and not (file.exists() and file.read_text().count("\n") > 5):
-            pass
+def wait_for(lines, run, file):
+    """Until a process has saved so many lines."""
+    while run.poll() is None and not (file.exists() and file.read_text().count("\n") >= lines):
+        time.sleep(0.02)
+
+
+def test_ctrl_c_keeps_points_and_pictures_and_the_same_call_goes_on(tmp_path, process):
+    """Which is refused in the same folder while the first is at work."""
+    file = tmp_path / FILE
+    with started(tmp_path) as run:
+        wait_for(22, run, file)
         before = file.read_text()
-        second = subprocess.run(call, capture_output=True, text=True, check=False)
+        second = process(*RUN, "--out", str(tmp_path))
         assert run.poll() is None
         run.send_signal(signal.SIGINT)
-        run.communicate()
+        _, said = run.communicate()
     assert second.returncode == 2
     assert second.stderr == f"rotor-fmu: --out {tmp_path}: another call is at work in it\n"
     assert second.stdout == ""
     assert file.read_text().startswith(before)
-    with saved_journal(tmp_path, "another", {}):
-        pass  # the first has left it
+    assert run.returncode == 130
+    assert "the same call continues from there" in said
+    count = len(json.loads((tmp_path / "response.json").read_text())["branches"][0]["value"])
+    assert count >= 18
+    assert (tmp_path / "response.png").exists()
+    saved = file.read_text().splitlines()
+    with started(tmp_path) as run:
+        wait_for(len(saved) + 4, run, file)
+        run.kill()
+    assert file.read_text().splitlines()[: len(saved)] == saved
+    assert len(file.read_text().splitlines()) > len(saved) + 3
 
 
 def test_the_command_shows_how_far_it_is(tmp_path):
@@ -161,7 +165,7 @@ def test_the_command_shows_how_far_it_is(tmp_path):
         patch.setattr(screen, "time", Clock)
         patch.setattr(periodic, "_errors", Console(file=Lines(said), width=200))
         with periodic._progress(180.0, before=3, axis=Display().of_si("rad/s")) as tell:
-            rf.response(jeffcott(), speed=(60.0, 240.0), tell=tell)
+            rf.response(jeffcott(), speed=(60.0, 110.0), tell=tell)
     assert len(said) > 3
     for line in said:
         assert re.fullmatch(r"response: .*branch 1: \d+ points, at [\d.]+ Hz, \d+ harmonics", line)

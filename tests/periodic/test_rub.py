@@ -12,11 +12,6 @@ from rotor_fmu.errors import InputError
 from .machines import CLEARANCE, OMEGA, RADIUS, growth, jeffcott, rolling, rub
 
 
-@pytest.fixture(scope="module")
-def curve():
-    return rf.response(jeffcott(), speed=(60.0, 240.0))
-
-
 def radii(curve, omega):
     """Radii in clearances at a speed, the largest first, with whether each is stable."""
     result = [
@@ -75,20 +70,17 @@ def test_newtons_method_converges_quadratically(curve):
     assert sum(last <= 30 * before**2 for before, last in pairs) > 0.97 * len(pairs)
 
 
-def test_friction_beyond_hopfs_point_makes_a_torus(curve):
+def test_friction_beyond_hopfs_point_makes_a_torus(curve, over_friction):
     start = curve.at(1.4 * OMEGA)[0]
     assert curve.amplitude(start, "disc") > 1.2 * CLEARANCE
-    result = rf.response(
-        jeffcott(), speed=1.4 * OMEGA, over=("contact[1].mu", 0.02, 0.3), start=start
-    )
-    (torus,) = [b for b in result.bifurcations if b.kind == "Neimark-Sacker"]
+    (torus,) = [b for b in over_friction.bifurcations if b.kind == "Neimark-Sacker"]
     assert torus.value == pytest.approx(0.147023, rel=1e-4)
     # beyond it neither the curve nor a run in time says that the motion is periodic and stays
     for mu, is_stable in ((0.1, True), (0.2, False)):
-        (point,) = result.at(mu)
+        (point,) = over_friction.at(mu)
         assert point.is_stable == is_stable
         assert (abs(point.multipliers[0].imag) > 0.1) or is_stable
-        assert result.check(point, 100).stays == is_stable
+        assert over_friction.check(point, 100).stays == is_stable
 
 
 def test_a_curve_of_folds_that_leaves_the_machine_out_is_refused_in_one_line(curve):
@@ -107,7 +99,7 @@ def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):
             rub(outside, mu)
 
 
-@pytest.mark.parametrize("v", [2.0, 4.0, 8.0])
+@pytest.mark.parametrize("v", [2.0, *(pytest.param(v, marks=pytest.mark.slow) for v in (4.0, 8.0))])
 def test_dry_whirl_rolls_as_the_closed_form_says(v):
     machine = jeffcott(0.05, 20.0, 0.1, 0.0)
     speed = v * CLEARANCE * OMEGA / RADIUS

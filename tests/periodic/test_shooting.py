@@ -17,8 +17,7 @@ from rotor_fmu.model.periodic.shooting import Shooting
 
 import rotor_fmu as rf
 
-from .machines import CLEARANCE, OMEGA
-from .test_branches import sagging
+from .machines import CLEARANCE, OMEGA, sagging
 from .test_resume import called, equal
 
 SPEED = 245.0

@@ -8,8 +8,6 @@ import scipy.linalg
 from rotor_fmu.model.periodic.fourier import basis
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
-import rotor_fmu as rf
-
 from .machines import OMEGA, jeffcott
 
 _GAUSS = np.array([0.5 - math.sqrt(3) / 6, 0.5 + math.sqrt(3) / 6])
@@ -50,12 +48,10 @@ def shooting(machine, orbit, steps=800):
     return np.linalg.eigvals(passed)
 
 
-def test_multipliers_are_those_of_a_fine_integration():
+def test_multipliers_are_those_of_a_fine_integration(curve):
     """At 20 points of the curve, of both signs of stability."""
-    machine = jeffcott()
-    result = rf.response(machine, speed=(60.0, 240.0))
-    linear = CondensedMachine(machine.rotor)
-    points = result.points[:: len(result.points) // 20][:20]
+    linear = CondensedMachine(jeffcott().rotor)
+    points = curve.points[:: len(curve.points) // 20][:20]
     assert len(points) == 20
     assert {p.is_stable for p in points} == {True, False}
     for point in points:
@@ -106,12 +102,10 @@ def hill(machine, orbit, H=20):
     return np.exp(chosen * 2 * math.pi / orbit.omega)
 
 
-def test_multipliers_are_those_of_hills_method():
+def test_multipliers_are_those_of_hills_method(curve):
     """Of the rub, whose tangents turn with twice the speed."""
-    machine = jeffcott()
-    result = rf.response(machine, speed=(60.0, 240.0))
-    linear = CondensedMachine(machine.rotor)
-    rubbing = [p for p in result.points if result.amplitude(p, "disc") > 1.01e-3]
+    linear = CondensedMachine(jeffcott().rotor)
+    rubbing = [p for p in curve.points if curve.amplitude(p, "disc") > 1.01e-3]
     for point in rubbing[:: len(rubbing) // 5]:
         sizes = -np.sort(-np.abs(hill(linear, point.orbit, 6)))
         assert np.abs(point.multipliers[:4]) == pytest.approx(sizes[:4], rel=1e-4)

@@ -4,16 +4,20 @@ CVODE (SUNDIALS) solves the equations of `tests.parts.equations`, which share th
 and bodies with this project and nothing else.
 """
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from sksundae.cvode import CVODE
 
 from ..parts.equations import Equations
-from .machines import SAMPLES, Case
+from .machines import SAMPLES, Case, drawn
 
 RTOL = 1e-9
 SLIGHTLY = 1e-5  # relative change of the start, the unbalance and the speed
+KEPT = (0, 3, 7, 23)  # machines whose truth is written down, which takes CVODE a minute
+_FILE = Path(__file__).parents[1] / "reference" / "drawn_truths.json"
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,23 @@ def truth(case: Case, rtol: float = RTOL) -> Truth:
     )
     largest = max(float(np.abs(other - exact).max()) for other in changed)
     return Truth(exact, largest / (SLIGHTLY * size))
+
+
+def keep() -> None:
+    """Write down the truth of the machines of `KEPT`."""
+    made = {}
+    for seed in KEPT:
+        exact = truth(drawn(seed))
+        places = [[float(f"{x:.9g}") for x in (z.real, z.imag)] for z in exact.orbit.tolist()]
+        made[seed] = {"condition": float(f"{exact.condition:.6g}"), "orbit": places}
+    lines = (f'"{seed}": {json.dumps(each)}' for seed, each in made.items())
+    _FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+
+
+def kept(seed: int) -> Truth:
+    """The truth of one of these machines as it was written down."""
+    made = json.loads(_FILE.read_text(encoding="utf-8"))[str(seed)]
+    return Truth(np.array(made["orbit"]) @ [1, 1j], made["condition"])
 
 
 def orbit(
@@ -79,3 +100,7 @@ def orbit(
     solver = CVODE(equations.slope, rtol=rtol, atol=atol, max_num_steps=10**8)
     y = solver.solve(case.times / faster, state).y
     return y[:, at] + 1j * y[:, n + at] - origin
+
+
+if __name__ == "__main__":
+    keep()

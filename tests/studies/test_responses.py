@@ -13,11 +13,11 @@ from rotor_fmu.studies.dataset import open_dataset
 from rotor_fmu.studies.runner import run_study
 
 from ..periodic.machines import OMEGA, rub
-from ..periodic.test_command import command
 from .functions import here, quiet
 
 JEFFCOTT = "jeffcott_rub/jeffcott.toml"
 RUN = "kind = 'response'\nfrom = 60\nto = 240"
+SHORT = "kind = 'response'\nfrom = 180\nto = 240"
 KEEP = """
 fold = { bifurcation = "fold" }
 end = { bifurcation = "grazing", which = "highest" }
@@ -99,6 +99,7 @@ def test_another_parameter_is_gone_over_at_one_speed(tmp_path):
 def test_a_run_of_what_no_machine_can_be_is_a_failed_row(tmp_path):
     study = read(
         tmp_path,
+        SHORT,
         keep='fold = { bifurcation = "fold" }',
         vary='"run.harmonics" = { values = [3, 900] }',
     )
@@ -133,10 +134,10 @@ def test_what_cannot_be_is_one_line(tmp_path, options, words):
 def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
     study = read(
         tmp_path,
-        "kind = 'steps'\nfrom = 130\nto = 220\ncount = 10\nback = 1\nsettle = 3\nturns = 4",
+        "kind = 'steps'\nfrom = 130\nto = 220\ncount = 5\nback = 1\nsettle = 3\nturns = 4",
         'x = { poincare = "disc.x" }\ny = { poincare = "disc.y" }',
         '"contact[1].mu" = { values = [0.05] }',
-        '[set]\n"solver.tolerance" = 1e-6\n',
+        '[set]\n"solver.tolerance" = 1e-5\n',
     )
     run_study(study, tmp_path / "out", here, quiet)
     said = []
@@ -148,8 +149,8 @@ def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
         lines = [line.get_xydata() for line in axes.lines if len(line.get_xydata())]
         full = [line.get_xydata() for line in axes.lines if line.get_linestyle() == "-"]
         curve = np.concatenate([f for f in full if len(f) > 1])
-        points = np.concatenate([d for d in lines if len(d) == 40 or len(d) == 36])
-        assert len(points) == 19 * 4
+        points = np.concatenate([d for d in lines if len(d) == 20 or len(d) == 16])
+        assert len(points) == 9 * 4
         span = np.ptp(curve, axis=0)
         for point in points[np.abs(points[:, 0] - 138.5) > 5]:
             # on the polygon through the curve's points
@@ -166,10 +167,10 @@ def test_a_study_without_sections_has_no_diagram(tmp_path):
         diagrams(read(tmp_path), None, print)
 
 
-def test_a_run_selected_is_written_with_picture_and_page(tmp_path):
-    read(tmp_path, keep='fold = { bifurcation = "fold" }')
-    path = tmp_path / "study.toml"
-    done = command("--out", tmp_path / "out", "--select", "1", name="study", first=path)
+def test_a_run_selected_is_written_with_picture_and_page(process, tmp_path):
+    read(tmp_path, SHORT, 'fold = { bifurcation = "fold" }')
+    path = str(tmp_path / "study.toml")
+    done = process("study", path, "--out", str(tmp_path / "out"), "--select", "1")
     assert done.returncode == 0, done.stderr
     (folder,) = (tmp_path / "out" / "runs").iterdir()
     about = json.loads((folder / "response.json").read_text())
