@@ -1,6 +1,7 @@
 """The pictures that a run leaves in its folder."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -93,11 +94,12 @@ def journal_angle(recording: Recording, caption: str) -> Figure:
         )
         bar = figure.colorbar(image, ax=axes, extend="max")
         bar.set_label(f"share of the time within {angles[1]:.0f}° [%]")
-        section = vibration.poincare(recording.t, recording.phi, z)
-        at = np.interp(section.t, recording.t, n)
-        mark = f"once a turn, the shaft's mark at 0° ({len(at)} points)"
-        angle = np.degrees(np.angle(section.points)) % 360
-        axes.plot(at, angle, ".", color=ORANGE, ms=1.6, mew=0, label=mark)
+        with suppress(vibration.TooFewTurns):  # a part of a turn has no mark
+            section = vibration.poincare(recording.t, recording.phi, z)
+            at = np.interp(section.t, recording.t, n)
+            mark = f"once a turn, the shaft's mark at 0° ({len(at)} points)"
+            angle = np.degrees(np.angle(section.points)) % 360
+            axes.plot(at, angle, ".", color=ORANGE, ms=1.6, mew=0, label=mark)
     else:
         psi = np.degrees(recording.columns[f"{part}.psi"])
         label = _every_step(recording, per_turn)

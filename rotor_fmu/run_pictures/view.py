@@ -144,5 +144,8 @@ def displacement_axes(axes: Axes, place: MeasuringPoint) -> None:
 
 
 def legend_below(figure: Figure, columns: int = 3, **options: float) -> None:
-    """Write the names of the lines below a picture."""
-    figure.legend(loc="outside lower center", frameon=False, fontsize=8, ncols=columns, **options)
+    """Write the names of the lines below a picture, if any has one."""
+    if any(axes.get_legend_handles_labels()[0] for axes in figure.axes):
+        figure.legend(
+            loc="outside lower center", frameon=False, fontsize=8, ncols=columns, **options
+        )

@@ -15,6 +15,7 @@ from rotor_fmu.fmi.packing.machine_files import NATIVE, fmu_identifier
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.operating_speeds import operating_speeds
 from rotor_fmu.runs.ramp import RampGiven
+from tools.checkout import ROOT
 
 RPM = math.pi / 30
 
@@ -159,3 +160,9 @@ def test_an_fmu_has_the_names_and_the_start_of_its_machine(tmp_path):
 def test_a_free_rotor_starts_at_the_rated_speed_too():
     table = interface(parse_rotor(operated("rated_speed = 250.0")), is_free=True)
     assert next(v.start for v in table if v.name == "w_start") == 250.0
+
+
+def test_a_run_of_less_than_a_turn_is_drawn_where_it_was(command, tmp_path):
+    machine = str(ROOT / "examples" / "magnetic_bearing" / "compressor.toml")
+    command("run-up", "--rotor", machine, "--direct", "--stop", "0.05", "--quiet")
+    assert (tmp_path / "out" / "run_up_psi.png").read_bytes().startswith(b"\x89PNG")
