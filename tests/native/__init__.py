@@ -1,0 +1,1 @@
+"""The FMU without Python, the solver library and the page, on several platforms."""

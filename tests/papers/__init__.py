@@ -1,0 +1,1 @@
+"""What repeats the papers of `papers/`."""

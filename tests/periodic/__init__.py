@@ -1,0 +1,1 @@
+"""Periodic responses: branches, folds, stability, and the command that computes them."""

@@ -1,0 +1,1 @@
+"""Studies: design, rows, analysis, resuming."""
