@@ -16,9 +16,7 @@ any, turns it back to where nothing converges, x_t = x_r tan(beta), beta being t
 pivot to that end; there it idles.
 """
 
-import math
-
-from ..kernels.functions import angle, direction
+from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_not_inlined
 from .bearing_film import PAD
 from .tilting_pads import (
@@ -35,7 +33,7 @@ from .tilting_pads import (
 )
 
 _THIN = 0.1  # of a pad's clearance: a film at its end that turns the pad back
-_WIDEST = 1.4  # angle beta of a pad that idles [rad]
+_NARROWEST = 0.17  # cos(beta) of a pad that idles
 
 
 @jit
@@ -62,10 +60,10 @@ def search_at_rest(bearing, tables, kinematics, i):
     radial += clearance - bearing.clearance - tables[at + PAD.pivot_displacement]
     sense = 1.0 if kinematics.speed > 0.0 else -1.0
     end = tables[at + PAD.last] if sense > 0.0 else tables[at + PAD.first]
-    beta = abs(angle(direction(end) * outwards.conjugate()))
-    idle = opposite + sense * min(0.0, radial) * math.tan(min(beta, _WIDEST))
-    thin = ((1.0 - _THIN) * clearance - radial * math.cos(beta)) / math.sin(beta)
-    ahead = max(0.0, thin)
+    to_end = direction(end) * outwards.conjugate()
+    cosine, sine = to_end.real, abs(to_end.imag)
+    idle = opposite + sense * min(0.0, radial) * sine / max(cosine, _NARROWEST)
+    ahead = max(0.0, ((1.0 - _THIN) * clearance - radial * cosine) / sine)
     negligible = negligible_force(bearing, speed_of(bearing, kinematics))
     for _ in range(ITERATIONS):
         tilt = opposite + sense * ahead
