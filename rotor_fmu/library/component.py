@@ -17,6 +17,7 @@ from .build import (
     C_SOURCES,
     WASM,
     LibraryError,
+    fmi_headers,
     forget_old,
     kernels,
     link_module,
@@ -67,7 +68,8 @@ def make(target: Path) -> None:
         module = work / "module.wasm"
         sources = [file for file in C_SOURCES.glob("*.c") if file.name not in _LEFT_OUT]
         parts = [*sorted(sources), *sorted(_FOLDER.glob("*.c")), *objects(WASM, kernels(), work)]
-        options = (f"-I{C_SOURCES}", f'-DSOURCES="{sources_digest()}"')
+        folders = (f"-I{C_SOURCES}", f"-I{fmi_headers()}")
+        options = (*folders, f'-DSOURCES="{sources_digest()}"')
         link_module(parts, module, options, f"the module for {COMPONENT.name}")
         done = subprocess.run(
             [*command, module, _INTERFACES, _WORLD, target],

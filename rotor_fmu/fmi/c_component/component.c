@@ -1,7 +1,7 @@
 /* The FMU as a WebAssembly component: FMI 3.0's functions as `fmi3.wit` has them, in the component
    model's canonical ABI. Text and lists are an address and a count; what is more than one number is
    returned by the address of a struct, which C lays out as that ABI does. */
-#include "fmi3.c" /* whose types and functions have no header */
+#include "fmi3.c" /* which this file exports in another form */
 
 #include <stdlib.h>
 #include <string.h>
