@@ -184,6 +184,15 @@ def test_zig_that_is_missing_is_named(monkeypatch):
         making._tools()
 
 
+def test_the_module_is_linked_also_where_no_jco_makes_a_component_of_it(monkeypatch, tmp_path):
+    copies = "import shutil, sys; shutil.copyfile(sys.argv[1], sys.argv[4])"
+    monkeypatch.setattr(making, "_tools", lambda: [sys.executable, "-c", copies])
+    making.make(tmp_path / "module.wasm")
+    module = (tmp_path / "module.wasm").read_bytes()
+    assert module.startswith(b"\0asm")
+    assert CO_SIMULATION.encode() in module
+
+
 @NEEDED
 def test_what_jco_refuses_is_one_sentence(monkeypatch, tmp_path):
     """A module that lacks what the interfaces ask for does not validate."""
