@@ -14,7 +14,7 @@ from rotor_fmu.model.structure.assembly import assemble
 
 from rotor_fmu.linear import acceptance, answers
 from tests.dense import dense_matrices
-from tests.linear.test_acceptance import CLOSE, ROOT, ROSS, RPM, SHAFT, support
+from tests.linear.api_617 import CLOSE, ROOT, ROSS, RPM, SHAFT, support
 from tests.validation.test_ross import machine
 
 
