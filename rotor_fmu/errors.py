@@ -94,16 +94,14 @@ def optional(module: str, extra: str, what: str) -> Any:
         ) from None
 
 
-def check_one_of(
-    given: str, value: object, known: Collection[str], *, names_nearest: bool = False
-) -> None:
-    """Raise `InputError` for a value that is not among the known ones.
+def check_one_of(given: str, value: object, known: Collection[str]) -> None:
+    """Raise `InputError` for a value that is not among the known ones; the message asks if one that
+    is like it was meant.
 
-    given: the value and what it is of, in the words of who gave it; names_nearest: whether the
-    message asks if the nearest one was meant.
+    given: the value and what it is of, in the words of who gave it.
     """
     if value not in known:
-        near = get_close_matches(str(value), known, 1) if names_nearest else ()
+        near = get_close_matches(str(value), known, 1)
         meant = f"; did you mean {near[0]}?" if near else ""
         raise InputError(f"{given}: must be one of {', '.join(known)}{meant}")
 

@@ -54,7 +54,7 @@ def example(
             title = folder.joinpath("README.md").read_text("utf-8").splitlines()[0].lstrip("# ")
             typer.echo(f"{folder.name:20s} {title}")
         return
-    check_one_of(f"example {name}", name, known, names_nearest=True)
+    check_one_of(f"example {name}", name, known)
     if out is not None:
         _copy(known[name], writable_folder(out) / name)
         return

@@ -1,13 +1,12 @@
 """`rotor-fmu plot` and `report`."""
 
-import difflib
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ..display import choose
-from ..errors import InputError, writable_folder
+from ..errors import InputError, check_one_of, writable_folder
 from ..files import write_text
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
@@ -61,9 +60,7 @@ def plot(
     ] = None,
 ) -> dict[str, Any]:
     """Draw a recorded run in one of the usual plots of vibration engineering."""
-    if kind not in PLOTS:
-        near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
-        raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
+    check_one_of(f"KIND {kind}", kind, PLOTS)
     for option, value in {"--place": place, "--speed": speed, "--pp": pp}.items():
         if value and kind not in _KINDS[option]:
             raise InputError(f"{option}: changes no plot {kind}, only {', '.join(_KINDS[option])}")

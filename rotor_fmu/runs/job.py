@@ -63,7 +63,7 @@ def prepare(
     if step is not None and not 0 < step <= stop:
         raise InputError(f"--step {step:g} s: must be > 0 and at most --stop = {stop:g} s")
     if preset is not None:
-        check_one_of(f"--preset {preset}", preset, PRESETS, names_nearest=True)
+        check_one_of(f"--preset {preset}", preset, PRESETS)
         sets = [f"solver.preset={preset}", *sets]
     _check_rows(stop, step, len(table))
     values = parse_settings(table, sets)

@@ -42,7 +42,7 @@ def test_the_place_that_moves_most_is_taken_unless_one_is_named(folder):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("bodde", "."), "KIND bodde: did you mean bode?"),
+        (("bodde", "."), "whirl; did you mean bode?"),
         (("bode", "nowhere"), "nowhere: is not there"),
         (("bode", "."), "holds no recording.npz"),
         (("orbit", ".", "--speed", "0"), "--speed 0: must not be 0"),
