@@ -106,6 +106,9 @@ def _exchange(call: str, kind: str) -> Callable[..., Any]:
 
     @_guarded
     def exchange(self: "RotorBearing", vrs: list[int], given: Any = None) -> list[Any]:
+        """Return the values of variables by their references, each in its unit of the model
+        description (FMI 2.0, section 2.1.7); given: as many, which are set. Raises `CallFailed`.
+        """
         if not vrs:
             return []
         if given is None or kind == "q":
