@@ -37,9 +37,9 @@ _NARROWEST = 0.17  # cos(beta) of a pad that idles
 
 
 @jit
-def _search_from(bearing, kinematics, tilt):
-    """Return the `PadSearch` for an equilibrium from a tilt on [m]."""
-    negligible = negligible_force(bearing, speed_of(bearing, kinematics))
+def _search_from(bearing, negligible, tilt):
+    """Return the `PadSearch` for an equilibrium from a tilt on [m]; negligible: G that counts as 0
+    [N]."""
     c = bearing.clearance
     return PadSearch(tilt, 1.0, 0.0, 0.0, 0.0, 0.0, c, REACH * c, negligible)
 
@@ -52,8 +52,9 @@ def search_at_rest(bearing, tables, kinematics, i):
     at = row_of(bearing, i)
     across = across_of(bearing, tables, i)
     opposite = -(across.conjugate() * kinematics.displacement).real
+    negligible = negligible_force(bearing, speed_of(bearing, kinematics))
     if kinematics.speed == 0.0:
-        return _search_from(bearing, kinematics, opposite)
+        return _search_from(bearing, negligible, opposite)
     outwards = complex(tables[at + PAD.pivot_x], tables[at + PAD.pivot_y])
     clearance = bearing.clearance * tables[at + PAD.clearance]
     radial = (outwards.conjugate() * kinematics.displacement).real
@@ -64,18 +65,17 @@ def search_at_rest(bearing, tables, kinematics, i):
     cosine, sine = to_end.real, abs(to_end.imag)
     idle = opposite + sense * min(0.0, radial) * sine / max(cosine, _NARROWEST)
     ahead = max(0.0, ((1.0 - _THIN) * clearance - radial * cosine) / sine)
-    negligible = negligible_force(bearing, speed_of(bearing, kinematics))
     for _ in range(ITERATIONS):
         tilt = opposite + sense * ahead
         set_tilt(bearing, tables, i, tilt, 0.0)
         here = pad_balance(bearing, tables, kinematics, i)
         moment = sense * here.moment
         if moment > negligible:
-            return _search_from(bearing, kinematics, tilt)
+            return _search_from(bearing, negligible, tilt)
         if here.by_tilt >= 0.0:
             break
         step = moment / here.by_tilt
         if step <= CONVERGED * bearing.clearance:
-            return _search_from(bearing, kinematics, tilt)
+            return _search_from(bearing, negligible, tilt)
         ahead -= step
-    return _search_from(bearing, kinematics, idle)
+    return _search_from(bearing, negligible, idle)

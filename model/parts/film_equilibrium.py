@@ -40,10 +40,16 @@ class FilmProbe(LawProbe):
         ahead = load / abs(load) if load != 0.0 else 0j
         d = 0.3 * c * ahead * (1.0 - turned) if start is None else start
         found = self._by_newton(load, d)
-        if not getattr(self._part, "tilting", False) or self._balances(load, found):
+        if not self._has_potential or self._balances(load, found):
             return found
         at_rest = rest_in_potential(self.force, load, c)
         return at_rest if at_rest is None else self._near(load, at_rest)
+
+    @property
+    def _has_potential(self) -> bool:
+        """Whether the force at rest has a potential: that of pads that tilt, each of which bears
+        along its pivot."""
+        return getattr(self._part, "tilting", False)
 
     def _balances(self, load: complex, d: complex | None) -> bool:
         """Return whether the film bears a load [N] at a displacement: short steps to and fro are

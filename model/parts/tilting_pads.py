@@ -161,8 +161,9 @@ def _pad_motion(part, bearing, tables, kinematics, i, free, b):
         by = _by_pivot(at, search, slope, outwards, by_displacement, by_velocity)
         slope_of_pivot = (outwards.conjugate() * by).real - k * by_displacement
         ahead, low, high, reach = next_iterate(z, residual, slope_of_pivot, low, high, reach, scale)
-        is_found = abs(ahead - z) <= CONVERGED * scale or high - low <= CONVERGED * scale
-        z = low if high - low <= CONVERGED * scale else ahead
+        is_narrow = high - low <= CONVERGED * scale
+        is_found = is_narrow or abs(ahead - z) <= CONVERGED * scale
+        z = low if is_narrow else ahead
     if is_at_rest:  # it may bear at `low`, and nothing further on: its pivot says how much it does
         at = with_force_change(at, residual * outwards)
     return PadMotion(search, y, slope, at, base + by_displacement * z, by_velocity * z)
