@@ -10,8 +10,6 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 """
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -39,34 +37,12 @@ _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
 
 
-class Undamped(NamedTuple):
-    """The undamped machine without the stiffness of its supports: real matrices of the unknowns,
-    shape (N, N), own_K without what the shaft's strain adds; the shaft's strains by the unknowns
-    and each element's flexibility; x, y of each support's displacement by the unknowns."""
-
-    M: np.ndarray
-    gyroscopic: np.ndarray
-    own_K: sp.csc_array
-    strained: sp.csr_array
-    flexibility: np.ndarray
-    across: sp.csr_array
-
-    def over_stiffness(self, matrix: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
-        """Return K^-1 of a matrix, with the isotropic stiffness of each support, shape (supports,)
-        [N/m]; `LinearError` where nothing holds the machine."""
-        K = self.own_K + self.across.T @ sp.diags_array(np.repeat(stiffness, 2)) @ self.across
-        try:
-            solve = factorized(K, self.strained, self.flexibility)
-        except RuntimeError as error:
-            raise LinearError("the machine is not held by its bearings") from error
-        return solve(matrix.real)[0] + 1j * solve(matrix.imag)[0]
-
-
 class LinearMachine:
     """A machine for linear analyses.
 
     contacts: `open` or `pinned`; None: open where the machine is held without its contacts, else
-    pinned. Raises `LinearError` for another word.
+    pinned. Raises `LinearError` for another word. Sparse matrices of its unknowns, shape (N, N),
+    without what laws of interfaces and the shaft's strain add: M, K, gyroscopic (G).
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
@@ -93,7 +69,7 @@ class LinearMachine:
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
         self.expand = expansion(size, held)
         self.M = (self.expand.T @ self._full.M @ self.expand).tocsc()
-        self._K, self._D, self._gyroscopic = (
+        self.K, self._D, self.gyroscopic = (
             (self.expand.T @ matrix @ self.expand).tocsc()
             for matrix in (self._full.K, self._full.C, self._full.gyroscopic)
         )
@@ -193,38 +169,6 @@ class LinearMachine:
             before = change
         return None
 
-    def undamped(self, supports: Sequence[int], is_rigid: bool) -> Undamped:
-        """Return the undamped machine on some of its supports, whose stiffness is yet to be given.
-
-        supports: places in the order of `support_dofs`; is_rigid: whether housings are taken as
-        ground. All other springs to ground and interfaces are left out.
-        """
-        s = self.structure
-        ground, n = self.expand.shape[0] // 2 - 1, self.expand.shape[1]
-        kept = sp.eye_array(n, 2 * len(s.weight) if is_rigid else n, format="csr")
-        of_springs = [(dof, ground) for dof in s.springs.dof]
-        of_interfaces = [
-            (dof, ground if is_rigid else end % (ground + 1))
-            for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)
-        ]
-        across = differences(ground + 1, of_springs + of_interfaces) @ self.expand @ kept
-        springs = across[: 2 * len(of_springs)]
-        K = kept.T @ self._K @ kept
-        if len(of_springs):
-            own = sp.diags_array(np.repeat(s.springs.stiffness, 2))
-            K = K - springs.T @ own @ springs
-        rows = np.array([[2 * i, 2 * i + 1] for i in supports], int).ravel()
-        return Undamped(
-            M=(kept.T @ self.M @ kept).toarray(),
-            gyroscopic=(kept.T @ self._gyroscopic @ kept).toarray(),
-            own_K=K.tocsc(),
-            strained=self._strained @ kept,
-            flexibility=Strain(
-                *(self._strained, self._full.stiffness, np.eye(2), np.zeros((2, 2)), 0.0, 0.0)
-            ).flexibility(np.eye(2)),
-            across=across[rows],
-        )
-
     def holds_at(self, speed: float) -> bool:
         """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""
         return self._is_held_at_rest or (self.is_held and speed != 0.0)
@@ -250,8 +194,8 @@ class LinearMachine:
         numbers = self.structure.numbers[0]
         return numbers.kappa_v * speed + numbers.kappa_h * math.copysign(speed != 0, speed)
 
-    def _strain(self, speed: float) -> Strain:
-        """Return the contribution of the shaft's strain."""
+    def strain(self, speed: float) -> Strain:
+        """Return what the shaft's strain adds at a speed [rad/s]."""
         numbers = self.structure.numbers[0]
         by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * TURN
         by_v = numbers.eta_v * np.eye(2)
@@ -268,8 +212,8 @@ class LinearMachine:
         """Return the matrices linearized at the displacements `at`, what the laws' states do being
         that of a vibration of a frequency [rad/s]; states: what they were before, None: at the
         start of a run."""
-        K = self._K
-        D = (self._D + speed * self._gyroscopic).tocsc()
+        K = self.K
+        D = (self._D + speed * self.gyroscopic).tocsc()
         m = len(self._acts)
         laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
         if self._acts.any():
@@ -280,7 +224,7 @@ class LinearMachine:
             D = (D - self._between(laws.by_v)).tocsc()
         none = np.zeros(len(self._strained.indptr) - 1)
         own = self.laws.states.copy()
-        return Linear(speed, self.M, D, K, self._strain(speed), at, none, laws, own)
+        return Linear(speed, self.M, D, K, self.strain(speed), at, none, laws, own)
 
     def _tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return the matrix of tangents by interface, x and y in turn."""

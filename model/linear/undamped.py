@@ -13,13 +13,16 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse as sp
 
 from ..contact.wall import ContactQuantities
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, InterfaceElement, Part, SpringElement
 from ..parts.linear_bearing import Seal
+from ..structure.strain_solver import factorized
 from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
+from .real_matrices import differences
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
 _APART = 1e-9  # of a matrix: what is smaller couples nothing
@@ -46,7 +49,7 @@ class UndampedMachine:
 
     contacts: `open` or `pinned`, where clearance contacts are bearings too; None: open where the
     machine is held without them; rigid_pedestals: whether housings are taken as ground. Raises
-    `LinearError` where there is no bearing.
+    `LinearError` where there is no bearing. mass: the mass matrix of the unknowns.
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None, rigid_pedestals: bool) -> None:
@@ -61,15 +64,34 @@ class UndampedMachine:
         self.bearings = {names[i]: named[names[i]] for i in held}
         self._held = np.array(held)
         self._own: dict[float, np.ndarray] = {}
-        self._matrices = machine.undamped(held, rigid_pedestals)
+        self._set_matrices(machine, rigid_pedestals)
         mass = total_mass(machine.structure)
         self.rigid_stiffness = _RIGID * mass * float(machine.structure.numbers[0].lowest_omega) ** 2
         self._nodes = len(rotor.nodes)
 
-    @property
-    def mass(self) -> np.ndarray:
-        """The mass matrix of the unknowns."""
-        return self._matrices.M
+    def _set_matrices(self, machine: LinearMachine, rigid_pedestals: bool) -> None:
+        """Set the matrices of the unknowns, without housings where these are ground; K without
+        springs to ground, and apart from what the shaft's strain adds to it."""
+        s = machine.structure
+        ground, n = machine.expand.shape[0] // 2 - 1, machine.expand.shape[1]
+        kept = sp.eye_array(n, 2 * len(s.weight) if rigid_pedestals else n, format="csr")
+        of_springs = [(dof, ground) for dof in s.springs.dof]
+        of_interfaces = [
+            (dof, ground if rigid_pedestals else end % (ground + 1))
+            for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)
+        ]
+        across = differences(ground + 1, of_springs + of_interfaces) @ machine.expand @ kept
+        springs = across[: 2 * len(of_springs)]
+        K = kept.T @ machine.K @ kept
+        if len(of_springs):
+            own = sp.diags_array(np.repeat(s.springs.stiffness, 2))
+            K = K - springs.T @ own @ springs
+        strain = machine.strain(0.0)
+        self.mass = (kept.T @ machine.M @ kept).toarray()
+        self._gyroscopic = (kept.T @ machine.gyroscopic @ kept).toarray()
+        self._K = K.tocsc()
+        self._strain = strain.across @ kept, strain.flexibility(np.eye(2))
+        self._across = across[np.column_stack([2 * self._held, 2 * self._held + 1]).ravel()]
 
     @property
     def is_circular(self) -> bool:
@@ -93,7 +115,7 @@ class UndampedMachine:
 
     def _synchronous(self, stiffness: float) -> np.ndarray:
         """Return K^-1 (M - i G)."""
-        return self._inverse(stiffness, self.mass - 1j * self._matrices.gyroscopic)
+        return self._inverse(stiffness, self.mass - 1j * self._gyroscopic)
 
     def natural_frequencies(self, stiffness: float) -> np.ndarray:
         """Return the natural frequencies at standstill, ascending [rad/s], with this stiffness of
@@ -134,9 +156,15 @@ class UndampedMachine:
         return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
 
     def _inverse(self, stiffness: float | np.ndarray, mass: np.ndarray) -> np.ndarray:
-        """Return K^-1 times a mass matrix."""
-        each = np.broadcast_to(stiffness, len(self.bearings))
-        return self._matrices.over_stiffness(mass, each)
+        """Return K^-1 times a mass matrix, with the stiffness in x and y of each bearing [N/m];
+        `LinearError` where nothing holds the machine."""
+        each = np.repeat(np.broadcast_to(stiffness, len(self.bearings)), 2)
+        K = self._K + self._across.T @ sp.diags_array(each) @ self._across
+        try:
+            solve = factorized(K, *self._strain)
+        except RuntimeError as error:
+            raise LinearError("the machine is not held by its bearings") from error
+        return solve(mass.real)[0] + 1j * solve(mass.imag)[0]
 
 
 def _half(matrix: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, bool]:
