@@ -5,17 +5,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, linear_sum_assignment
+from scipy.optimize import brentq
 
 from ..machine.rotor import Rotor
+from .following import Following
 from .linear_machine import LinearError, LinearMachine
 from .modes import DEFAULT_COUNT, Modes, machine_modes
 from .spectrum import Spectrum
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
-_ALIKE = 0.7  # shapes less alike than this are looked at again half-way
-_HALVINGS = 5
-_UNLIKE = 0.3  # less alike than this after all halvings: not the same mode
+_UNLIKE = 0.3  # shapes less alike than this are not of the same mode
 _PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
 _GROWING = 1e-9  # damping ratio below minus which a mode grows
 _PRECISION = 1e-12
@@ -104,22 +103,18 @@ class _Follower:
         self._machine = machine
         self._count = count
         self._known: dict[float, Modes] = {}
+        self.onward = Following(
+            lambda modes: modes.damped,
+            _likeness,
+            lambda a, b: self.at((a.speed + b.speed) / 2),
+            _UNLIKE,
+        ).onward
 
     def at(self, speed: float) -> Modes:
         speed = float(speed)
         if speed not in self._known:
             self._known[speed] = machine_modes(self._machine, speed, self._count)
         return self._known[speed]
-
-    def onward(self, a: Modes, b: Modes, places: np.ndarray, depth: int = 0) -> np.ndarray:
-        """Return the places in `b` of the modes that have `places` in `a`; -1 of one that is not
-        there."""
-        result, alike = _matched(a, b, places)
-        if (alike > _ALIKE).all() or depth == _HALVINGS:
-            return np.where(alike > _UNLIKE, result, -1)
-        middle = self.at((a.speed + b.speed) / 2)
-        half = self.onward(a, middle, places, depth + 1)
-        return self.onward(middle, b, half, depth + 1)
 
 
 def _lines(follow: _Follower, at: np.ndarray, count: int) -> tuple[list[Modes], np.ndarray]:
@@ -181,20 +176,6 @@ def _likeness(a: Modes, b: Modes) -> np.ndarray:
     )
     products = np.abs(one.conj() @ other.T) ** 2
     return products / np.outer(*(np.sum(np.abs(m) ** 2, axis=1) for m in (one, other)))
-
-
-def _matched(a: Modes, b: Modes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the places in `b`, and how alike the shapes are; 1 of what is lost already."""
-    result, alike = np.full(len(places), -1), np.where(places >= 0, 0.0, 1.0)
-    known = places >= 0
-    if not known.any() or not len(b.eigenvalues):
-        return result, alike
-    likeness = _likeness(a, b)[places[known]]
-    far = np.abs(np.log(b.damped[None, :] / a.damped[places[known]][:, None]))
-    rows, columns = linear_sum_assignment(1 - likeness + np.minimum(far, 1.0))
-    seen = np.flatnonzero(known)[rows]
-    result[seen], alike[seen] = columns, likeness[rows, columns]
-    return result, alike
 
 
 def _critical(

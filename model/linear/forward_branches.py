@@ -8,14 +8,12 @@ counts where it does not clearly whirl backward: unbalance drives what whirls ei
 import math
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
+from .following import Following
 from .undamped import Synchronous, UndampedMachine
 
 _BACKWARD = -0.5  # forwardness below which a mode clearly whirls backward
 _MORE = 8  # modes followed beyond four times those asked for, since they change places
-_ALIKE = 0.7  # shapes less alike than this are looked at again half-way
-_HALVINGS = 5
 
 
 class ForwardBranches:
@@ -24,6 +22,11 @@ class ForwardBranches:
 
     def __init__(self, machine: UndampedMachine, stiffness: np.ndarray, count: int) -> None:
         self._machine = machine
+        self._following = Following(
+            lambda modes: modes.speeds,
+            self._likeness,
+            lambda a, b: self._modes(math.sqrt(a.stiffness * b.stiffness)),
+        )
         first = self._modes(stiffness[0])
         places = np.arange(min(len(first.speeds), 4 * count + _MORE))
         self._places = {float(stiffness[0]): (first, places)}
@@ -50,17 +53,11 @@ class ForwardBranches:
             near = min(self._places, key=lambda k: abs(math.log(k / to)))
             start, places = self._places[near]
             end = self._modes(to)
-            self._places[to] = end, self._onward(start, end, places, 0)
+            self._places[to] = end, self._following.onward(start, end, places)
         return self._places[to]
 
-    def _onward(self, a: Synchronous, b: Synchronous, places: np.ndarray, depth: int) -> np.ndarray:
-        """Return the places in `b` of the modes that have `places` in `a`."""
-        left, norms = a.shapes[:, places], np.sqrt(np.outer(a.norms[places], b.norms))
-        alike = np.abs(left.conj().T @ self._machine.mass @ b.shapes / norms) ** 2
-        far = np.abs(np.log(b.speeds[None, :] / a.speeds[places][:, None]))
-        rows, result = linear_sum_assignment(1 - alike + np.minimum(far, 1.0))
-        if depth == _HALVINGS or (alike[rows, result] > _ALIKE).all():
-            return result
-        middle = self._modes(math.sqrt(a.stiffness * b.stiffness))
-        half = self._onward(a, middle, places, depth + 1)
-        return self._onward(middle, b, half, depth + 1)
+    def _likeness(self, a: Synchronous, b: Synchronous) -> np.ndarray:
+        """Return the modal assurance criterion, weighted by mass, of all shapes of a with all of
+        b."""
+        norms = np.sqrt(np.outer(a.norms, b.norms))
+        return np.abs(a.shapes.conj().T @ self._machine.mass @ b.shapes / norms) ** 2
