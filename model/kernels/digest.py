@@ -2,7 +2,8 @@
 
 A digest follows the syntax trees, without docstrings, of a module and of all modules of `model`
 that it imports, directly or not. Comments, docstrings and layout change nothing. Parsing them takes
-a quarter of a second, so a record beside each library stores the digest of its files.
+a quarter of a second, so each is parsed once, and a record beside each library stores the digest of
+its files.
 """
 
 import ast
@@ -13,6 +14,7 @@ from contextlib import suppress
 from functools import cache
 from importlib.util import resolve_name
 from pathlib import Path
+from typing import NamedTuple
 
 from .cache import check_private, user_cache, warn_once
 
@@ -93,9 +95,21 @@ def syntax_digest(files: list[Path], before: str = "") -> str:
     docstrings."""
     digest = hashlib.sha256(before.encode())
     for file in files:
-        tree = ast.parse(file.read_bytes())
-        digest.update(_path(file) + b"\0" + _text(tree).encode() + b"\0")
+        digest.update(_path(file) + b"\0" + _parsed(file.read_bytes()).text + b"\0")
     return digest.hexdigest()[:_DIGITS]
+
+
+class _Parsed(NamedTuple):
+    """What a module's syntax tree says, as text without docstrings, and what it imports."""
+
+    text: bytes
+    imports: list[ast.Import | ast.ImportFrom]
+
+
+@cache
+def _parsed(source: bytes) -> _Parsed:
+    tree = ast.parse(source)
+    return _Parsed(_text(tree).encode(), [*_imports(tree)])
 
 
 def _path(file: Path) -> bytes:
@@ -109,7 +123,8 @@ def _text(node: object) -> str:
     that are empty in some."""
     if isinstance(node, ast.AST):
         fields = []
-        for name, value in ast.iter_fields(node):
+        for name in node._fields:
+            value = getattr(node, name, None)
             if name == "body" and isinstance(node, _DOCUMENTED) and ast.get_docstring(node, False):
                 value = value[1:]
             if value is not None and value != []:
@@ -126,35 +141,43 @@ _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 def imported(start: Path, package: str) -> list[Path]:
     """Return a module of `package` and the modules of the model that it imports, directly or not,
     sorted."""
-    result = {start}
+    result, seen = {start}, set[str]()
     left = [(start, package)]
     while left:
         file, package = left.pop()
-        for name in _imports(file, package):
-            for module in _modules(name):
-                if module not in result:
-                    result.add(module)
-                    inside = module.parent.relative_to(_MODEL).parts
-                    left.append((module, ".".join((_NAME, *inside))))
+        names = {*_names(_parsed(file.read_bytes()).imports, package)} - seen
+        seen |= names
+        for module in {module for name in names for module in _modules(name)} - result:
+            result.add(module)
+            inside = module.parent.relative_to(_MODEL).parts
+            left.append((module, ".".join((_NAME, *inside))))
     return sorted(result, key=_path)
 
 
-def _imports(file: Path, package: str) -> Iterator[str]:
-    """Yield the full names that a module imports, also within functions, but not types for type
-    checkers alone."""
-    nodes: list[ast.AST] = [ast.parse(file.read_bytes())]
+def _imports(tree: ast.Module) -> Iterator[ast.Import | ast.ImportFrom]:
+    """Yield a module's imports, also within functions, but not of types for type checkers alone."""
+    nodes: list[ast.AST] = [tree]
     while nodes:
         node = nodes.pop()
+        if isinstance(node, ast.expr):
+            continue
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
             nodes += node.orelse
             continue
         nodes += ast.iter_child_nodes(node)
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            yield node
+
+
+def _names(imports: list[ast.Import | ast.ImportFrom], package: str) -> Iterator[str]:
+    """Yield the full names that are imported by a module of a package."""
+    for node in imports:
         if isinstance(node, ast.ImportFrom):
             relative = "." * node.level + (node.module or "")
             name = resolve_name(relative, package) if node.level else relative
             yield name
             yield from (f"{name}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Import):
+        else:
             yield from (alias.name for alias in node.names)
 
 
