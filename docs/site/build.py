@@ -6,7 +6,6 @@ such as a broken link, is an error.
 """
 
 import shutil
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -101,9 +100,11 @@ def add_machines(tree: Path) -> None:
 
 def render(tree: Path, site: Path) -> int:
     """Make the site from a tree; return Sphinx' exit status."""
-    sphinx = [sys.executable, "-m", "sphinx", "--quiet", "--fail-on-warning", "--keep-going"]
+    from sphinx.cmd.build import build_main
+
     copied = ["-D", f"html_extra_path={_COPIED}"] if (tree / _COPIED).is_dir() else []
-    return subprocess.run([*sphinx, *copied, str(tree), str(site)], check=False).returncode
+    options = ["--quiet", "--fail-on-warning", "--keep-going", *copied]
+    return build_main([*options, str(tree), str(site)])
 
 
 if __name__ == "__main__":

@@ -14,6 +14,12 @@ NAMED = re.compile(
 )
 MADE = {"model/library"}  # by commands
 
+# of Sphinx' extensions to each other
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
+    pytest.mark.filterwarnings("ignore::PendingDeprecationWarning"),
+]
+
 
 def test_the_site_is_made_without_a_warning_and_loads_nothing_from_a_network(tmp_path, capfd):
     tree = tmp_path / "tree"
