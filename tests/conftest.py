@@ -17,6 +17,10 @@ from rotor_fmu.fmi.packing.python_fmu import build
 
 from .documents.browser import driver, silent  # noqa: F401, fixtures
 
+# with this, jsonschema makes 38 parsers of addresses as it is imported, which takes seconds, and no
+# schema here has an address
+sys.modules["rfc3987_syntax"] = None
+
 SHARED = pytest.StashKey[Path]()
 
 COMPILE_MODEL = """
