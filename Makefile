@@ -8,6 +8,9 @@ BIN := $(VENV)/bin
 endif
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
+# the tests start many processes, each of which would compile every module that it imports
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: run-down reproduce survey reference test test-native test-all test-processors docs pages dist lint types coverage mutants bench clean
 
 $(VENV)/made: pyproject.toml
