@@ -140,14 +140,19 @@ def look(driver, width=1600, dark=False):
     driver.look(width, 1000, dark)
 
 
-@pytest.fixture(
-    scope="session",
-    params=[
-        pytest.param(each, marks=pytest.mark.skipif(bool(each.lacks), reason=each.lacks))
-        for each in (Chromium, Firefox)
-    ],
-    ids=lambda each: each.__name__,
+def _installed(browser, *marks):
+    lacks = pytest.mark.skipif(bool(browser.lacks), reason=browser.lacks)
+    return pytest.param(browser, marks=[lacks, *marks], id=browser.__name__)
+
+
+# of what scripts compute, not of how a browser shows it or tells of keys and mouse: Firefox has its
+# turn with the slow tests
+of_scripts = pytest.mark.parametrize(
+    "driver", [_installed(Chromium), _installed(Firefox, pytest.mark.slow)], indirect=True
 )
+
+
+@pytest.fixture(scope="session", params=[_installed(Chromium), _installed(Firefox)])
 def driver(request):
     browser = request.param()
     yield browser

@@ -10,70 +10,49 @@ from rotor_fmu import vibration
 from rotor_fmu.files import write_text
 from rotor_fmu.report.run_page import runs_page
 from rotor_fmu.report.study_page import study_page
+from rotor_fmu.saved_results.folders import read_study
 
 from ..recordings import recorded, write_study
-from .browser import ENTER, LEFT, NASTY, Page, look
+from .browser import ENTER, LEFT, NASTY, Page, look, of_scripts
 
-OTHERS = ("two", "steady", "cut", "nasty", "backward", "both ways", "study")
+ONE = {"one": {"parameters": {"bearing[1].clearance": 6e-5}}}
+# runs by their names, of each page
+SHOWN = {
+    "one": ONE,
+    "two": ONE | {"two": {"speed": 350.0, "rate": -30.0}},
+    "steady": {"steady": {"rate": 0.0}},
+    "cut": {"cut": {"stop": 0.03, "status": "failed: whirled apart"}},
+    "nasty": {NASTY: {"machine": NASTY, "messages": [NASTY]}},
+    "backward": {"backward": {"speed": -300.0, "rate": 20.0}},
+    "both ways": {"both ways": {"speed": 150.0, "rate": -50.0}},
+}
+OTHERS = (*(name for name in SHOWN if name != "one"), "study")
 
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory):
+    """The page of a name, made when it is asked for first."""
     folder = tmp_path_factory.mktemp("pages")
-    one = recorded(parameters={"bearing[1].clearance": 6e-5}).named("one")
-    two = recorded(speed=350.0, rate=-30.0).named("two")
-    steady = recorded(rate=0.0).named("steady")
-    cut = recorded(stop=0.03, status="failed: whirled apart").named("cut")
-    nasty = recorded(machine=NASTY, messages=[NASTY]).named(NASTY)
-    shown = {"one": [one], "two": [one, two], "steady": [steady], "cut": [cut], "nasty": [nasty]}
-    shown["backward"] = [recorded(speed=-300.0, rate=20.0).named("backward")]
-    shown["both ways"] = [recorded(speed=150.0, rate=-50.0).named("both ways")]
-    for name, runs in shown.items():
-        write_text(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
-    write_study(folder / "study")
-    from rotor_fmu.saved_results.folders import read_study
 
-    write_text(study_page(*read_study(folder / "study")), folder / "study.html")
-    return folder
+    def page(name):
+        file = folder / f"{name}.html"
+        if not file.exists():
+            write_text(content(name, folder), file)
+        return file
+
+    return page
 
 
-@pytest.mark.parametrize(("width", "dark"), [(400, True), (1600, False)])
-@pytest.mark.parametrize(
-    "name",
-    ["one", *(pytest.param(n, marks=pytest.mark.slow) for n in OTHERS)],
-)
-def test_every_page_is_silent_and_fits_its_width(silent, pages, name, width, dark):
-    look(silent, width, dark)
-    page = Page(silent, pages / f"{name}.html")
-    assert page.run("return document.documentElement.scrollWidth") <= width
-    ground = page.run("return CHARTS[0].plot.background_fill_color")
-    assert ground == ("#14181d" if dark else "#ffffff")
-    assert page.run("return performance.getEntriesByType('resource')") == []
-    # what cannot be seen is told
-    untold = page.run(
-        "return [...document.querySelectorAll('[role=img], img')].filter((each) =>"
-        "each.offsetParent && !(each.getAttribute('aria-label') ?? each.alt)).length"
-    )
-    assert untold == 0
-    unnamed = page.run(
-        "return [...document.querySelectorAll('input, select')].filter((each) =>"
-        "!each.labels.length).length"
-    )
-    assert unnamed == 0
-
-
-@pytest.mark.slow
-def test_pictures_follow_when_the_reader_goes_dark(silent, pages):
-    page = Page(silent, pages / "one.html")
-    ground = "return over.bode.plot.background_fill_color"
-    assert page.run(ground) == "#ffffff"
-    look(silent, dark=True)
-    page.wait("over.bode.plot.background_fill_color !== '#ffffff'")
-    assert page.run(ground) == "#14181d"
+def content(name, folder):
+    if name == "study":
+        write_study(folder / "study")
+        return study_page(*read_study(folder / "study"))
+    runs = [recorded(**about).named(title) for title, about in SHOWN[name].items()]
+    return runs_page(runs, [{}] * len(runs))
 
 
 def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     page.click_at("over.bode", 40.0, 50.0)
     run = recorded()
     z = run.columns["disc[2].x"] + 1j * run.columns["disc[2].y"]
@@ -98,9 +77,10 @@ def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(silent, pages):
     assert complex(*mark) == pytest.approx(expected, abs=0.1)
 
 
+@of_scripts
 @pytest.mark.parametrize(("name", "sign"), [("backward", -1), ("both ways", 1)])
 def test_speeds_of_a_shaft_that_turns_backward_are_below_zero(silent, pages, name, sign):
-    page = Page(silent, pages / f"{name}.html")
+    page = Page(silent, pages(name))
     hz = np.array(page.run("return over.runs[0].stations.hz"))
     low, high = page.run("const r = over.bode.plot.x_range; return [r.start, r.end]")
     assert low < hz.min() < 0
@@ -118,8 +98,9 @@ def test_speeds_of_a_shaft_that_turns_backward_are_below_zero(silent, pages, nam
     assert "whirls forward" in page.text("reading")
 
 
+@of_scripts
 def test_a_name_is_shown_as_it_is(silent, pages):
-    page = Page(silent, pages / "nasty.html")
+    page = Page(silent, pages("nasty"))
     assert page.run("return document.querySelector('h1').textContent") == NASTY
     assert page.run("return document.querySelector('.about').textContent") == NASTY
     assert page.run("return time.runs[0].name") == NASTY
@@ -127,7 +108,7 @@ def test_a_name_is_shown_as_it_is(silent, pages):
 
 @pytest.mark.slow
 def test_the_slider_is_worked_by_the_keys(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     before = int(page.find("station").get_property("value"))
     output = page.text("reading")
     page.find("station").press(LEFT, LEFT)
@@ -137,8 +118,9 @@ def test_the_slider_is_worked_by_the_keys(silent, pages):
     assert page.run("return time.range.end - time.range.start") == pytest.approx(3.0, rel=1e-3)
 
 
+@of_scripts
 def test_values_under_the_cursor_are_those_recorded(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     run = recorded()
     x = run.columns["disc[2].x"] * 1e6
     for t in (0.0, 1.234, 3.3333, 5.999):
@@ -156,7 +138,7 @@ def test_values_under_the_cursor_are_those_recorded(silent, pages):
 
 @pytest.mark.slow
 def test_zoom_shows_the_samples_that_are_there(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     run = recorded()
     page.set("cursor", 2.0)
     for _ in range(6):
@@ -183,7 +165,7 @@ def test_zoom_shows_the_samples_that_are_there(silent, pages):
 
 @pytest.mark.slow
 def test_peak_to_peak_is_twice_and_the_axis_says_so(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     half = page.run("return over.parts[0].bodeX.data.y[10]")
     page.set("unit", "1", "change")
     assert page.run("return over.parts[0].bodeX.data.y[10]") == pytest.approx(2 * half)
@@ -193,7 +175,7 @@ def test_peak_to_peak_is_twice_and_the_axis_says_so(silent, pages):
 
 @pytest.mark.slow
 def test_another_place_is_drawn_with_its_clearance(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     assert page.run("return over.parts[0].ring.data.x.length") == 0
     page.set("place", "bearing[1]", "change")
     ring = page.run("const { x, y } = over.parts[0].ring.data; return Math.hypot(x[7], y[7])")
@@ -203,7 +185,7 @@ def test_another_place_is_drawn_with_its_clearance(silent, pages):
 
 @pytest.mark.slow
 def test_two_runs_lie_over_each_other_at_one_speed(silent, pages):
-    page = Page(silent, pages / "two.html")
+    page = Page(silent, pages("two"))
     page.click_at("over.bode", 35.0, 50.0)
     output = page.text("reading")
     assert "one, disc 2 at 3" in output
@@ -217,7 +199,7 @@ def test_two_runs_lie_over_each_other_at_one_speed(silent, pages):
 
 @pytest.mark.slow
 def test_pictures_over_speed_move_together(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     page.run("over.bode.plot.x_range.setv({ start: 30, end: 40 })")
     for chart in ("phase", "whirl", "force", "angle", "energy"):
         result = page.run(f"const r = over.{chart}.plot.x_range; return [r.start, r.end]")
@@ -226,7 +208,7 @@ def test_pictures_over_speed_move_together(silent, pages):
 
 @pytest.mark.slow
 def test_a_run_at_one_speed_goes_over_time(silent, pages):
-    page = Page(silent, pages / "steady.html")
+    page = Page(silent, pages("steady"))
     assert page.run("return over.phase.plot.below[0].axis_label") == "Time [s]"
     page.click_at("over.bode", 4.0, 50.0)
     assert "t = 4" in page.text("reading") or "t = 3.9" in page.text("reading")
@@ -234,7 +216,7 @@ def test_a_run_at_one_speed_goes_over_time(silent, pages):
 
 @pytest.mark.slow
 def test_a_run_cut_short_shows_what_there_is(silent, pages):
-    page = Page(silent, pages / "cut.html")
+    page = Page(silent, pages("cut"))
     assert not page.find("pictures").is_displayed()
     assert page.run("return time.whole[1]") == pytest.approx(0.029)
     assert not page.find("near").is_displayed()
@@ -242,14 +224,15 @@ def test_a_run_cut_short_shows_what_there_is(silent, pages):
 
 @pytest.mark.slow
 def test_a_page_prints(silent, pages):
-    Page(silent, pages / "one.html")
+    Page(silent, pages("one"))
     assert silent.printed().startswith("JVBERi0")  # %PDF-, in base64
 
 
+@of_scripts
 def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_its_unit(
     silent, pages
 ):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     lines = page.run(
         "const value = (given) => String(given.value ?? given);"
         "return over.bode.hovered.slice(0, 4).map(({ name, glyph }) =>"
@@ -262,8 +245,9 @@ def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_i
     ]  # fmt: skip
 
 
+@of_scripts
 def test_speeds_are_shown_in_rpm(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     page.set("turns", "60", "change")
     for chart in ("bode", "phase", "energy"):
         axis = f"over.{chart}.plot.below[0]"
@@ -280,7 +264,7 @@ def test_speeds_are_shown_in_rpm(silent, pages):
 
 
 def test_the_wheel_zooms_about_the_pointer_and_a_double_click_shows_all_again(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     ends = "const r = over.bode.plot.x_range; return [r.start, r.end]"
     whole = page.run(ends)
     page.click_at("over.bode", 40.0, 50.0)
@@ -300,7 +284,7 @@ def test_the_wheel_zooms_about_the_pointer_and_a_double_click_shows_all_again(si
 
 
 def test_dragging_over_a_picture_shows_the_stretch_that_was_selected(silent, pages):
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     left, right = (page.place("over.bode", x) for x in (32, 38))
     page.mouse(*left, "down", right, "up")
     page.wait("over.bode.plot.x_range.end < 39")
@@ -308,9 +292,10 @@ def test_dragging_over_a_picture_shows_the_stretch_that_was_selected(silent, pag
     assert page.run("return over.bode.plot.x_range.end") == pytest.approx(38, abs=0.5)
 
 
+@of_scripts
 def test_a_second_place_and_a_time_base_are_drawn(silent, pages):
     """Disc 1 moves half as much as disc 2; the time base has the orbit's values over two turns."""
-    page = Page(silent, pages / "one.html")
+    page = Page(silent, pages("one"))
     assert page.run("return over.parts[0].second.data.y.length") == 0
     page.set("second", "disc[1]", "change")
     one, two = page.run("const p = over.parts[0]; return [p.bodeX.data.y[10], p.second.data.y[10]]")
@@ -324,3 +309,39 @@ def test_a_second_place_and_a_time_base_are_drawn(silent, pages):
     assert orbits[3][0] == 0
     assert orbits[3][-1] == pytest.approx(2, abs=0.05)
     assert "disc 1" in page.run("return document.querySelector('#bode .legend').textContent")
+
+
+# the last, and the dark ones last of them: Firefox is started anew to be dark
+@pytest.mark.parametrize(
+    "name",
+    ["one", *(pytest.param(n, marks=pytest.mark.slow) for n in OTHERS)],
+)
+@pytest.mark.parametrize(("width", "dark"), [(1600, False), (400, True)])
+def test_every_page_is_silent_and_fits_its_width(silent, pages, name, width, dark):
+    look(silent, width, dark)
+    page = Page(silent, pages(name))
+    assert page.run("return document.documentElement.scrollWidth") <= width
+    ground = page.run("return CHARTS[0].plot.background_fill_color")
+    assert ground == ("#14181d" if dark else "#ffffff")
+    assert page.run("return performance.getEntriesByType('resource')") == []
+    # what cannot be seen is told
+    untold = page.run(
+        "return [...document.querySelectorAll('[role=img], img')].filter((each) =>"
+        "each.offsetParent && !(each.getAttribute('aria-label') ?? each.alt)).length"
+    )
+    assert untold == 0
+    unnamed = page.run(
+        "return [...document.querySelectorAll('input, select')].filter((each) =>"
+        "!each.labels.length).length"
+    )
+    assert unnamed == 0
+
+
+@pytest.mark.slow
+def test_pictures_follow_when_the_reader_goes_dark(silent, pages):
+    page = Page(silent, pages("one"))
+    ground = "return over.bode.plot.background_fill_color"
+    assert page.run(ground) == "#ffffff"
+    look(silent, dark=True)
+    page.wait("over.bode.plot.background_fill_color !== '#ffffff'")
+    assert page.run(ground) == "#14181d"
