@@ -1,4 +1,4 @@
-"""`rotor-fmu plot` and `report`."""
+"""`rotor-fmu plot`, `report` and `page`."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,9 +12,8 @@ from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
 from ..runs import PLOTS
 from ..units import in_si
-from .completion import one_of, places
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
-from .shared import Page, Units, check_page
+from .shared import Page, RotorFile, Units, check_page, one_of, places
 from .show_result import machine_in_units
 from .speeds import OperatingRange, Rated, operating_range
 
@@ -253,3 +252,27 @@ def _runs_page(paths: list[Path], units: str | None, beside: Path) -> str:
     runs = with_unique_names([read_run(path) for path in paths], paths)
     choose(units, runs[0].rotor.units if runs[0].rotor else "")
     return runs_page(runs, [read_summary(path) for path in paths])
+
+
+@with_output_options
+def page(
+    rotor: RotorFile = None,
+    units: Units = None,
+    out: Page = Path("page.html"),
+) -> dict[str, Any]:
+    """Write a page on which the machine runs: its solver, sliders and pictures in one file, which
+    needs no network."""
+    from ..fmi.packing.machine_files import machine_of
+    from ..linear.machine_warnings import machine_warnings
+    from ..live.live_page import solver_page
+    from ..machine_file.loading import load_rotor
+
+    toml, machine = load_rotor(rotor)
+    choose(units, machine.units, rotor or "")
+    check_page(out)
+    warnings = machine_warnings(machine)
+    for warning in warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    write_text(solver_page(machine_of(toml, False, 0)), out)
+    typer.echo(out)
+    return {"out": out, "bytes": out.stat().st_size, "warnings": warnings}

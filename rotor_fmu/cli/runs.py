@@ -13,8 +13,7 @@ from ..errors import writable_folder
 from ..model.settings import PRESETS
 from ..output_options import with_options_of, with_output_options, write_json
 from ..units import in_si
-from .completion import one_of, settable
-from .shared import Free, RotorFile, Units
+from .shared import Free, RotorFile, Units, one_of, settable
 
 if TYPE_CHECKING:
     from ..runs.job import Job

@@ -12,9 +12,9 @@ from rotor_fmu.model.linear import Modes
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.machine.writing import toml_text
 
+from rotor_fmu.cli import api_617 as cli_api_617
 from rotor_fmu.cli import app
 from rotor_fmu.cli import linear as cli_linear
-from rotor_fmu.cli import unbalance as cli_unbalance
 from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
@@ -211,8 +211,8 @@ def test_the_usual_speeds_begin_where_the_films_carry_the_machine(
 ):
     """Slower, a film without a contact behind it would be thinner than its roughness. Where they
     begin does not depend on how many they are."""
-    for module in (cli_linear, cli_unbalance):
-        monkeypatch.setattr(module, "_POINTS", 11)
+    for module in (cli_linear, cli_api_617):
+        monkeypatch.setattr(module, "_SPEEDS", 11)
     rotor = tmp_path / "rotor.toml"
     rotor.write_text(OIL_FILM.read_text().replace("k = 1e8", "").replace("mu = 0.1", shape))
     for name in ("campbell",) if shape else ("campbell", "unbalance"):
