@@ -9,7 +9,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from rotor_fmu.fmi.packing.source_fmu import build_source
+from rotor_fmu.fmi.packing.native_fmu import build_source
 
 from .native_master import CMaster, children_cpu, median_ratio
 

@@ -9,7 +9,7 @@ from papers.integrators.survey.findings import Findings
 from papers.integrators.survey.grid import read_table
 from papers.integrators.survey.page import PAGE, page_text
 from rotor_fmu.fmi.interface import interface
-from rotor_fmu.fmi.packing.variable_table import markdown
+from rotor_fmu.fmi.packing.documents import markdown
 from rotor_fmu.machine_file.reference_page import page as machine_page
 from tools.architecture import PICTURE, picture
 

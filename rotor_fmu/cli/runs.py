@@ -242,7 +242,7 @@ def run_up(**options: Any) -> dict[str, Any]:
 def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
     """Print the FMU's variables as a Markdown table."""
     from ..fmi.interface import interface
-    from ..fmi.packing.variable_table import markdown
+    from ..fmi.packing.documents import markdown
     from ..machine_file.loading import load_rotor
 
     table = interface(load_rotor(rotor)[1], is_free)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
+from rotor_fmu.fmi.packing.documents import FOLDER
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.fmi.packing.reference import default_experiment
-from rotor_fmu.fmi.packing.related_files import FOLDER
 
 LS = "{http://fmi-standard.org/fmi-ls-manifest}"
 

@@ -15,7 +15,7 @@ from fmpy.validation import validate_fmu
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.machine_table import FILE
-from rotor_fmu.fmi.packing.source_fmu import build_source
+from rotor_fmu.fmi.packing.native_fmu import build_source
 from rotor_fmu.library import c_source
 from rotor_fmu.library.platforms import PLATFORMS
 

@@ -60,8 +60,9 @@ def repack(raw: Path, target: Path, describe: Callable[[Element], Element]) -> P
 
 
 def write_archive(target: Path, contents: Mapping[str, bytes]) -> Path:
-    """Write files by their path in it into the FMU `target`, sorted and with one date; returns
-    `target`."""
+    """Write files by their path in it into the FMU `target`, sorted and with one date, in a folder
+    that is made if need be; returns `target`."""
+    target.parent.mkdir(parents=True, exist_ok=True)
     with unfinished(target) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as sink:
         for name, data in sorted(contents.items()):
             info = zipfile.ZipInfo(name, _ZIP_DATE)

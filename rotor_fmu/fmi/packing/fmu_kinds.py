@@ -6,7 +6,8 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...library.platforms import COMPONENT, PLATFORMS
-from .python_fmu import SYSTEMS
+from .native_fmu import build_native, build_source
+from .python_fmu import SYSTEMS, build
 
 
 @dataclass(frozen=True)
@@ -62,14 +63,8 @@ class FmuKind:
         of solver parameters and choices by name, as numbers.
         """
         if self.is_source:
-            from .source_fmu import build_source
-
             return build_source(folder, toml, is_free, self.fmi, reduction, step, starts)
         if self.is_native:
-            from .native_fmu import build_native
-
             chosen = platforms or tuple(PLATFORMS)
             return build_native(folder, toml, is_free, self.fmi, chosen, reduction, step, starts)
-        from .python_fmu import build
-
         return build(folder, toml, is_free, reduction, platforms or None, starts)

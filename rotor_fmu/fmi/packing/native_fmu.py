@@ -1,16 +1,25 @@
-"""Building the FMU that needs no Python: a library a platform, and the machine as data."""
+"""Building the FMUs that need no Python, with the machine as data: of libraries, one a platform, or
+of C source, for platforms that no library is made for."""
 
+import struct
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement
 
 from ...library.build import library
-from ...library.macos_universal import universal
-from ...library.platforms import COMPONENT, PLATFORMS, Platform
+from ...library.c_source import source_files
+from ...library.component import component
+from ...library.platforms import COMPONENT, DRAFT, PLATFORMS, Platform
 from ..description import Described
 from ..solver_parameters import NO_STARTS
-from .archive import write_archive
-from .component_files import component_files
-from .machine_files import NATIVE, TABLE, machine_files, machine_of
+from .archive import write_archive, xml_bytes
+from .documents import MANIFEST, manifest
+from .machine_files import NATIVE, SOURCE, TABLE, machine_files, machine_of
+
+_COMPONENTS = "org.modelica.fmi-ls-wasm"  # the layered standard, a draft
+_MAGIC = 0xCAFEBABE  # of a macOS library for several processors
+# Processor, its kind, and the alignment of its part as a power of two.
+_X86_64, _ARM64 = (0x01000007, 3, 14), (0x0100000C, 0, 14)
 
 
 def build_native(
@@ -40,8 +49,8 @@ def build_native(
     libraries = [PLATFORMS[platform] for platform in platforms if platform in PLATFORMS]
     contents |= _binaries(libraries, name, fmi)
     if COMPONENT.name in platforms:
-        contents |= component_files(name, contents[TABLE])
-    out.mkdir(parents=True, exist_ok=True)
+        path = f"binaries/{COMPONENT.fmi3}/{name}{COMPONENT.suffix}"
+        contents |= {path: component(contents[TABLE]), **_component_manifest()}
     return write_archive(out / f"{name}.fmu", contents)
 
 
@@ -49,8 +58,65 @@ def _binaries(platforms: Sequence[Platform], name: str, fmi: int) -> dict[str, b
     result = {platform: library(platform).read_bytes() for platform in platforms}
     intel, arm = PLATFORMS["darwin64"], PLATFORMS["aarch64-darwin"]
     if fmi == 2 and intel in result and arm in result:
-        result[intel] = universal(result[intel], result[arm])
+        result[intel] = _universal(result[intel], result[arm])
     return {
         f"binaries/{platform.fmi3 if fmi == 3 else platform.fmi2}/{name}{platform.suffix}": data
         for platform, data in result.items()
     }
+
+
+def _universal(x86_64: bytes, arm64: bytes) -> bytes:
+    """Return the file that holds both libraries (Mach-O's `fat_header`, big-endian)."""
+    parts = ((_X86_64, x86_64), (_ARM64, arm64))
+    head = struct.pack(">II", _MAGIC, len(parts))
+    body = b""
+    begin = 1 << _X86_64[2]
+    for (processor, kind, alignment), data in parts:
+        body += bytes(-len(body) % (1 << alignment))
+        head += struct.pack(">5I", processor, kind, begin + len(body), len(data), alignment)
+        body += data
+    return head + bytes(begin - len(head)) + body
+
+
+def _component_manifest() -> dict[str, bytes]:
+    """Return what says that an FMU holds a WebAssembly component, as a draft of a layered standard
+    of FMI 3.0 lays it out."""
+    root = manifest(
+        f"{{{MANIFEST}}}fmiLayeredStandardManifest",
+        _COMPONENTS,
+        f"0.1.0-draft.{DRAFT:%Y%m%d}",
+        "FMI Layered Standard for WebAssembly",
+    )
+    return {f"extra/{_COMPONENTS}/manifest.xml": xml_bytes(root)}
+
+
+def build_source(
+    out: Path,
+    rotor_toml: str | None = None,
+    is_free: bool = False,
+    fmi: int = 2,
+    reduction: int = 0,
+    step: float | None = None,
+    starts: Mapping[str, float] = NO_STARTS,
+) -> Path:
+    """Build the FMU of C source, which its host compiles, and return its path; arguments and errors
+    are those of `build_native`, `InputError` where a tool that makes C of the kernels is missing.
+    """
+    machine = machine_of(rotor_toml, is_free, reduction, step, starts)
+    name = machine.identifier(SOURCE)
+    sources = source_files(fmi)
+    compiled = tuple(sorted(file for file in sources if file.endswith(".c")))
+    contents = machine_files(machine, Described(machine.rotor, name, sources=compiled), fmi)
+    contents |= {f"sources/{file}": data for file, data in sources.items()}
+    if fmi == 3:
+        contents["sources/buildDescription.xml"] = xml_bytes(_build_description(name, compiled))
+    return write_archive(out / f"{name}.fmu", contents)
+
+
+def _build_description(name: str, compiled: tuple[str, ...]) -> Element:
+    root = Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = SubElement(root, "BuildConfiguration", modelIdentifier=name)
+    files = SubElement(configuration, "SourceFileSet", language="C17")
+    for file in compiled:
+        SubElement(files, "SourceFile", name=file)
+    return root

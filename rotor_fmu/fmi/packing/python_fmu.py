@@ -43,7 +43,6 @@ def build(
     machine = machine_of(rotor_toml, is_free, reduction, starts=starts)
     libraries = _libraries(platforms)
     contents = _contents(machine, libraries)
-    out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
         folder = Path(name)
         package, sources = _package(libraries)

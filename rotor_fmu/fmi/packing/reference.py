@@ -8,8 +8,8 @@ from pathlib import Path
 
 import fmpy
 
+from .documents import stored
 from .python_fmu import build
-from .related_files import stored
 
 
 def default_experiment(fmu: Path) -> bytes:
