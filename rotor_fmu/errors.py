@@ -4,7 +4,7 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
@@ -104,6 +104,28 @@ def check_one_of(given: str, value: object, known: Collection[str]) -> None:
         near = get_close_matches(str(value), known, 1)
         meant = f"; did you mean {near[0]}?" if near else ""
         raise InputError(f"{given}: must be one of {', '.join(known)}{meant}")
+
+
+def nearest(name: str, known: Collection[str]) -> str:
+    """Return the known name that is most like a given one, `none` where there is none."""
+    return next(iter(get_close_matches(name, known, 1, 0.0)), "none")
+
+
+def meant(name: str, known: Iterable[str]) -> str:
+    """Return a suggestion for a misspelt name: up to three known ones that are like it, or the
+    first three."""
+    listed = sorted(set(known))
+    near = get_close_matches(name, listed, 3, 0.5) or listed[:3]
+    return f"did you mean {', '.join(near)}?" if near else "there is none"
+
+
+def known_name(where: str, name: str, known: Iterable[str]) -> str:
+    """Return the name itself if it is known, else `InputError` with what may be meant; where: what
+    it is of."""
+    known = tuple(known)
+    if name not in known:
+        raise InputError(f"{where} {name}: unknown name; {meant(name, known)}".strip())
+    return name
 
 
 def writable_folder(path: Path) -> Path:

@@ -30,15 +30,13 @@ from rotor_fmu.fmi.packing.python_fmu import package_name
 from rotor_fmu.machine_studies.machine_runs import MachineRuns
 from rotor_fmu.machine_studies.machine_tables import KINDS, MachineSubject, read_machine
 from rotor_fmu.machine_studies.metric import Metric
-from rotor_fmu.machine_studies.monitor import Samples, Window
-from rotor_fmu.machine_studies.run_excitation import Excitation
+from rotor_fmu.machine_studies.run_excitation import Excitation, Samples, Window
 from rotor_fmu.machine_studies.run_kinds import MOTOR, NOT_NEGATIVE, POSITIVE, Number, RunKind
 from rotor_fmu.run_status import FAILED, status_of
 from rotor_fmu.runs.job import fmu_in
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import usual
-from rotor_fmu.studies.study import Result
-from rotor_fmu.studies.study_tables import Tables
+from rotor_fmu.studies.study import Result, Tables
 
 DRIVE = "drive."  # before the names of the drive train's variables
 COUPLING = Coupling(Path(__file__).with_name("drive_train.py"))

@@ -17,8 +17,8 @@ from scipy.optimize import brentq
 from rotor_fmu import studies
 from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
 from rotor_fmu.studies.analysis import analyse, design_of, drawn_rows
-from rotor_fmu.studies.dataset import about_of
 from rotor_fmu.studies.design import Design
+from rotor_fmu.studies.store import about_of
 
 # The whipping Jeffcott rotor: damping, stiffness of the stator, radius over clearance, spin [rad/s]
 ZETA, BETA, RADIUS, OMEGA = 0.05, 20.0, 50.0, 100.0

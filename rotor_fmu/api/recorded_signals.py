@@ -1,13 +1,12 @@
 """Recorded signals by name, with their units, as arrays, tables and a file."""
 
-import difflib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import optional
+from ..errors import nearest, optional
 from ..runs.recording import Recording
 
 if TYPE_CHECKING:
@@ -143,7 +142,7 @@ class RecordedSignals:
             If it was not recorded; the message gives the nearest name.
         """
         if name not in self.recording.columns:
-            near = difflib.get_close_matches(name, self.names, 1, 0.0)[0]
+            near = nearest(name, self.names)
             raise KeyError(f"{name!r} was not recorded; the nearest name is {near}")
         return self.recording.columns[name]
 

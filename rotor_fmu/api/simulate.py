@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 
 import numpy as np
 
-from ..errors import InputError, check_one_of
+from ..errors import InputError, check_one_of, nearest
 from ..fmi.interface import interface
 from ..fmi.variables import Variable
 from ..model.settings import PRESETS
@@ -163,7 +162,7 @@ def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float
     names = [v.name for v in known]
     for name in given:
         if name not in names:
-            near = get_close_matches(name, names, 1, 0.0)[0]
+            near = nearest(name, names)
             raise InputError(f"loads: {name!r} is unknown; the nearest name is {near}")
     courses = {name: _course(name, value) for name, value in given.items()}
     ends = [t[-1] for t, _ in courses.values() if len(t) > 1]

@@ -155,7 +155,7 @@ def _duration(seconds: float) -> str:
 
 def _say_result(definition: Study, out: Path, progress: Progress) -> dict[str, Any]:
     from ..studies.analysis import worst
-    from ..studies.dataset import open_dataset
+    from ..studies.store import open_dataset
 
     data = open_dataset(out)
     states = data.status.values.astype(str)
@@ -252,7 +252,7 @@ def _draw(definition: Study, out: Path) -> list[str]:
     """Draw the bifurcation diagrams of a study."""
     from ..machine_studies.diagram import diagrams
     from ..plotting.figure_style import save
-    from ..studies.dataset import open_dataset
+    from ..studies.store import open_dataset
 
     drawn = []
     for name, figure in diagrams(definition, open_dataset(out), typer.echo).items():

@@ -4,7 +4,6 @@ import math
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..display import current
-from ..errors import InputError, read_text
+from ..errors import InputError, nearest, read_text
 from ..model.linear import frequency_response as model
 from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
@@ -173,8 +172,7 @@ def place_of(rotor: Rotor, text: str, option: str) -> model.Place:
         return model.Place(int(named[text]), beyond.get(text, 0.0))
     if text.isdecimal() and 1 <= int(text) <= len(rotor.nodes):
         return model.Place(int(text))
-    near = get_close_matches(text, named, 1, 0.0)
-    hint = f"; the nearest name is {near[0]}" if near else ""
+    hint = f"; the nearest name is {nearest(text, named)}" if named else ""
     raise InputError(
         f"{option} {text}: must be a node from 1 to {len(rotor.nodes)}, or a part's name{hint}"
     )
@@ -199,8 +197,7 @@ def _loop(where: str, table: dict[str, Any], rotor: Rotor) -> model.ControlLoop:
     known = {field.name: field for field in fields(model.ControlLoop)}
     for key in table:
         if key not in known:
-            near = get_close_matches(key, known, 1, 0.0)[0]
-            raise InputError(f"{where}.{key}: unknown; the nearest is {near}")
+            raise InputError(f"{where}.{key}: unknown; the nearest is {nearest(key, known)}")
     values: dict[str, Any] = {"name": str(table.get("name", where.rpartition(": ")[2]))}
     for key in ("sensor", "magnet"):
         if key not in table:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
 from ..fmi.variables import Variable
@@ -23,11 +23,9 @@ from ..run_status import FAILED, messages_and_codes, status_of, with_doubt
 from ..runs.recording import Recording
 from ..runs.verify_run import NOT_CONFIRMED_CODE, allowed, finer
 from ..studies.study import Cell, Column, Result
-from ..studies.study_tables import nearest
 from . import run_metrics
 from .metric import Metric, MetricKind
-from .monitor import RECORDER_ROWS, Monitor, Window
-from .run_excitation import Excitation, excite
+from .run_excitation import RECORDER_ROWS, Excitation, Monitor, Window, excite
 
 RUN = "run."
 VERIFICATION = "verification"  # the column of a study whose runs are verified
@@ -114,8 +112,8 @@ class MachineRuns:
         """Return a suggestion for the name of an unknown quantity or part."""
         parts = {name.rpartition(".")[0] for name in self.units if "." in name}
         if output.startswith(f"{metric.of}."):
-            return nearest(metric.of, parts)
-        return nearest(metric.of, {*self.units, *(f"{part}.r" for part in parts)})
+            return meant(metric.of, parts)
+        return meant(metric.of, {*self.units, *(f"{part}.r" for part in parts)})
 
     def column_of(self, metric: Metric, varied: Collection[str]) -> Column:
         """Return the column of a metric; varied: names of the parameters that are varied."""

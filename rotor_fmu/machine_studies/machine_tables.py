@@ -7,16 +7,15 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, check_one_of
+from ..errors import InputError, check_one_of, known_name
 from ..fmi.binding import load_names
 from ..fmi.variables import Variable
 from ..machine_file.loading import load_rotor
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
 from ..studies.design import Axis, number, whole
-from ..studies.study import Column, Study
+from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
-from ..studies.study_tables import Tables, known_name, table_of
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
 from .metric import Metric
 from .response_runs import RESPONSE, ResponseRuns

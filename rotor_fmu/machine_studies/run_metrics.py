@@ -8,8 +8,7 @@ import numpy as np
 from ..studies.study import Cell
 from ..vibration import TooFewTurns, order_track
 from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
-from .monitor import LEAST_TURNS, Samples, Window
-from .run_excitation import Excitation
+from .run_excitation import LEAST_TURNS, Excitation, Samples, Window
 from .run_kinds import CONSTANT, STEPS
 
 KINDS: dict[str, MetricKind] = {}

@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..display import current
-from ..errors import InputError
+from ..errors import InputError, nearest
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
 from ..model.machine.rotor import Rotor
@@ -38,9 +37,8 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
     total = np.zeros(len(ports(rotor)), complex)
     for name, value in loads.items():
         if name not in known:
-            near = get_close_matches(name, known, 1, 0.0)
-            nearest = near[0] if near else "none"
-            raise InputError(f"loads: {name!r} is no force on a port; the nearest is {nearest}")
+            near = nearest(name, known)
+            raise InputError(f"loads: {name!r} is no force on a port; the nearest is {near}")
         if not math.isfinite(value):
             raise InputError(f"loads: {name} = {value}: must be finite")
         place, factor = known[name]

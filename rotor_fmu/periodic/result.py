@@ -3,14 +3,13 @@
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..display import Shown, current
-from ..errors import InputError, check_one_of
+from ..errors import InputError, check_one_of, nearest
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
@@ -136,8 +135,8 @@ class ResponseResult:
         if name not in self.probes and name.rpartition(".")[0] in self.probes:
             name, _, quantity = name.rpartition(".")
         if name not in self.probes:
-            near = get_close_matches(name, self.probes, 1, 0.0)
-            raise InputError(f"{name}: no such place; the nearest is {near[0] if near else 'none'}")
+            near = nearest(name, self.probes)
+            raise InputError(f"{name}: no such place; the nearest is {near}")
         check_one_of(f"{name}.{quantity}", quantity, QUANTITIES)
         rows = [
             (p.value, self._quantities(p, name)[quantity], p.is_stable, i)
@@ -331,5 +330,5 @@ def check_names(rotor: Rotor, names: Mapping[str, float]) -> None:
     known = [str(name) for name, _, _ in rotor.parameters()]
     for name in names:
         if name not in known:
-            near = get_close_matches(name, known, 1, 0.0)[0]
+            near = nearest(name, known)
             raise InputError(f"{name}: no quantity of the machine; the nearest is {near}")

@@ -1,13 +1,12 @@
 """What is measured in a run: places that move, contacts, and how their names are shown."""
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, nearest
 
 _EQUAL = 0.02  # relative difference of two places' motions that are taken to be equal
 
@@ -86,6 +85,5 @@ def named(name: str, known: Sequence[Any], what: str) -> Any:
         if item.name == name:
             return item
     names = [item.name for item in known]
-    near = difflib.get_close_matches(name, names, 1, 0.0)
-    hint = f"did you mean {near[0]}?" if near else "there is none"
+    hint = f"did you mean {nearest(name, names)}?" if names else "there is none"
     raise InputError(f"--place {name}: the recording has no such {what}; {hint}")

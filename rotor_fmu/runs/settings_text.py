@@ -1,9 +1,8 @@
 """Values of variables from texts `NAME=VALUE`, as commands and Python take them."""
 
-import difflib
 from collections.abc import Sequence
 
-from ..errors import InputError
+from ..errors import InputError, known_name
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import AS_PRESET, PREFIX, REDUCTION, chosen_at_build
 from ..fmi.variables import Variable
@@ -26,10 +25,7 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
         observed = next((v for v in table if v.is_observed and v.name == name), None)
         if observed is not None:
             raise InputError(f"--set {name}: is an output, which the model computes")
-        if name not in known:
-            near = difflib.get_close_matches(name, known, 3, 0.5) or sorted(known)[:3]
-            raise InputError(f"--set {name}: unknown name; did you mean {', '.join(near)}?")
-        variable = known[name]
+        variable = known[known_name("--set", name, known)]
         values[name] = _parse_value(variable, value)
         if variable.is_unset_at_start and values[name] == variable.start:
             raise InputError(

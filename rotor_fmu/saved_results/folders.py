@@ -48,8 +48,7 @@ def read_study(path: Path) -> "tuple[dict[str, Any], pyarrow.Table]":
     """Return what a study's folder says of it, and its rows, each once, in the order of the
     runs."""
     arrow_error = optional("pyarrow", "study", str(path)).ArrowException
-    from ..studies.dataset import about_of
-    from ..studies.store import read_rows
+    from ..studies.store import about_of, read_rows
 
     try:
         return about_of(path), read_rows(path)

@@ -10,6 +10,6 @@ if TYPE_CHECKING:
 def open(folder: Path | str) -> "xarray.Dataset":
     """Return the rows of a study's folder, finished or not, as one dataset along `run`; see
     `dataset.open_dataset`."""
-    from .dataset import open_dataset
+    from .store import open_dataset
 
     return open_dataset(Path(folder))

@@ -8,8 +8,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..run_status import FAILED, OK
-from .dataset import about_of, open_dataset
 from .design import SENSITIVITY, Axis, Design, Distribution
+from .store import about_of, open_dataset
 
 if TYPE_CHECKING:
     import xarray

@@ -12,6 +12,15 @@ from ..errors import InputError
 from .design import Design
 
 Cell = float | list[float]
+Tables = Mapping[str, Any]  # of a study's file
+
+
+def table_of(tables: Tables, key: str) -> dict[str, Any]:
+    """Return a table by its key, empty where it is left out; `InputError` for anything else."""
+    table = tables.get(key, {})
+    if not isinstance(table, dict):
+        raise InputError(f"{key} = {table!r}: must be a table")
+    return table
 
 
 @dataclass(frozen=True)

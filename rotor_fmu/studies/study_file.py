@@ -11,10 +11,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..errors import InputError, check_one_of, read_text
+from ..errors import InputError, check_one_of, known_name, meant, read_text
 from .design import DESIGNS, GRID, Axis, Design, axis_of, number, whole
-from .study import Column, Model, Study
-from .study_tables import Tables, known_name, nearest, table_of
+from .study import Column, Model, Study, Tables, table_of
 
 _GENERAL = ("name", "module", "vary", "design", "limits", "quick")
 _OF_THE_SUBJECT = ("machine", "run", "set", "keep", "verify")
@@ -143,7 +142,7 @@ def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:
     expression = re.escape(pattern).replace(r"\[\*\]", r"\[\d+\]")
     result = [name for name in names if re.fullmatch(expression, name)]
     if not result:
-        one = nearest(pattern.replace("[*]", "[1]"), names)
+        one = meant(pattern.replace("[*]", "[1]"), names)
         raise InputError(f"vary {where}: {pattern}: no variable matches this pattern; {one}")
     return result
 

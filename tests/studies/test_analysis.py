@@ -14,9 +14,9 @@ from rotor_fmu.studies.analysis import (
     statistics,
     worst,
 )
-from rotor_fmu.studies.dataset import about_of, open_dataset
 from rotor_fmu.studies.design import Axis, Design, Distribution
 from rotor_fmu.studies.runner import run_study
+from rotor_fmu.studies.store import about_of, open_dataset
 
 from .functions import Ishigami, here, ishigami_study, quiet, study_text
 

@@ -13,8 +13,7 @@ from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.machine_studies.metric import Metric
-from rotor_fmu.machine_studies.monitor import Samples, Window
-from rotor_fmu.machine_studies.run_excitation import Excitation
+from rotor_fmu.machine_studies.run_excitation import Excitation, Samples, Window
 from rotor_fmu.machine_studies.run_kinds import CONSTANT, STEPS
 from rotor_fmu.machine_studies.run_metrics import KINDS, cell
 from rotor_fmu.runs.recording import load_recording

@@ -9,8 +9,8 @@ from rotor_fmu import studies
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.diagram import diagrams
 from rotor_fmu.machine_studies.machine_tables import read_study
-from rotor_fmu.studies.dataset import open_dataset
 from rotor_fmu.studies.runner import run_study
+from rotor_fmu.studies.store import open_dataset
 
 from ..periodic.machines import OMEGA, rub
 from .functions import here, quiet
