@@ -7,8 +7,8 @@ from .fmus import simulate_fmu as simulate_fmu
 from .machine import Machine as Machine
 from .machine import load as load
 from .machine import parse as parse
+from .machine import response as response
 from .peaks import Peak as Peak
-from .periodic import response as response
 from .result import Result as Result
 from .result import read_run as read_run
 from .simulate import simulate as simulate

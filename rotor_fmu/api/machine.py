@@ -3,10 +3,11 @@
 import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ..machine_file.loading import load_rotor, si_text
+from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.simulation import RotorWarning
 from ..model.time_loop.recorder import recordable
@@ -15,6 +16,8 @@ from .linear_analyses import LinearAnalyses
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from ..periodic.result import ResponseResult
 
 
 @dataclass(frozen=True)
@@ -175,3 +178,17 @@ def parse(toml: str) -> Machine:
     """
     plain = si_text(toml)
     return Machine(parse_rotor(plain), plain)
+
+
+def response(machine: Machine | Rotor | Path | str, **options: Any) -> "ResponseResult":
+    """Periodic motions of a machine with its contacts, over its speed or another parameter: see
+    `rotor_fmu.periodic.request.answer` for the options.
+
+    >>> import rotor_fmu as rf
+    >>> found = rf.response("examples/jeffcott_rub/jeffcott.toml", speed=(60, 240))
+    >>> [(b.kind, round(b.value, 2)) for b in found.bifurcations]
+    [('fold', 202.21), ('grazing', 138.5)]
+    """
+    from ..periodic.request import answer  # with SciPy, which runs do without
+
+    return answer(machine.rotor if isinstance(machine, Machine) else machine, **options)

@@ -69,7 +69,7 @@ def plot(
     from ..plotting.figure_style import save
     from ..run_pictures.signal_plots import KINDS
     from ..run_pictures.view import View
-    from ..saved_results.folders import read_run
+    from ..saved_results import read_run
     from ..vibration import TooFewTurns
 
     recorded = read_run(run)
@@ -207,7 +207,7 @@ def _check_runs(paths: list[Path], is_live: bool) -> bool:
     """Raise `InputError` for folders that no page can be of; return whether it is of a study."""
     if not paths:
         raise InputError("RUN_OR_STUDY: must be given, or a machine by --rotor")
-    from ..saved_results.folders import is_study
+    from ..saved_results import is_study
 
     for path in paths:
         if not path.exists():
@@ -223,9 +223,9 @@ def _check_runs(paths: list[Path], is_live: bool) -> bool:
 
 
 def _live_page(path: Path, units: str | None) -> str:
+    from ..live.controls import machine_of_run, settings_of_run
     from ..live.live_page import solver_page
-    from ..live.recorded_run import machine_of_run, settings_of_run
-    from ..saved_results.folders import read_run
+    from ..saved_results import read_run
 
     run = read_run(path)
     recorded = machine_of_run(run)
@@ -234,9 +234,8 @@ def _live_page(path: Path, units: str | None) -> str:
 
 
 def _study_page(paths: list[Path], units: str | None, beside: Path) -> str:
-    from ..report.study_page import study_page
-    from ..saved_results.folders import read_study, rows_of_quantiles
-    from ..saved_results.selected_runs import pages_of_runs
+    from ..report.study_page import pages_of_runs, study_page
+    from ..saved_results import read_study, rows_of_quantiles
 
     about, rows = read_study(paths[0])
     choose(units, about.get("units", ""))
@@ -247,7 +246,7 @@ def _study_page(paths: list[Path], units: str | None, beside: Path) -> str:
 def _runs_page(paths: list[Path], units: str | None, beside: Path) -> str:
     """Return the page of one or two runs, which lie wherever they lie."""
     from ..report.run_page import runs_page
-    from ..saved_results.folders import read_run, read_summary, with_unique_names
+    from ..saved_results import read_run, read_summary, with_unique_names
 
     runs = with_unique_names([read_run(path) for path in paths], paths)
     choose(units, runs[0].rotor.units if runs[0].rotor else "")

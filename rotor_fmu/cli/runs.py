@@ -111,7 +111,7 @@ def _run(
 ) -> dict[str, Any]:
     """Make a run, write its results and return its figures."""
     from ..runs import job as jobs
-    from ..runs.ramp import RampGiven
+    from ..runs.input_signals import RampGiven
     from ..runs.run_files import clear
     from ..runs.verify_run import finer_job
 
@@ -201,8 +201,8 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
 
 def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
     """Print what the run came to."""
-    from ..report.verification_table import text_of
-    from ..runs.summary_sentences import sentences
+    from ..runs.summary import sentences
+    from ..runs.verify_run import text_of
 
     if outcome.apart:
         is_held = outcome.job.signals.is_held

@@ -74,7 +74,7 @@ def _table(ctx: typer.Context) -> Any:
 
 def places(ctx: typer.Context, incomplete: str) -> list[str]:
     """Return the parts whose motion the run's recording holds."""
-    from ..saved_results.folders import read_run
+    from ..saved_results import read_run
 
     try:
         names = [place.name for place in read_run(Path(ctx.params.get("run") or ".")).places]

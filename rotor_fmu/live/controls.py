@@ -1,12 +1,16 @@
 """The controls of the page: a field, and where its range is known a slider, for everything that a
-host may set in the FMU; and what a run records."""
+host may set in the FMU; their values under which a recorded run is repeated; and what a run
+records."""
 
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from ..display import current
-from ..fmi.packing.machine_files import Machine
+from ..errors import InputError
+from ..fmi.packing.machine_files import Machine, machine_of
 from ..fmi.solver_parameters import PREFIX, REDUCTION
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
@@ -15,6 +19,7 @@ from ..model.structure.assembly import assemble
 from ..model.structure.structure import total_mass
 from ..operating_speeds import operating_speeds
 from ..runs.measuring_points import display_name
+from ..runs.recording import Recording
 
 # What the page sets by itself from the course of the speed, and what no host can set.
 NO_CONTROLS = ("speed", "speed_rate", "speed_continuation", REDUCTION.name)
@@ -25,6 +30,7 @@ _OF_SOLVER = ("solver.steps", "solver.h_last", "solver.error")
 _DEGREE = math.pi / 180.0
 _SAMPLES_A_TURN = 16
 _DECADE, _FEW = 10.0, 4.0  # how far a slider goes from the value in the machine file
+_STRAIGHT = 1e-6  # of the largest speed: how far a ramp may be from a straight line
 
 
 def course(rotor: Rotor) -> dict[str, Any]:
@@ -182,3 +188,39 @@ def places(machine: Machine) -> list[dict[str, str | None]]:
         if {f"{part}.x", f"{part}.y"} <= names
     ]
     return sorted(found, key=lambda place: place["amplitude"] is None)
+
+
+def machine_of_run(run: Recording) -> Machine:
+    """Return the machine of a run. Raises `InputError` if the recording holds none."""
+    if run.rotor is None:
+        raise InputError(f"{run.name}: its recording holds no machine")
+    parameters = run.about.get("parameters", {})
+    return machine_of(str(run.about["toml"]), False, int(parameters.get(REDUCTION.name, 0)))
+
+
+def settings_of_run(run: Recording, machine: Machine) -> dict[str, float]:
+    """Return the values of controls, SI units, under which a page repeats a run: its parameters and
+    the course of its speed.
+
+    Raises `InputError` for a speed that is neither constant nor changes at one rate.
+    """
+    starts = {v.name: v.start for v in machine.table if v.causality == "parameter"}
+    parameters = {
+        name: float(value)
+        for name, value in run.about.get("parameters", {}).items()
+        if name in starts and name not in NO_CONTROLS and value != starts[name]
+    }
+    return parameters | _course(run)
+
+
+def _course(run: Recording) -> dict[str, float]:
+    t, w = run.t - run.t[0], run.w
+    duration, first, last = float(t[-1]), float(w[0]), float(w[-1])
+    line = first + (last - first) * t / (duration or 1.0)
+    if np.abs(w - line).max() > _STRAIGHT * np.abs(w).max():
+        raise InputError(
+            f"{run.name}: its speed does not change at one rate; a page has no other course"
+        )
+    if abs(last - first) <= _STRAIGHT * abs(first):
+        return {"course.from": first, "course.to": first, "course.hold": duration}
+    return {"course.from": first, "course.to": last, "course.rate": abs(last - first) / duration}

@@ -20,8 +20,7 @@ from ..model.machine.rotor import Rotor
 from ..report.report_tables import notices_html
 from ..report.run_page import figure_html, machine_html, page, template
 from .rub_check import RubCheck, rub_check
-from .rub_plots import rub_figure
-from .rub_tables import closings_table, runs_table
+from .rub_shown import closings_table, rub_figure, runs_table
 
 _SPEEDS = 41
 _CURVE = 301

@@ -13,8 +13,8 @@ from ..cells import cell
 from ..display import current, shown_speed
 from ..run_status import FAILED, OK
 from ..runs.recording import Recording
+from ..runs.verify_run import headline_of, rows_of
 from ..vibration import TooFewTurns
-from .verification_table import headline_of, rows_of
 
 _UM = 1e-6  # [m], in which signals are recorded and resampled here
 _SUMMARY = {

@@ -1,4 +1,5 @@
-"""The data of the page of a run, computed here once, so that the browser only draws."""
+"""The data of the page of a run, computed here once, so that the browser only draws; of signals
+over time every sample where there is room, else the extremes."""
 
 from typing import Any
 
@@ -6,7 +7,8 @@ import numpy as np
 
 from .. import vibration
 from ..display import current
-from ..runs.measuring_points import MeasuringPoint
+from ..plotting.thinning import extremes
+from ..runs.measuring_points import MeasuringPoint, display_name
 from ..runs.peaks import is_constant
 from ..runs.recording import Recording
 from ..vibration import TURN, Synchronous, TooFewTurns
@@ -19,6 +21,9 @@ _BLOCK, _ORBIT = 16, 2  # turns of a spectrum, of an orbit
 _ORBIT_POINTS = 64  # a turn
 _LEAST_BLOCK = 4
 _MOST_PLACES = 12
+ROOM = 2_400_000  # samples that a page holds in full
+_STRETCHES = 15_000
+_MOST = 40  # signals
 
 
 def run_data(run: Recording) -> dict[str, Any]:
@@ -148,3 +153,47 @@ def _tracked(signal: Synchronous) -> tuple[vibration.OrderTrack, vibration.Casca
 def _thin(n: int) -> np.ndarray:
     """Return the rows that are shown of n."""
     return np.unique(np.linspace(0, n - 1, min(n, _ROWS)).round().astype(int))
+
+
+def signal_data(run: Recording, room: int = ROOM) -> dict[str, Any]:
+    """Return displacements, contact forces and the drive torque of a run over its time.
+
+    Keys: t, packed [s], None where no signal is there in full; signals, each with name, label,
+    unit, v, and t of its own where it is thinned, every says by how many steps.
+    """
+    entries = _entries(run)
+    in_full = min(len(entries), max(room // max(len(run.t), 1) - 1, 0))
+    signals = []
+    for i, (name, unit, values) in enumerate(entries):
+        entry: dict[str, Any] = {
+            "name": name,
+            "label": display_name(name),
+            "unit": unit,
+            "t": None,
+            "every": 1,
+        }
+        if i >= in_full and len(values) > 2 * _STRETCHES:
+            retained = extremes(values, _STRETCHES)
+            entry["t"], values = packed(run.t[retained]), values[retained]
+            entry["every"] = len(run.t) / _STRETCHES
+        signals.append({**entry, "v": packed(values, COARSE)})
+    is_shared = any(entry["t"] is None for entry in signals)
+    return {"t": packed(run.t) if is_shared else None, "signals": signals}
+
+
+def _entries(run: Recording) -> list[tuple[str, str, np.ndarray]]:
+    """Return the names, units and values in the units that are shown, what moves most first."""
+    d, result = current(), list[tuple[str, str, np.ndarray]]()
+    moving = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
+    for place in moving:
+        result += [
+            (f"{place.name}.x", d.small_unit, place.z.real * d.small),
+            (f"{place.name}.y", d.small_unit, place.z.imag * d.small),
+        ]
+    result += [
+        (f"{contact.name}.fn", d.force_unit, contact.fn * d.force) for contact in run.contacts
+    ]
+    if "tau" in run.columns:
+        result.append(("tau", d.torque_unit, run.columns["tau"] * d.torque))
+    result.append(("w", d.speed_unit, run.w * d.speed))
+    return result[:_MOST]

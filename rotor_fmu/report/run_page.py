@@ -20,8 +20,7 @@ from ..output_options import as_json_value
 from ..runs.recording import Recording
 from .criticals import criticals_of
 from .report_tables import notices, tables
-from .run_data import run_data
-from .signal_data import ROOM, signal_data
+from .run_data import ROOM, run_data, signal_data
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,16 +1,21 @@
 """The page of a study: a map whose points are runs, with what is known of each."""
 
+import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 import numpy as np
 
 from ..display import Shown, current
+from ..files import write_text
 from ..run_status import OK
+from ..saved_results import RUN, read_run, read_summary
 from .packed import COARSE, packed
 from .report_tables import notices_html, table
-from .run_page import page, template
+from .run_page import page, runs_page, template
 
 if TYPE_CHECKING:
     import pyarrow
@@ -134,3 +139,16 @@ def _ranges(
 def _quantiles(values: np.ndarray, shares: list[float]) -> list[float | None]:
     known = values[np.isfinite(values)]
     return np.quantile(known, shares).tolist() if len(known) else [None] * len(shares)
+
+
+def pages_of_runs(study: Path, beside: Path) -> dict[str, str]:
+    """Return the addresses of their pages by id, relative to the folder `beside`; a page older than
+    its recording, or not there, is written."""
+    result = {}
+    for recording in sorted(study.glob(f"runs/*/{RUN}")):
+        folder = recording.parent
+        page = folder / "report.html"
+        if not page.exists() or page.stat().st_mtime < recording.stat().st_mtime:
+            write_text(runs_page([read_run(folder)], [read_summary(folder)]), page)
+        result[folder.name] = quote(Path(os.path.relpath(page, beside)).as_posix())
+    return result

@@ -1,4 +1,4 @@
-"""The inputs of a run over time: from a law, from a CSV file, or held constant."""
+"""The inputs of a run over time: a ramp of the speed, from a CSV file, or held constant."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,11 +12,14 @@ import numpy as np
 
 from ..errors import InputError
 from ..fmi.variables import Variable
+from ..model.machine.rotor import Rotor
 from ..model.simulation import Simulation
-from ..units import units_for
+from ..operating_speeds import operating_speeds
+from ..units import in_si, units_for
 
 _ROUNDING = 1e-11  # of an input's values: what is no bend of its course
 _SLIVER = 1e-9  # of an interval: a bend so near to its end is its end
+_RAMP_UNITS = {"--from": "rad/s", "--to": "rad/s", "--rate": "rad/s2", "--hold": "s"}
 
 
 @dataclass(frozen=True)
@@ -140,6 +143,49 @@ class Ramp:
         t = np.unique(bends)
         speed = np.interp(t, bends[1:3], [self.first, self.last])
         return Signals(t, {"speed": speed})
+
+
+@dataclass(frozen=True)
+class RampGiven:
+    """What a user gave of a ramp: whether it goes up, and texts with units, None where nothing was
+    given."""
+
+    is_up: bool = False
+    first: str | None = None
+    last: str | None = None
+    rate: str | None = None
+    hold: str | None = None
+
+    @property
+    def options(self) -> Mapping[str, str]:
+        """The options that were given, with their texts."""
+        texts = (self.first, self.last, self.rate, self.hold)
+        return {o: text for o, text in zip(_RAMP_UNITS, texts, strict=True) if text is not None}
+
+    def on(self, rotor: Rotor) -> Ramp:
+        """Return the ramp of this machine; `InputError` for one that cannot be."""
+        usual = operating_speeds(rotor)
+        given = {
+            option: in_si(option, text, _RAMP_UNITS[option])
+            for option, text in self.options.items()
+        }
+        first = given.get("--from", 0.0 if self.is_up else usual.trip)
+        last = given.get("--to", usual.highest if self.is_up else 0.0)
+        rate = given.get("--rate", usual.run_up_rate if self.is_up else usual.run_down_rate)
+        hold = given.get("--hold", 0.0)
+        if not rate > 0:
+            raise InputError(f"--rate {self.rate}: must be > 0; the speeds say whether up or down")
+        if not hold >= 0:
+            raise InputError(f"--hold {self.hold}: must be >= 0")
+        if first == last:
+            raise InputError(f"--from {first:g} rad/s: must differ from --to {last:g} rad/s")
+        if (abs(last) > abs(first)) != self.is_up:
+            way, other = ("larger", "run-down") if self.is_up else ("smaller", "run-up")
+            raise InputError(
+                f"--to {last:g} rad/s: must be {way} in size than --from = {first:g} rad/s; the "
+                f"other way is {other}"
+            )
+        return Ramp(first, last, rate, *((0.0, hold) if self.is_up else (hold, 0.0)))
 
 
 def make_signals(

@@ -16,9 +16,8 @@ from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
-from .input_signals import Signals, make_signals, read_signals
+from .input_signals import RampGiven, Signals, make_signals, read_signals
 from .progress import shown
-from .ramp import RampGiven
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
 from .settings_text import parse_settings

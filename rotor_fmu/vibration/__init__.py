@@ -19,11 +19,13 @@ from .orbits import (
     Displacement,
     Orbit,
     Poincare,
+    TimeShare,
     Whirl,
     displacement,
     displacement_of,
     orbit,
     poincare,
+    time_share,
     whirl,
     whirl_of,
 )
@@ -37,7 +39,6 @@ from .spectra import (
     second_half,
     spectrum,
 )
-from .time_share import TimeShare, time_share
 from .turns import (
     TURN,
     Synchronous,

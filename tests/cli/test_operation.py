@@ -14,7 +14,7 @@ from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.machine_files import NATIVE, fmu_identifier
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.operating_speeds import operating_speeds
-from rotor_fmu.runs.ramp import RampGiven
+from rotor_fmu.runs.input_signals import RampGiven
 from tools.checkout import ROOT
 
 RPM = math.pi / 30

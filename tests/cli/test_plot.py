@@ -9,7 +9,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.run_pictures.signal_plots import KINDS, orbit
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.recording import Recording
-from rotor_fmu.saved_results.folders import read_run
+from rotor_fmu.saved_results import read_run
 
 from ..recordings import recorded
 

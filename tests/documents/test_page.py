@@ -10,7 +10,7 @@ from rotor_fmu import vibration
 from rotor_fmu.files import write_text
 from rotor_fmu.report.run_page import runs_page
 from rotor_fmu.report.study_page import study_page
-from rotor_fmu.saved_results.folders import read_study
+from rotor_fmu.saved_results import read_study
 
 from ..recordings import recorded, write_study
 from .browser import ENTER, LEFT, NASTY, Page, look, of_scripts

@@ -20,7 +20,7 @@ from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
 from rotor_fmu.report.run_page import runs_page, write_report
 from rotor_fmu.report.study_page import study_page
 from rotor_fmu.runs.recording import Recording
-from rotor_fmu.saved_results.folders import read_study
+from rotor_fmu.saved_results import read_study
 
 from ..recordings import recorded, write_study
 from ..signals.test_turning_both_ways import swept

@@ -6,7 +6,7 @@ import pytest
 
 from rotor_fmu.files import write_text
 from rotor_fmu.report.study_page import study_page
-from rotor_fmu.saved_results.folders import read_study
+from rotor_fmu.saved_results import read_study
 
 from ..recordings import write_study
 from .browser import Page

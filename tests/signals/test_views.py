@@ -16,8 +16,7 @@ from rotor_fmu.runs.peaks import is_constant, peak_index
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run, run_recorded
 from rotor_fmu.runs.run_files import clear
-from rotor_fmu.runs.summary import summary
-from rotor_fmu.runs.summary_sentences import sentences
+from rotor_fmu.runs.summary import sentences, summary
 
 from ..recordings import recorded
 

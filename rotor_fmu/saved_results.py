@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError, optional
-from ..runs.recording import Recording, load_recording
+from .errors import InputError, optional
+from .runs.recording import Recording, load_recording
 
 if TYPE_CHECKING:
     import pyarrow
@@ -48,7 +48,7 @@ def read_study(path: Path) -> "tuple[dict[str, Any], pyarrow.Table]":
     """Return what a study's folder says of it, and its rows, each once, in the order of the
     runs."""
     arrow_error = optional("pyarrow", "study", str(path)).ArrowException
-    from ..studies.store import about_of, read_rows
+    from .studies.store import about_of, read_rows
 
     try:
         return about_of(path), read_rows(path)
@@ -58,7 +58,7 @@ def read_study(path: Path) -> "tuple[dict[str, Any], pyarrow.Table]":
 
 def rows_of_quantiles(about: dict[str, Any], rows: "pyarrow.Table") -> np.ndarray:
     """Return the rows of a study whose quantiles are meaningful for the varied parameters."""
-    from ..studies.analysis import design_of, drawn_rows, is_estimate
+    from .studies.analysis import design_of, drawn_rows, is_estimate
 
     design = design_of(about["design"])
     if not is_estimate(design):

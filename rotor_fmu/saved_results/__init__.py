@@ -1,1 +1,0 @@
-"""Reading recorded runs and studies for pictures and reports."""
