@@ -69,8 +69,7 @@ def _options() -> dict[str, Any]:
             bool, typer.Option("--json", help="Print the summary as JSON to standard output.")
         ],
         "is_quiet": Annotated[
-            bool,
-            typer.Option("--quiet", help="Print nothing but errors and the output of --json."),
+            bool, typer.Option("--quiet", help="Print nothing but errors and the output of --json.")
         ],
     }
 

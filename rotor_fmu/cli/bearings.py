@@ -118,9 +118,7 @@ def _result(
 
 
 def _linear_bearing(
-    result: "BearingCurves | DamperCurves | RingCurves | RollingCurves",
-    machine: Rotor,
-    file: Path,
+    result: "BearingCurves | DamperCurves | RingCurves | RollingCurves", machine: Rotor, file: Path
 ) -> str:
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""
     from ..linear.bearing_answers import BearingCurves, RingCurves

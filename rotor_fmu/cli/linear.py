@@ -115,16 +115,14 @@ def static(
 
 @with_output_options
 def show(
-    rotor: RotorFile = None,
-    units: Units = None,
-    out: PictureFolder = Path("out/show"),
+    rotor: RotorFile = None, units: Units = None, out: PictureFolder = Path("out/show")
 ) -> dict[str, Any]:
     """Draw the machine to scale and list its parts."""
     machine = machine_in_units(rotor, units)
-    from ..linear import answers
     from ..linear.inventory import inventory
+    from ..plotting.machine_drawing import machine_figure
 
-    return print_answer(inventory(machine), out, "show", figure=answers.show(machine))
+    return print_answer(inventory(machine), out, "show", figure=machine_figure(machine))
 
 
 @with_output_options

@@ -255,9 +255,7 @@ def _runs_page(paths: list[Path], units: str | None, beside: Path) -> str:
 
 @with_output_options
 def page(
-    rotor: RotorFile = None,
-    units: Units = None,
-    out: Page = Path("page.html"),
+    rotor: RotorFile = None, units: Units = None, out: Page = Path("page.html")
 ) -> dict[str, Any]:
     """Write a page on which the machine runs: its solver, sliders and pictures in one file, which
     needs no network."""

@@ -206,10 +206,7 @@ def _add_component(elements: Element, component: Component) -> None:
         _sub(connector, f"ssc:{variable.kind}", **attributes)
     bindings = _sub(element, "ssd:ParameterBindings")
     _sub(
-        bindings,
-        "ssd:ParameterBinding",
-        type=_EXTENSION,
-        source=f"resources/{component.name}.ssv",
+        bindings, "ssd:ParameterBinding", type=_EXTENSION, source=f"resources/{component.name}.ssv"
     )
     annotations = _sub(element, "ssd:Annotations")
     annotation = _sub(annotations, "ssc:Annotation", type=_TERMINALS)
@@ -249,9 +246,7 @@ def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, sto
     speed = {"speed": drive.values.get("w_start", 0.0)}
     rotor = Component("rotor", fmu, machine.table, speed, terminals_of(machine.table))
     bond = Bond(
-        SHAFT,
-        (drive.name, "w", "rotor", "speed"),
-        ("rotor", "tau_load", drive.name, "tau_load"),
+        SHAFT, (drive.name, "w", "rotor", "speed"), ("rotor", "tau_load", drive.name, "tau_load")
     )
     name = machine.rotor.name or "rotor"
     energy = 0.5 * inertia * drive.values.get("w_target", 0.0) ** 2

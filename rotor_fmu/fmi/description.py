@@ -25,12 +25,7 @@ CATEGORIES = {
 }
 # FMI 3.0 wants the time among the variables.
 TIME = Variable("time", "Real", "independent", "time", "s")
-_TYPES = {
-    "Real": "Float64",
-    "Integer": "Int32",
-    "Boolean": "Boolean",
-    "Enumeration": "Enumeration",
-}
+_TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "Enumeration": "Enumeration"}
 # The order of the elements in FMI 2.0.
 _ORDER = (
     "CoSimulation",

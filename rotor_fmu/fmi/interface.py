@@ -59,29 +59,19 @@ def ports(rotor: Rotor) -> list[tuple[str, PortElement]]:
 def _loads(rotor: Rotor, name: str, port: PortElement) -> list[Variable]:
     """Return the external forces on a port along both axes [N], or the acceleration of the base
     [m/s2]."""
-    if port.node == BASE:
-        return [
-            Variable(
-                f"{name}.a{axis}",
-                "Real",
-                "input",
-                f"acceleration of {port.where}, {direction}; {_HELD}",
-                "m/s2",
-                0.0,
-                nominal=1.0,
-            )
-            for axis, direction in _DIRECTIONS
-        ]
-    where = f"{port.where} at z = {rotor.nodes[port.node - 1]:g} m"
+    of, text, unit, nominal = "a", f"acceleration of {port.where}", "m/s2", 1.0
+    if port.node != BASE:
+        where = f"{port.where} at z = {rotor.nodes[port.node - 1]:g} m"
+        of, text, unit, nominal = "f", f"external force on {where}", "N", 10.0
     return [
         Variable(
-            f"{name}.f{axis}",
+            f"{name}.{of}{axis}",
             "Real",
             "input",
-            f"external force on {where}, {direction}; {_HELD}",
-            "N",
+            f"{text}, {direction}; {_HELD}",
+            unit,
             0.0,
-            nominal=10.0,
+            nominal=nominal,
         )
         for axis, direction in _DIRECTIONS
     ]

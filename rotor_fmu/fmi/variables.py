@@ -26,11 +26,7 @@ _DERIVED = {
     "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
     "H": {"kg": 1, "m": 2, "s": -2, "A": -2},
 }
-_SHOWN = {
-    "m": ("um", 1e6),
-    "rad": ("deg", 180 / math.pi),
-    "rad/s": ("rpm", 30 / math.pi),
-}
+_SHOWN = {"m": ("um", 1e6), "rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}
 
 
 @cache

@@ -37,7 +37,6 @@ from ..plotting.figure_style import (
     new_panels,
 )
 from ..plotting.labels import write_labels
-from ..plotting.machine_drawing import machine_figure
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
 from .linear_plots import curve, shade, titled
 from .linear_tables import Table, peaks, turns
@@ -361,8 +360,3 @@ def static(machine: Machine, speed: float | None = None, **options: Any) -> Stat
         is_afloat = held.is_held and not held.holds_at(0.0)
         speed = operating_speeds(rotor).rated if is_afloat else 0.0
     return displayed(Static, linear.static, rotor, speed, **options)
-
-
-def show(machine: Machine) -> Figure:
-    """Return the picture of a machine."""
-    return machine_figure(rotor_of(machine))

@@ -62,10 +62,10 @@ def part_tables() -> Iterator[Table]:
     """The table of every kind of part."""
     for kind in PARTS:
         heading = f"[{kind.KIND}]" if kind.IS_SINGLE else f"[[{kind.KIND}]]"
-        yield Table(heading, kind.KIND, kind.TEXT, not kind.IS_SINGLE, tuple(_part_keys(kind)))
+        yield Table(heading, kind.KIND, kind.TEXT, not kind.IS_SINGLE, tuple(_keys_of(kind)))
 
 
-def _part_keys(kind: type[Part] | type[Operation]) -> Iterator[Key]:
+def _keys_of(kind: type[Part] | type[Operation] | type[Material]) -> Iterator[Key]:
     numbers = quantities(kind)
     ordered = sorted(fields(kind), key=lambda field: field.name in numbers)
     for field in ordered:
@@ -95,21 +95,9 @@ def own_tables() -> Iterator[Table]:
         top.append(Key(name, own[name], own[name].text, defaults[name]))
     yield Table("", "", "The machine as a whole.", False, tuple(top))
     text = "how the machine is run; what is left out follows from its lowest natural frequency"
-    yield Table("[operation]", "operation", text, False, tuple(_part_keys(Operation)))
-    material = [
-        Key(
-            name,
-            quantity,
-            quantity.text,
-            None if field.default is MISSING else field.default,
-            field.default is MISSING,
-        )
-        for field in fields(Material)
-        for name, quantity in quantities(Material).items()
-        if name == field.name
-    ]
+    yield Table("[operation]", "operation", text, False, tuple(_keys_of(Operation)))
     text = "of discs and of the shaft; `[material.NAME]` for others"
-    yield Table("[material]", "material", text, False, tuple(material))
+    yield Table("[material]", "material", text, False, tuple(_keys_of(Material)))
     shaft = [
         Key("nodes", None, "positions of the nodes [m], ascending", kind="numbers", unit="m"),
         Key("diameters", None, "of the cylinders between them [m]", kind="numbers", unit="m"),

@@ -50,16 +50,9 @@ def response_page(result: "ResponseResult", name: str) -> str:
     }
     found = result.table()
     body = template("response.html").substitute(
-        notices=notices_html(result.notes),
-        tables=table("Bifurcations", found.heads, found.rows),
+        notices=notices_html(result.notes), tables=table("Bifurcations", found.heads, found.rows)
     )
-    return page(
-        title=name,
-        about=found.title,
-        body=body,
-        data=data,
-        scripts=("response.js",),
-    )
+    return page(title=name, about=found.title, body=body, data=data, scripts=("response.js",))
 
 
 def _shown(unit: str) -> tuple[float, str]:

@@ -128,10 +128,7 @@ def _place(place: MeasuringPoint, signal: Synchronous) -> dict[str, Any]:
         "label": place.label,
         "clearance": None if place.clearance is None else place.clearance * 1e6,
         "curves": curves,
-        "orbits": {
-            "re": packed(orbits.real, COARSE),
-            "im": packed(orbits.imag, COARSE),
-        },
+        "orbits": {"re": packed(orbits.real, COARSE), "im": packed(orbits.imag, COARSE)},
         # what the steps were too long to show is drawn as nothing
         "cascade": packed(np.nan_to_num(cascade.amplitude), COARSE),
         "points": {"re": packed(points.real), "im": packed(points.imag)},

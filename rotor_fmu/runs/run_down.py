@@ -125,11 +125,7 @@ def run_fmu(fmu: Path, plan: Plan, progress: ReportProgress = silent) -> Run:
     rows = recorder.result()
     columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
     return Run(
-        np.asarray(rows["time"]),
-        columns,
-        status_of(messages, failure),
-        tuple(messages),
-        wall,
+        np.asarray(rows["time"]), columns, status_of(messages, failure), tuple(messages), wall
     )
 
 
