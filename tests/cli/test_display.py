@@ -72,6 +72,7 @@ def test_a_word_of_a_machine_file_that_is_none_is_refused_with_the_file(refusal,
     )
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_show_lists_a_machine_in_us_units_and_the_next_command_in_its_own(command):
     text = command("show", "--units", "us")
     assert "zigulic2003: 8 nodes, 12.992 in, 12.4" in text
@@ -395,6 +396,7 @@ def test_a_shape_is_drawn_with_the_elements_own_cubic():
     assert abs(deflection(z, deflections, rotations, [0.0])(x) / truth - 1) > 1e-3
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_json_stays_in_si(command):
     one, two = (json.loads(command("show", "--json", *more)) for more in ((), ("--units", "us")))
     assert one == two

@@ -72,6 +72,7 @@ def test_numbers_of_the_rig_are_those_of_the_paper(command):
     np.testing.assert_allclose(np.array(natural[:2]) / (2 * math.pi), [29.4, 32.5], rtol=0.006)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_json_says_all_in_si(command):
     output = json.loads(command("unbalance", "--json", "--speed", "30Hz"))
     result = answers.unbalance_response(rig(), [60 * math.pi])
@@ -225,6 +226,7 @@ def test_the_usual_speeds_begin_where_the_films_carry_the_machine(
     assert linear.lowest_speed(rig(), 1000.0) == 0.0
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_response_to_unbalance_begins_at_standstill_on_oil_films_too(command):
     said = command("unbalance", "--rotor", str(OIL_FILM), "--speed", "0:200:3", "--node", "3")
     assert "contacts open" in said
@@ -260,6 +262,7 @@ def test_a_load_past_the_film_is_refused_with_what_it_carries(command, tmp_path)
         command("bearing", str(tmp_path / "open.toml"), "--speed", "300", "--load", "1e5")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path):
     """The amplitudes are those of the answer; an unbalance may be given in g mm."""
     given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", "4:50g.mm:90")
