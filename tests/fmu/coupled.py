@@ -2,11 +2,11 @@
 
 import csv
 import io
-import subprocess
-import sys
 from itertools import accumulate, pairwise
 
 import fmpy
+
+from ..processes import run_python
 
 H, STEPS = 0.002, 100
 # Begin and length of the steps: summed up, and as differences of times that count nanoseconds.
@@ -101,9 +101,7 @@ def transfer(parts, name, value):
 
 def last_row(script, *arguments):
     """What a script of the examples prints last, by name."""
-    done = subprocess.run(
-        [sys.executable, str(script), *arguments], capture_output=True, text=True, check=False
-    )
+    done = run_python(script, *arguments)
     assert done.returncode == 0, done.stderr
     row = list(csv.DictReader(io.StringIO(done.stdout)))[-1]
     return {name: float(value) for name, value in row.items()}

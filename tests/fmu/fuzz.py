@@ -10,6 +10,7 @@ Exits with status 0 if every call had a status of FMI's, and a well-behaved run 
 then gives the bits that it gave before.
 """
 
+import faulthandler
 import random
 import sys
 from ctypes import (
@@ -280,6 +281,7 @@ def wrong_calls(fuzzer, name):
 
 
 if __name__ == "__main__":
+    faulthandler.enable()
     fuzzer = Fuzzer(sys.argv[1], 0)
     if len(sys.argv) == 3:
         wrong_calls(fuzzer, sys.argv[2])

@@ -3,7 +3,6 @@
 import os
 import shutil
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +11,8 @@ import pytest
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.runs.host_env import host_environment
+
+from ..processes import run_python
 
 HERE = Path(__file__).parent
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -67,11 +68,15 @@ class Master:
 
     def tell(self, commands, environment=None) -> Talk:
         """Carry out commands, `real speed 300` and the like, in one process."""
-        if self.c_program is not None and not self.is_alone:
+        script = self.script(commands)
+        if self.c_program is None:
+            done = run_python(HERE / "commands.py", self.fmu, given=script)
+            return Talk(list(_answers(done.stdout)), done.stderr, done.returncode)
+        if not self.is_alone:
             environment = environment or expanded(ENVIRONMENT)
         done = subprocess.run(
             self.program(),
-            input=self.script(commands),
+            input=script,
             capture_output=True,
             text=True,
             check=False,
@@ -81,9 +86,7 @@ class Master:
         return Talk(list(_answers(done.stdout)), done.stderr, done.returncode)
 
     def program(self) -> list[str]:
-        """The master's command line."""
-        if self.c_program is None:
-            return [sys.executable, str(HERE / "commands.py"), str(self.fmu)]
+        """The command line of the master in C."""
         name = self.description.coSimulation.modelIdentifier
         library = self.folder / "binaries" / "linux64" / f"{name}.so"
         resources = f"file://{self.folder}/resources"

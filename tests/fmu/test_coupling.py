@@ -1,8 +1,6 @@
 """A partner of the user's own, coupled with the rotor by what its source says."""
 
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -10,6 +8,8 @@ from rotor_fmu.examples import example_folder
 
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.errors import RunFailed
+
+from ..processes import run_python
 
 SOURCE = """
 from pythonfmu import DefaultExperiment
@@ -85,12 +85,6 @@ def test_what_the_partner_refuses_ends_the_run_with_its_sentence(coupling, fmu, 
 def test_the_script_of_a_copied_example_runs_from_anywhere(tmp_path, example, script):
     """As `rotor-fmu example NAME --out DIR` copies it."""
     shutil.copytree(example_folder(example), tmp_path / example)
-    done = subprocess.run(
-        [sys.executable, tmp_path / example / script, "--help"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_python(tmp_path / example / script, "--help", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "--step" in done.stdout

@@ -5,7 +5,6 @@ import ctypes
 import math
 import shutil
 import subprocess
-import sys
 
 import fmpy
 import pytest
@@ -17,6 +16,7 @@ from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.machine_table import HEAD_SIZE
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
+from ..processes import run_python
 from .masters import COMPILER, NEEDS_COMPILER
 from .skins import DISCARD, SKINS, Discarded, Extracted, Native, Refused
 
@@ -114,8 +114,7 @@ def library_and_table(extracted):
 
 
 def flips(extracted, kind):
-    command = [sys.executable, "-c", FLIPS, *library_and_table(extracted), kind]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run_python(FLIPS, *library_and_table(extracted), kind)
     assert done.returncode == 0, done.stderr[-1500:]
     return done.stdout
 
@@ -140,8 +139,7 @@ def test_a_block_that_does_not_end_the_table_is_refused(extracted, of):
     """Another place, or fewer bytes, lie within the file all the same."""
     script = FLIPS.partition("assert instantiate(table)")[0] + OTHER_BLOCK
     place = str({"first_block": HEAD_SIZE - 8, "block": 8 * 22}[of])
-    command = [sys.executable, "-c", script, *library_and_table(extracted), "as it is", place]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run_python(script, *library_and_table(extracted), "as it is", place)
     assert done.returncode == 0, done.stderr[-1500:]
     assert done.stdout.split() == ["True", "False", "False"]
 
@@ -161,8 +159,7 @@ def test_a_damaged_table_says_so_to_the_host(kind, extracted, tmp_path):
         "    except Exception as error:\n"
         "        print('refused')\n"
     )
-    command = [sys.executable, "-c", script, tmp_path / "fmu"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run_python(script, tmp_path / "fmu")
     assert done.stdout.split() == ["refused"] * 3, done.stderr
     assert done.stderr.count("machine.table: is damaged") == 3
 
@@ -330,8 +327,7 @@ def test_a_library_with_the_same_names_that_all_can_see_does_no_harm(kind, extra
         "print(fmpy.simulate_fmu(sys.argv[2], stop_time=0.1, output=['disc[3].x'])[-1][1].hex())\n"
     )
     alone = fmpy.simulate_fmu(str(extracted[kind].folder), stop_time=0.1, output=["disc[3].x"])
-    command = [sys.executable, "-c", script, shared, extracted[kind].folder]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run_python(script, shared, extracted[kind].folder)
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == [float(alone[-1][1]).hex()]
 

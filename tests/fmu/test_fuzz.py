@@ -1,28 +1,28 @@
 """Random and wrong calls of the C interface, in processes of their own: no crash, no hang."""
 
-import subprocess
-import sys
+import signal
 from pathlib import Path
 
 import pytest
+
+from ..processes import run_python
 
 FUZZ = Path(__file__).with_name("fuzz.py")
 
 
 def survive(*arguments, seconds):
     """Run fuzz.py; its last line. A crash fails with the calls that led to it."""
-    done = subprocess.run(
-        [sys.executable, "-X", "faulthandler", FUZZ, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=seconds,
-    )
+    done = run_python(FUZZ, *arguments, seconds=seconds)
     lines = done.stdout.splitlines()
     assert done.returncode == 0, (done.returncode, lines[-12:], done.stderr[-2000:])
     assert "Traceback" not in done.stderr
     assert "internal error" not in done.stderr
     return lines[-1] if lines else ""
+
+
+def test_a_crash_is_seen():
+    done = run_python("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
+    assert done.returncode == -signal.SIGSEGV
 
 
 @pytest.mark.parametrize(

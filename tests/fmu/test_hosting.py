@@ -16,6 +16,8 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.fmi.packing.python_fmu import build, package_name
 
+from ..processes import run_python
+
 PRELUDE = """
 import json, sys, fmpy, shutil
 path = sys.argv[1]
@@ -278,22 +280,8 @@ os._exit(0)
 
 def test_a_failing_run_does_not_end_in_silence(fmu):
     """`fmpy simulate` must not exit with 0 and a short result."""
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            "from fmpy.cli import main; main()",
-            "--start-values",
-            *("solver.preset", "1", "solver.method", "3", "solver.alpha_m", "0.08"),
-            "--output-variables",
-            "phi",
-            "--",
-            "simulate",
-            str(fmu),
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    start = ("solver.preset", "1", "solver.method", "3", "solver.alpha_m", "0.08")
+    shown = ("--output-variables", "phi", "--", "simulate", fmu)
+    done = run_python("from fmpy.cli import main; main()", "--start-values", *start, *shown)
     assert done.returncode != 0
     assert "diverged" in done.stderr

@@ -9,8 +9,6 @@ in coupled.py gives.
 import csv
 import importlib.util
 import json
-import subprocess
-import sys
 import zipfile
 
 import fmpy
@@ -18,9 +16,11 @@ import pytest
 
 import rotor_fmu as rf
 
+from ..processes import run_python
 from .coupled import COUNTED, SEEN, STEPS, H, march
 
-FMPY = (sys.executable, "-c", "from fmpy.cli import main; main()")
+FMPY = "from fmpy.cli import main; main()"
+PYTHONFMU = "from runpy import run_module; run_module('pythonfmu', run_name='__main__')"
 
 
 def needs(module, install):
@@ -29,10 +29,8 @@ def needs(module, install):
     return pytest.mark.skipif(missing, reason=f"{module} is not installed: {install}")
 
 
-def run(*command, cwd=None):
-    done = subprocess.run(
-        command, capture_output=True, text=True, check=False, cwd=cwd, timeout=1200
-    )
+def run(program, *arguments, cwd=None):
+    done = run_python(program, *arguments, cwd=cwd)
     assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done
 
@@ -41,12 +39,12 @@ def run(*command, cwd=None):
 def motor(tmp_path_factory):
     folder = tmp_path_factory.mktemp("motor")
     script = __file__.replace("test_hosts.py", "motor.py")
-    run(sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", folder, "--handle-state")
+    run(PYTHONFMU, "build", "-f", script, "-d", folder, "--handle-state")
     return folder / "Motor.fmu"
 
 
 def test_fmpy_info_shows_what_it_is(fmu):
-    shown = run(*FMPY, "info", fmu).stdout
+    shown = run(FMPY, "info", fmu).stdout
     for text in ("zigulic2003", "Stop Time          2.0", "speed", "rad/s", "bearing[2].psi"):
         assert text in shown
 
@@ -54,7 +52,7 @@ def test_fmpy_info_shows_what_it_is(fmu):
 def test_fmpy_simulate_gives_what_its_api_gives(fmu, tmp_path):
     table = tmp_path / "out.csv"
     settings = ("--stop-time", "0.4", "--output-interval", "0.004", "--output-file", table)
-    run(*FMPY, "simulate", fmu, *settings, "--start-values", "speed", "300")
+    run(FMPY, "simulate", fmu, *settings, "--start-values", "speed", "300")
     result = fmpy.simulate_fmu(
         str(fmu), stop_time=0.4, output_interval=0.004, start_values={"speed": 300.0}
     )
@@ -75,7 +73,7 @@ def test_the_notebook_that_fmpy_makes_runs_from_top_to_bottom(fmu, tmp_path):
     from nbclient import NotebookClient
 
     (tmp_path / fmu.name).write_bytes(fmu.read_bytes())
-    run(*FMPY, "create-jupyter-notebook", fmu.name, cwd=tmp_path)
+    run(FMPY, "create-jupyter-notebook", fmu.name, cwd=tmp_path)
     notebook = nbformat.read(tmp_path / "RotorBearing.ipynb", as_version=4)
     folder = {"metadata": {"path": str(tmp_path)}}
     NotebookClient(notebook, kernel_name="python3", resources=folder, timeout=1200).execute()
@@ -202,7 +200,7 @@ def begun(tmp_path_factory):
 @pytest.mark.parametrize("form", ["OSP", "SSP"])
 def test_libcosim_gives_what_a_plain_master_gives(fmu, begun, motor, tmp_path, form):
     how = system(form, tmp_path, begun, motor)
-    run(sys.executable, "-c", LIBCOSIM, json.dumps([*how, STEPS, SEEN]), cwd=tmp_path)
+    run(LIBCOSIM, json.dumps([*how, STEPS, SEEN]), cwd=tmp_path)
     seen = json.loads((tmp_path / "rows.json").read_text())
     preset = {"solver.preset": 1}
     expected = march(
@@ -227,13 +225,7 @@ def test_libcosim_does_not_end_in_silence_when_the_rotor_fails(
 ):
     """At a step it says so to its caller; an initialization that is refused ends its process."""
     how = system("OSP", tmp_path, begun, motor, parameter, value)
-    done = subprocess.run(
-        [sys.executable, "-c", LIBCOSIM, json.dumps([*how, STEPS, SEEN])],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=tmp_path,
-    )
+    done = run_python(LIBCOSIM, json.dumps([*how, STEPS, SEEN]), cwd=tmp_path)
     assert done.returncode != 0
     assert not (tmp_path / "rows.json").exists()
     (said,) = (line for line in done.stderr.splitlines() if line.startswith("rotor: error: "))
@@ -300,14 +292,7 @@ def cofmpy(fmu, motor, folder, algorithms, **inputs):
         }
         for name, (algorithm, iterations) in algorithms.items()
     }
-    return subprocess.run(
-        [sys.executable, "-c", COFMPY, json.dumps([configs, STEPS, H, SEEN])],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=folder,
-        timeout=1200,
-    )
+    return run_python(COFMPY, json.dumps([configs, STEPS, H, SEEN]), cwd=folder)
 
 
 @pytest.fixture(scope="module")

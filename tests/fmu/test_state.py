@@ -1,13 +1,12 @@
 """FMU state: taken, given back, carried to another process, refused where it does not belong."""
 
-import subprocess
-import sys
-
 import fmpy
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.fmi.packing.python_fmu import build
+
+from ..processes import run_python
 
 STEP = 0.004
 
@@ -98,12 +97,8 @@ def test_a_state_serialized_in_another_process_goes_on_bit_for_bit(instance, fmu
         "print([x.hex() for x in i.run(10)[-1]])\n"
     )
     root = str(__file__).rsplit("tests", 1)[0]
-    done = subprocess.run(
-        [sys.executable, "-c", script, fmu, tmp_path / "state", root, repr(instance.t)],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_python(script, fmu, tmp_path / "state", root, repr(instance.t))
+    assert done.returncode == 0, done.stderr
     here = [value.hex() for value in instance.run(10)[-1]]
     assert done.stdout.strip() == str(here)
 

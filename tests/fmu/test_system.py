@@ -2,7 +2,6 @@
 
 import json
 import re
-import sys
 import zipfile
 
 import pytest
@@ -96,7 +95,7 @@ def test_libcosim_runs_it_with_its_power_bond(folder, tmp_path, algorithm):
     file = tmp_path / "OspSystemStructure.xml"
     file.write_text(text.replace(">fixedStep<", f">{algorithm}<"))
     call = ["from_osp_config_file", str(file), 60, SEEN]
-    run(sys.executable, "-c", LIBCOSIM, json.dumps(call), cwd=tmp_path)
+    run(LIBCOSIM, json.dumps(call), cwd=tmp_path)
     rows = json.loads((tmp_path / "rows.json").read_text())
     assert len(rows) == 60
     speed, load, w, _ = rows[-1]
@@ -113,7 +112,7 @@ def test_libcosim_opens_the_package_and_steps_as_osps_file_says(folder, tmp_path
         ("from_osp_config_file", "OspSystemStructure.xml"),
     ):
         call = [how, str(folder / file), 40, SEEN]
-        run(sys.executable, "-c", LIBCOSIM, json.dumps(call), cwd=tmp_path)
+        run(LIBCOSIM, json.dumps(call), cwd=tmp_path)
         rows.append(json.loads((tmp_path / "rows.json").read_text()))
     assert rows[0] == rows[1]
     assert rows[0][-1][SEEN.index("w")] > 0.0

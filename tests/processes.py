@@ -1,0 +1,57 @@
+"""Programs in processes of their own, forked from one that has imported FMPy, as most of them do.
+
+For what a process does and survives, as a host of an FMU. What depends on how a process is started,
+or on what it has imported, starts one by `subprocess`.
+"""
+
+import multiprocessing
+import os
+import sys
+from pathlib import Path
+from subprocess import CompletedProcess, TimeoutExpired
+from tempfile import TemporaryDirectory
+
+_FORKS = "forkserver" in multiprocessing.get_all_start_methods()
+_CONTEXT = multiprocessing.get_context("forkserver" if _FORKS else "spawn")
+if _FORKS:
+    _CONTEXT.set_forkserver_preload(["fmpy"])
+_STREAMS = ("stdin", "stdout", "stderr")
+
+
+def run_python(program, *arguments, cwd=None, given="", seconds=1200):
+    """A program, a file's `Path` or text, with arguments and what it reads: its exit status and
+    what it printed, as `subprocess.run` gives them."""
+    command = [str(each) for each in (program, *arguments)]
+    with TemporaryDirectory(prefix="process_") as name:
+        streams = [Path(name, stream) for stream in _STREAMS]
+        for stream in streams:
+            stream.write_text(given if stream.name == "stdin" else "")
+        has_file = isinstance(program, Path)
+        told = (command, has_file, str(cwd or Path.cwd()), dict(os.environ), streams)
+        process = _CONTEXT.Process(target=_run, args=told)
+        process.start()
+        process.join(seconds)
+        if process.is_alive():
+            process.kill()
+            process.join()
+            raise TimeoutExpired(command, seconds)
+        _, out, said = (stream.read_text(errors="replace") for stream in streams)
+        return CompletedProcess(command, process.exitcode, out, said)
+
+
+def _run(command, has_file, cwd, environment, streams):
+    """Be the process that a command starts."""
+    for number, stream in enumerate(streams):
+        opened = os.open(stream, os.O_RDWR | os.O_APPEND)
+        os.dup2(opened, number)
+        os.close(opened)
+    sys.stdin = open(0, closefd=False)  # noqa: SIM115
+    os.environ.clear()
+    os.environ.update(environment)
+    os.chdir(cwd)
+    program, *arguments = command
+    sys.argv = [program if has_file else "-c", *arguments]
+    sys.path.insert(0, str(Path(program).parent) if has_file else "")
+    text = Path(program).read_bytes() if has_file else program
+    names = {"__name__": "__main__", "__file__": program} if has_file else {"__name__": "__main__"}
+    exec(compile(text, program if has_file else "<string>", "exec"), names)
