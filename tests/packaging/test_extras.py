@@ -66,6 +66,8 @@ def walked(tree):
     """All nodes but those for checkers of types alone."""
     nodes = [tree]
     for node in nodes:
+        if isinstance(node, ast.expr):  # which imports nothing
+            continue
         yield node
         if not (isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")):
             nodes += ast.iter_child_nodes(node)
