@@ -132,6 +132,13 @@ def test_the_tables_of_the_page_are_those_of_the_newest_results():
     assert filled_pages(Store.read(results[-1].parent), pages) == pages
 
 
+@pytest.fixture(scope="module")
+def short():
+    """The first steps of the run-down, and CVODE's results of them."""
+    problem = replace(beginning(), stop=0.03, sample=0.005)
+    return problem, cvode.reference(problem)
+
+
 @pytest.mark.parametrize(
     "solve",
     [
@@ -142,8 +149,7 @@ def test_the_tables_of_the_page_are_those_of_the_newest_results():
     ],
     ids=["CVODE on modes", "IDA", "IDA on modes", "Radau on modes"],
 )
-def test_peers_on_component_modes_and_ida_find_the_same_beginning(solve):
-    problem = replace(beginning(), stop=0.03, sample=0.005)
-    truth = cvode.reference(problem)
+def test_peers_on_component_modes_and_ida_find_the_same_beginning(solve, short):
+    problem, truth = short
     assert np.abs(solve(problem).disc - truth.disc).max() < 1e-7
     assert np.abs(truth.disc - truth.disc[0]).max() > 1e-5
