@@ -29,7 +29,7 @@ _MEASURED = {
     "rad/s": ("a speed of rotation", "rpm, Hz"),
     "rad/s2": ("a rate of the speed", "rpm/s, Hz/s"),
     "m/s": ("a velocity", "mm/s, in/s"),
-    "m/s2": ("an acceleration", "mm/s2, g0"),
+    "m/s2": ("an acceleration", "mm/s2, g"),
     "N": ("a force", "kN, lbf"),
     "N.m": ("a torque", "N.mm, lbf.in"),
     "N/m": ("a stiffness", "N/mm, MN/m, lbf/in"),
@@ -45,6 +45,9 @@ _MEASURED = {
     "1": ("a number", "percent"),
 }
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+# What no unit contains: commas and sums, and numbers that are no exponents nor the 1 of 1/min. Pint
+# would calculate with them: 0,01 mm, 1 000 rpm and 1+1 mm would be 0, 0 and 1.
+_NO_UNIT = re.compile(r"^\.|[,+]|\s-|-\s|(?<![\w.^)])(?<!\*\*)(?<!\^-)(?<!\*\*-)\d")
 # A cycle is a turn here, and what has no angle in it is no speed of rotation.
 _OURS = (
     "hertz = 2 * pi * radian / second = Hz",
@@ -79,6 +82,8 @@ def in_si(shown: str, text: str, si: str) -> float:
         others = f", in {si}{f' or with {examples} behind it' if examples else ''}"
         raise InputError(f"{shown} {text}: must be a number{'' if si == '1' else others}")
     number, unit = parts
+    if _NO_UNIT.search(re.sub(r"^1\s*/|\s*(\^|\*\*)\s*", r"\1", unit)):
+        raise InputError(f"{shown} {text}: the unit {unit!r} is unknown; {_must_be(si)}")
     return number * factor(f"{shown} {text}", unit, si) if unit else number
 
 

@@ -18,7 +18,7 @@ from rotor_fmu.cli.speeds import number_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_file.loading import machine_text, si_text
 from rotor_fmu.machine_file.schema import schema
-from rotor_fmu.units import in_si
+from rotor_fmu.units import _MEASURED, in_si
 
 INCH, POUND, G = 0.0254, 0.45359237, 9.80665
 LBF = POUND * G
@@ -46,6 +46,9 @@ LBF = POUND * G
         ("60 rpm/s", "rad/s2", 2 * math.pi),
         ("90 deg", "rad", math.pi / 2),
         ("1 N/mm^1.5", "N/m**1.5", 1000**1.5),
+        ("6 1/min", "1/s", 0.1),
+        ("3 kg m ^ -3", "kg/m3", 3.0),
+        ("1 m.s**-2", "m/s2", 1.0),
         ("5 percent", "1", 0.05),
         ("20 cP", "Pa.s", 0.02),
         ("2 bar", "Pa", 2e5),
@@ -71,6 +74,15 @@ def test_a_unit_is_worth_what_its_definition_says(text, unit, expected):
         ("mm", "m", "x = mm: must be a number, in m or with mm or um or inch or mil behind it"),
         ("1e999 mm", "m", "x = 1e999 mm: must be a number"),
         ("313 K", "degC", "x = 313 K: must be a temperature, in degC"),
+        ("0,01 mm", "m", "x = 0,01 mm: the unit ',01 mm' is unknown; must be a length"),
+        ("3 000 rpm", "rad/s", "x = 3 000 rpm: the unit '000 rpm' is unknown"),
+        ("3,000rpm", "rad/s", "x = 3,000rpm: the unit ',000rpm' is unknown"),
+        ("0 .5 mm", "m", "x = 0 .5 mm: the unit '.5 mm' is unknown"),
+        ("1 mm 2", "m", "x = 1 mm 2: the unit 'mm 2' is unknown"),
+        ("1+1 mm", "m", "x = 1+1 mm: the unit '+1 mm' is unknown"),
+        ("2 mm-1 mm", "m", "x = 2 mm-1 mm: "),
+        ("1 mm - 1 um", "m", "x = 1 mm - 1 um: the unit 'mm - 1 um' is unknown"),
+        ("1 mm*2", "m", "x = 1 mm*2: the unit 'mm*2' is unknown"),
     ],
 )
 def test_a_unit_that_does_not_fit_is_one_line(text, unit, expected):
@@ -205,3 +217,9 @@ def test_ranges_and_what_stands_at_nodes_take_every_unit_of_their_quantity():
 def test_a_unit_of_another_quantity_is_refused_in_options_too(read, message):
     with pytest.raises(InputError, match=re.escape(message)):
         read()
+
+
+def test_the_units_that_a_message_gives_as_examples_are_read():
+    for si, (_, examples) in _MEASURED.items():
+        for unit in filter(None, examples.split(", ")):
+            assert in_si("x =", f"1 {unit}", si) > 0.0
