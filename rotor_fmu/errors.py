@@ -154,7 +154,7 @@ def read_text(option: str, path: Path) -> str:
         size = path.stat().st_size
         if size > _MOST_BYTES:
             raise InputError(f"{option} {path}: has {size} bytes; must have at most {_MOST_BYTES}")
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")  # some editors begin with a mark of it
     except OSError as error:
         reason = error.strerror or str(error)
     except UnicodeDecodeError:

@@ -144,6 +144,12 @@ def test_what_is_extended_is_a_file_that_a_machine_may_fill(tmp_path, base, why)
     assert "\0" not in str(error.value)
 
 
+def test_a_mark_of_utf_8_before_the_text_is_no_part_of_it(tmp_path):
+    file = tmp_path / "machine.toml"
+    file.write_text(rig_toml(), encoding="utf-8-sig")
+    assert rf.load(file).rotor == rf.load().rotor
+
+
 def test_a_path_with_a_nul_is_refused_in_one_sentence():
     with pytest.raises(InputError, match="cannot be read: embedded null"):
         rf.load("a\0b.toml")
