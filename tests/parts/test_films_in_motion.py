@@ -14,6 +14,8 @@ from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
+import rotor_fmu as rf
+
 from ..toml_text import table
 from .films import DAMPER, OF_A_FILM, THRESHOLDS, film, heavy_shaft, in_films, on_dampers
 
@@ -331,3 +333,45 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
             run.advance(0.01 * i)
             simulation.advance(0.01 * i, 500.0)
             assert run.read(*names) == [simulation.read(name) for name in names]
+
+
+@pytest.mark.parametrize(("is_full", "bound"), [(True, 1e-4), (False, 0.1)])
+def test_a_damper_off_the_centre_vibrates_as_the_limitations_say(is_full, bound):
+    machine = rf.parse(
+        """
+        [material]
+        young = 2.1e11
+        density = 7800.0
+        [shaft]
+        nodes = [0.0, 0.3, 0.6]
+        diameters = [0.06, 0.06]
+        [[disc]]
+        node = 2
+        diameter = 0.25
+        width = 0.03
+        e = 1e-7
+        """
+        + "".join(
+            f"""
+        [[squeeze_film_damper]]
+        node = {node}
+        journal_radius = 0.03
+        length = 0.03
+        clearance = 1e-4
+        viscosity = 0.01
+        stiffness = 1.7e6
+        short = true
+        full = {str(is_full).lower()}
+        """
+            for node in (1, 3)
+        )
+    )
+    linear = machine.unbalance_response([200.0])
+    run = rf.simulate(
+        machine, speed=200.0, stop=1.0, tolerance=1e-5, record=["disc[1].x_1x", "disc[1].y_1x"]
+    )
+    found = np.array([run["disc[1].x_1x"][-1], run["disc[1].y_1x"][-1]])
+    expected = np.abs([linear.x[0, 1], linear.y[0, 1]])
+    off = np.abs(found / expected - 1).max()
+    assert off < bound
+    assert is_full or off > 0.03
