@@ -15,7 +15,7 @@ from rotor_fmu.model.linear.campbell import campbell
 from rotor_fmu.model.machine.ross import parse_ross
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.machine.writing import toml_text
+from rotor_fmu.model.machine.toml_text import toml_text
 
 from .native_master import medians
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
-from ..machine.speed_tables import tables_of
+from ..machine.speed_ranges import speed_ranges
 from ..message_templates import Message
 from ..parts.rolling_bearing import ROLLING_BEARING, cage_ratio
 from ..quantities import QuantityError
@@ -133,7 +133,7 @@ def check(rotor: Rotor, task: Task) -> None:
     for speed in speeds:
         if not 0 < speed < math.inf:
             raise PeriodicError(f"speed = {speed:g} rad/s: must be > 0 and finite")
-        for allowed in tables_of(rotor):
+        for allowed in speed_ranges(rotor):
             if not allowed.holds(speed):
                 raise PeriodicError(allowed.beyond.format(speed=speed))
     if task.name != SPEED:

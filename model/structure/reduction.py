@@ -14,7 +14,7 @@ import numpy as np
 from ..kernels.band import factorize, to_band, to_dense
 from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
-from ..machine.speed_tables import SpeedRange, tables_of
+from ..machine.speed_ranges import SpeedRange, speed_ranges
 from ..one_thread import on_one_thread
 from .assembly import assemble, machine_elements, soft_stiffness, with_renumbered_dofs
 from .sparse_modes import LONG, fixed_interface_modes, sparse
@@ -119,7 +119,7 @@ def _weights(matrix: np.ndarray) -> np.recarray:
 def assembled(rotor: Rotor, modes: int) -> tuple[Structure, list[SpeedRange]]:
     """Return the structure of a machine, reduced to a number of component modes unless it is 0, and
     the ranges of the speed beyond which a warning is given."""
-    structure, ranges = assemble(rotor), tables_of(rotor)
+    structure, ranges = assemble(rotor), speed_ranges(rotor)
     if modes == 0:
         return structure, ranges
     return reduced(structure, modes), [*ranges, *reduction_warnings(rotor, structure, modes)]

@@ -123,7 +123,7 @@ def _linear_bearing(
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""
     from ..linear.bearing_answers import BearingCurves, RingCurves
     from ..model.linear import bearings
-    from ..model.machine.writing import toml_text
+    from ..model.machine.toml_text import toml_text
     from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
 
     part = bearings(machine)[result.bearing]

@@ -84,7 +84,7 @@ def import_ross(
 ) -> dict[str, Any]:
     """Convert a rotor that ROSS saved into a machine file."""
     from ..machine_file.loading import import_ross as read
-    from ..model.machine.writing import toml_text
+    from ..model.machine.toml_text import toml_text
 
     result = read("FILE", file)
     writable_folder(out.parent)

@@ -15,7 +15,7 @@ from ..errors import InputError, read_text
 from ..model.machine.ross import Imported, is_ross, parse_ross
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
-from ..model.machine.writing import toml_text
+from ..model.machine.toml_text import toml_text
 from ..model.quantities import QuantityError
 from .plausibility import questions
 from .units_in_files import in_si_units

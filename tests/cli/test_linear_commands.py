@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from rotor_fmu.model import linear
 from rotor_fmu.model.linear import Modes
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.machine.writing import toml_text
+from rotor_fmu.model.machine.toml_text import toml_text
 
 from rotor_fmu.cli import api_617 as cli_api_617
 from rotor_fmu.cli import app

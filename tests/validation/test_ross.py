@@ -10,7 +10,7 @@ import pytest
 from rotor_fmu.model.linear import modes, unbalance_response
 from rotor_fmu.model.machine.ross import parse_ross
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.machine.writing import toml_text
+from rotor_fmu.model.machine.toml_text import toml_text
 from rotor_fmu.model.quantities import QuantityError
 
 HERE = Path(__file__).parents[1] / "reference"

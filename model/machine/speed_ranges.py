@@ -21,7 +21,7 @@ class SpeedRange(NamedTuple):
         return self.low <= (abs(speed) if self.is_of_size else speed) <= self.high
 
 
-def tables_of(rotor: Rotor) -> list[SpeedRange]:
+def speed_ranges(rotor: Rotor) -> list[SpeedRange]:
     """Return the ranges that the tables of a machine's parts cover."""
     named = ((where, part) for where, part in rotor.named_parts() if getattr(part, "speed", ()))
     return [_range_of(where, part) for where, part in named]
