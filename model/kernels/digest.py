@@ -14,7 +14,7 @@ from contextlib import suppress
 from functools import cache
 from importlib.util import resolve_name
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .cache import check_private, user_cache, warn_once
 
@@ -124,7 +124,7 @@ def _text(node: object) -> str:
     if isinstance(node, ast.AST):
         fields = []
         for name in node._fields:
-            value = getattr(node, name, None)
+            value: Any = getattr(node, name, None)
             if name == "body" and isinstance(node, _DOCUMENTED) and ast.get_docstring(node, False):
                 value = value[1:]
             if value is not None and value != []:
