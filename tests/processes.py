@@ -16,6 +16,8 @@ _CONTEXT = multiprocessing.get_context("forkserver" if _FORKS else "spawn")
 if _FORKS:
     _CONTEXT.set_forkserver_preload(["fmpy"])
 _STREAMS = ("stdin", "stdout", "stderr")
+# before any FMU has put what it carries, such as a pythonfmu without libraries, in front
+_SYS_PATH = sys.path.copy()
 
 
 def run_python(program, *arguments, cwd=None, given="", seconds=1200):
@@ -27,7 +29,7 @@ def run_python(program, *arguments, cwd=None, given="", seconds=1200):
         for stream in streams:
             stream.write_text(given if stream.name == "stdin" else "")
         has_file = isinstance(program, Path)
-        told = (command, has_file, str(cwd or Path.cwd()), dict(os.environ), streams)
+        told = (command, has_file, str(cwd or Path.cwd()), dict(os.environ), streams, _SYS_PATH)
         process = _CONTEXT.Process(target=_run, args=told)
         process.start()
         process.join(seconds)
@@ -39,7 +41,7 @@ def run_python(program, *arguments, cwd=None, given="", seconds=1200):
         return CompletedProcess(command, process.exitcode, out, said)
 
 
-def _run(command, has_file, cwd, environment, streams):
+def _run(command, has_file, cwd, environment, streams, sys_path):
     """Be the process that a command starts."""
     for number, stream in enumerate(streams):
         opened = os.open(stream, os.O_RDWR | os.O_APPEND)
@@ -51,7 +53,8 @@ def _run(command, has_file, cwd, environment, streams):
     os.chdir(cwd)
     program, *arguments = command
     sys.argv = [program if has_file else "-c", *arguments]
-    sys.path.insert(0, str(Path(program).parent) if has_file else "")
+    # that of the tests' process has been handed over
+    sys.path[:] = [str(Path(program).parent) if has_file else "", *sys_path]
     text = Path(program).read_bytes() if has_file else program
     names = {"__name__": "__main__", "__file__": program} if has_file else {"__name__": "__main__"}
     exec(compile(text, program if has_file else "<string>", "exec"), names)

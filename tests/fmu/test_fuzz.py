@@ -25,6 +25,12 @@ def test_a_crash_is_seen():
     assert done.returncode == -signal.SIGSEGV
 
 
+def test_a_process_does_not_import_what_an_fmu_here_carries(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(tmp_path)
+    done = run_python(f"import sys; sys.exit({str(tmp_path)!r} in sys.path)")
+    assert done.returncode == 0
+
+
 @pytest.mark.parametrize(
     "call",
     [
