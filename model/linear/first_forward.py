@@ -19,7 +19,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.optimize import brentq
 
 from ..machine.rotor import Rotor
@@ -154,13 +153,9 @@ class FirstForward:
         return self._modes(self._machine, self._alone, q)
 
     def _modes(self, machine: LinearMachine, linear: Linear, q: float) -> Modes:
-        """Return the modes with a cross coupling: F_x = -q y, F_y = q x at each of its nodes."""
-        size = machine.expand.shape[0]
-        x = np.array([4 * (node - 1) for node in self._shares])
-        values = q * np.array(list(self._shares.values()))
-        one_way = sp.csr_array((values, (x, x + 1)), shape=(size, size))
-        added = machine.expand.T @ (one_way - one_way.T) @ machine.expand
-        return modes_of(machine, linear._replace(own_K=(linear.own_K + added).tocsc()), _COUNT)
+        """Return the modes with a cross coupling."""
+        added = machine.cross_coupling({node: q * share for node, share in self._shares.items()})
+        return modes_of(machine, linear._replace(own_K=linear.own_K + added), _COUNT)
 
     def _threshold(self, expected: float) -> tuple[_Followed, float | None]:
         """Return the first mode that grows over the cross coupling, and from where on."""

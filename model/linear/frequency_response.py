@@ -142,9 +142,10 @@ def frequency_response(
     at = _checked(frequencies)
     plant = _Plant(rotor, speed, contacts)
     at_force, places = _place(force), [_place(node) for node in nodes]
+    push, read = plant.selection([at_force]), plant.selection(places)
 
     def answer(w: float) -> np.ndarray:
-        return _blocks(plant(1j * w, [at_force], places))[:, 0]
+        return _blocks(plant(1j * w, push, read))[:, 0]
 
     if peaks:
         at, receptance = with_peaks(answer, at, plant.poles(at.max()))
@@ -182,9 +183,10 @@ def sensitivity(
     magnets, sensors = [loop.magnet for loop in loops], [loop.sensor for loop in loops]
     negative = np.kron(np.diag([loop.negative_stiffness for loop in loops]), np.eye(2))
     size = 2 * len(loops)
+    push, read = plant.selection(magnets), plant.selection([*magnets, *sensors])
 
     def answer(w: float) -> np.ndarray:
-        both = plant(1j * w, magnets, [*magnets, *sensors])
+        both = plant(1j * w, push, read)
         of_magnets, of_sensors = both[:size], both[size:]
         closed = np.linalg.inv(np.eye(size) - negative @ of_magnets)
         H = np.kron(np.diag([loop(1j * w) for loop in loops]), np.eye(2))
@@ -236,13 +238,11 @@ class _Plant:
             rows.append(expand[at : at + 2] + offset * expand[at + 2 : at + 4])
         return sp.vstack(rows).toarray()
 
-    def __call__(
-        self, s: complex, forces: Sequence[AnyPlace], places: Sequence[AnyPlace]
-    ) -> np.ndarray:
-        """Return x, y of places by forces in x, y on places, shape (2 places, 2 forces) [m/N]."""
+    def __call__(self, s: complex, push: np.ndarray, read: np.ndarray) -> np.ndarray:
+        """Return x, y of places by forces in x, y on places, shape (2 places, 2 forces) [m/N];
+        push, read: `selection` of the forces' places and of the others."""
         there = self.machine.vibrating(self.linear, abs(s))
-        moved = there.factorized(s)(self.selection(forces).T.astype(complex))[0]
-        return self.selection(places) @ moved
+        return read @ there.factorized(s)(push.T.astype(complex))[0]
 
     def poles(self, top: float) -> np.ndarray:
         """Return the oscillating poles up to a frequency at least [1/s]."""

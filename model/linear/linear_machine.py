@@ -10,6 +10,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 """
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import scipy.sparse as sp
@@ -19,9 +20,18 @@ from ..machine.rotor import Rotor
 from ..parts.housing import masses
 from ..structure.assembly import assemble
 from ..structure.parameters import elastic_share, lengths_of
-from ..structure.strain_solver import factorized
+from ..structure.strain_solver import StrainedMatrices
 from .bearing_equilibrium import check_films
-from .real_matrices import TURN, Between, differences, expansion, in_plane, matrices_of, to_complex
+from .real_matrices import (
+    TURN,
+    Between,
+    differences,
+    expansion,
+    in_plane,
+    matrices_of,
+    to_complex,
+    unknowns,
+)
 from .supports import are_linear, interfaces, seat, supports
 from .system_at_speed import Linear, LinearError, Strain
 from .tangents import LawsAtRest, Tangents
@@ -41,8 +51,8 @@ class LinearMachine:
     """A machine for linear analyses.
 
     contacts: `open` or `pinned`; None: open where the machine is held without its contacts, else
-    pinned. Raises `LinearError` for another word. Sparse matrices of its unknowns, shape (N, N),
-    without what laws of interfaces and the shaft's strain add: M, K, gyroscopic (G).
+    pinned. Raises `LinearError` for another word. system: where matrices of its unknowns have
+    numbers, with the shaft's strain.
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
@@ -62,22 +72,29 @@ class LinearMachine:
         self.contacts = contacts
         self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
         self._acts = s.interfaces.has_wall == 0
+        self._lengths = np.where(self._acts, lengths_of(s), 0.0)
         self._is_curved = ~are_linear(self.rotor)
         self._follows = any(e.law.vibrate is not None for e in interfaces(self.rotor))
-        size = len(s.weight) + len(s.housings) + 1
+        full, size = self._full, len(s.weight) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
-        self.expand = expansion(size, held)
-        self.M = (self.expand.T @ self._full.M @ self.expand).tocsc()
-        self.K, self._D, self.gyroscopic = (
-            (self.expand.T @ matrix @ self.expand).tocsc()
-            for matrix in (self._full.K, self._full.C, self._full.gyroscopic)
-        )
+        self._unknown = unknown = unknowns(size, held)
+        self.expand = expansion(unknown)
         ends = [(dof, end) for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)]
         self.across = differences(size, ends)
         self._across = (self.across @ self.expand).tocsr()
-        self._between = Between(self._across)
-        self._strained = (self._full.strained @ self.expand).tocsr()
+        rows, columns = unknown[full.rows], unknown[full.columns]
+        moving = (rows >= 0) & (columns >= 0)
+        rows, columns = rows[moving], columns[moving]
+        self._between = Between(self._across, rows, columns)
+        places = self._between.places
+        at = places.at(rows, columns)
+        self._M, self._D, self._K, self._gyroscopic = (
+            places.summed(at, numbers[moving])
+            for numbers in (full.M, full.C, full.K, full.gyroscopic)
+        )
+        strained = (full.strained @ self.expand).tocsr()
+        self.system = StrainedMatrices(places, strained, full.stiffness)
         self._seated = self._rigid()[:, 1] * -seat(self.rotor)
         self._is_held_at_rest = self._holds(self._linear(0.0, self._seated))
         turning = s.numbers[0].lowest_omega
@@ -169,6 +186,21 @@ class LinearMachine:
             before = change
         return None
 
+    def cross_coupling(self, stiffness: Mapping[int, float]) -> np.ndarray:
+        """Return what F_x = -q y, F_y = q x add to K, as numbers of the system; stiffness: q [N/m]
+        by node (from 1)."""
+        places, x = self._between.places, self._unknown[[4 * (node - 1) for node in stiffness]]
+        q, x = np.array(list(stiffness.values()))[x >= 0], x[x >= 0]
+        return places.summed(places.at(x, x + 1), q) - places.summed(places.at(x + 1, x), q)
+
+    def rotor_matrices(self) -> tuple[sp.csc_array, sp.csc_array, sp.csc_array]:
+        """Return M, K and G of the unknowns, shape (N, N), without what the laws and the shaft's
+        strain add."""
+        M, K, G = (
+            self.system.places.matrix(numbers) for numbers in (self._M, self._K, self._gyroscopic)
+        )
+        return M, K, G
+
     def holds_at(self, speed: float) -> bool:
         """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""
         return self._is_held_at_rest or (self.is_held and speed != 0.0)
@@ -176,10 +208,9 @@ class LinearMachine:
     def _within_films(self, rest: np.ndarray, result: np.ndarray) -> np.ndarray:
         """Return a result of Newton's method no further from `rest` than a share of the clearance
         of each film, whose force grows without limit beyond it."""
-        lengths = np.where(self._acts, lengths_of(self.structure), 0.0)
         moved = np.abs(to_complex(self._across @ (result - rest)))
-        bounded = (lengths > 0.0) & (moved > 0.0)
-        share = np.min(_SHARE * lengths[bounded] / moved[bounded], initial=1.0)
+        bounded = (self._lengths > 0.0) & (moved > 0.0)
+        share = np.min(_SHARE * self._lengths[bounded] / moved[bounded], initial=1.0)
         return result if share == 1.0 else rest + share * (result - rest)
 
     @property
@@ -194,13 +225,12 @@ class LinearMachine:
         numbers = self.structure.numbers[0]
         return numbers.kappa_v * speed + numbers.kappa_h * math.copysign(speed != 0, speed)
 
-    def strain(self, speed: float) -> Strain:
-        """Return what the shaft's strain adds at a speed [rad/s]."""
+    def _strain(self, speed: float) -> Strain:
+        """Return the contribution of the shaft's strain."""
         numbers = self.structure.numbers[0]
         by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * TURN
         by_v = numbers.eta_v * np.eye(2)
-        shaft = (self._strained, self._full.stiffness)
-        return Strain(*shaft, by_d, by_v, float(numbers.kappa_h), speed)
+        return Strain(by_d, by_v, float(numbers.kappa_h), speed)
 
     def _linear(
         self,
@@ -212,19 +242,17 @@ class LinearMachine:
         """Return the matrices linearized at the displacements `at`, what the laws' states do being
         that of a vibration of a frequency [rad/s]; states: what they were before, None: at the
         start of a run."""
-        K = self.K
-        D = (self._D + speed * self.gyroscopic).tocsc()
+        K = self._K
+        D = self._D + speed * self._gyroscopic
         m = len(self._acts)
         laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
         if self._acts.any():
             d = to_complex(self._across @ at)
             result = self.laws.tangents(d, speed, frequency, states=states)
             laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in result))
-            K = (K - self._between(laws.by_d)).tocsc()
-            D = (D - self._between(laws.by_v)).tocsc()
-        none = np.zeros(len(self._strained.indptr) - 1)
-        own = self.laws.states.copy()
-        return Linear(speed, self.M, D, K, self.strain(speed), at, none, laws, own)
+            K, D = K - self._between(laws.by_d), D - self._between(laws.by_v)
+        none, own = np.zeros(self.system.B.shape[0]), self.laws.states.copy()
+        return Linear(speed, self.system, self._M, D, K, self._strain(speed), at, none, laws, own)
 
     def _tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return the matrix of tangents by interface, x and y in turn."""
@@ -256,9 +284,12 @@ class LinearMachine:
     def _reactions(self, speed, whole, pull, force, omega, acting) -> np.ndarray:
         """Return the forces on the pins, which balance all others, shape (pins, 2)."""
         full = self._full
-        damping = full.C + speed * full.gyroscopic
-        left = force - full.strained.T @ pull - full.K @ whole - 1j * omega * (damping @ whole)
-        left = left + omega**2 * (full.M @ whole) - self.across.T @ acting.ravel()
+        M, D, K = (
+            full.matrix(numbers) @ whole
+            for numbers in (full.M, full.C + speed * full.gyroscopic, full.K)
+        )
+        left = force - full.strained.T @ pull - K - 1j * omega * D
+        left = left + omega**2 * M - self.across.T @ acting.ravel()
         rows = np.column_stack([2 * self.pinned, 2 * self.pinned + 1]).ravel()
         result = _forces_of_pins(self.across[rows], left)
         return result.reshape(-1, 2)
@@ -267,9 +298,8 @@ class LinearMachine:
         """Return whether the stiffness resists every motion as a rigid body."""
         soft = _SOFT * self.structure.numbers[0].lowest_omega ** 2
         rigid = self._rigid()
-        flexibility = linear.strain.flexibility(linear.strain.by_d)
-        solve = factorized(linear.own_K + soft * self.M, self._strained, flexibility)
-        moved, _ = solve(soft * (self.M @ rigid))
+        solve = self.system.factorized(linear.own_K + soft * linear.own_M, linear.strain.by_d)
+        moved, _ = solve(soft * (linear.M @ rigid))
         return bool((np.abs(moved).max(axis=0) < 0.5 * np.abs(rigid).max(axis=0)).all())
 
     def _rigid(self) -> np.ndarray:

@@ -168,8 +168,9 @@ class _Inverse:
 
     def __init__(self, linear: Linear, scale: float, by_d: np.ndarray) -> None:
         self.scale, self.sigma = scale, _SHIFT
-        self._M, self._D, K = scale**2 * linear.M, scale * linear.own_D, linear.own_K
-        self._shifted = (self.sigma**2 * self._M + self.sigma * self._D + K).tocsc()
+        M, D, matrix = scale**2 * linear.own_M, scale * linear.own_D, linear.system.places.matrix
+        self._M, self._D = matrix(M), matrix(D)
+        self._shifted = matrix(self.sigma**2 * M + self.sigma * D + linear.own_K)
         by_v = scale * linear.strain.by_v
         turned = by_d + self.sigma * by_v
         self.dtype = turned.dtype
@@ -177,7 +178,7 @@ class _Inverse:
         # The shaft's part of D u is Z_v Z^-1 of its part of (sigma^2 M + sigma D + K) u, which is
         # what is solved for.
         self._viscous = by_v @ np.linalg.inv(turned)
-        self.size = linear.M.shape[0]
+        self.size = linear.system.places.size
 
     def __call__(self, state: np.ndarray) -> np.ndarray:
         """Apply the inverse to states, shape (2 size,) or (2 size, columns)."""

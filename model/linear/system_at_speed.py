@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..quantities import QuantityError
-from ..structure.strain_solver import Solve, diagonal, factorized
+from ..structure.strain_solver import Solve, StrainedMatrices
 from .real_matrices import TURN
 from .tangents import Tangents
 
@@ -30,12 +30,9 @@ class LinearError(QuantityError):
 
 
 class Strain(NamedTuple):
-    """What the shaft's strain adds to K and D: strains by the unknowns, of x and y in turn; each
-    element's stiffness, shape (elements, 2, 2); Z by displacement, of motions slower than the
+    """Z of what the shaft's strain adds to K and D: by displacement, of motions slower than the
     rotation, and by velocity, shape (2, 2); kappa_h [1]; speed of rotation [rad/s]."""
 
-    across: sp.csr_array
-    stiffness: np.ndarray
     by_d: np.ndarray
     by_v: np.ndarray
     kappa_h: float
@@ -57,31 +54,19 @@ class Strain(NamedTuple):
         share = 1.0 if frequency > (1.0 + _WITH_IT) * speed else 0.5
         return result + share * (fast - self.by_d)
 
-    def matrix(self, turned: np.ndarray) -> sp.csc_array:
-        """Return the matrix of the unknowns, with Z = turned."""
-        return (self.across.T @ diagonal(_turned(self.stiffness, turned)) @ self.across).tocsc()
-
-    def flexibility(self, turned: np.ndarray) -> np.ndarray:
-        """Return the flexibility of each element's strains, x and y in turn, with Z = turned, shape
-        (elements, 4, 4)."""
-        return _turned(np.linalg.inv(self.stiffness), np.linalg.inv(turned))
-
-
-def _turned(each: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Return the Kronecker product of each of `count` matrices, shape (count, 2, 2), with one."""
-    return np.einsum("eij,ab->eiajb", each, turned).reshape(-1, 4, 4)
-
 
 class Linear(NamedTuple):
-    """The machine at one speed [rad/s]: sparse matrices of the unknowns, shape (N, N), of which
-    D and K lack what the shaft's strain adds, and that; the displacements at rest, shape (N,)
-    [m, rad], 0 where nothing holds the machine, the elements' end forces [N, N.m], what the
-    interfaces do there (those that are open or pinned: nothing), and the states of their laws."""
+    """The machine at one speed [rad/s]: the system of its unknowns, and the numbers in it of the
+    matrices, of which D and K lack what the shaft's strain adds, and that; the displacements at
+    rest, shape (N,) [m, rad], 0 where nothing holds the machine, the elements' end forces [N, N.m],
+    what the interfaces do there (those that are open or pinned: nothing), and the states of their
+    laws."""
 
     speed: float
-    M: sp.csc_array
-    own_D: sp.csc_array
-    own_K: sp.csc_array
+    system: StrainedMatrices
+    own_M: np.ndarray
+    own_D: np.ndarray
+    own_K: np.ndarray
     strain: Strain
     rest: np.ndarray
     pull: np.ndarray
@@ -89,21 +74,26 @@ class Linear(NamedTuple):
     states: np.ndarray
 
     @property
+    def M(self) -> sp.csc_array:
+        """Mass, shape (N, N)."""
+        return self.system.places.matrix(self.own_M)
+
+    @property
     def D(self) -> sp.csc_array:
         """Damping, that of the shaft included."""
-        return self.own_D + self.strain.matrix(self.strain.by_v)
+        return self.system.matrix(self.own_D, self.strain.by_v)
 
     @property
     def K(self) -> sp.csc_array:
         """Stiffness, that of the shaft included, of motions slower than the rotation."""
-        return self.own_K + self.strain.matrix(self.strain.by_d)
+        return self.system.matrix(self.own_K, self.strain.by_d)
 
     def factorized(self, root: complex = 0.0, turned: np.ndarray | None = None) -> Solve:
         """Return the solver of (root^2 M + root D + K) u = f, root [1/s]; turned: Z, by default
         that of the root. Raises `LinearError` if it is singular."""
-        own = self.own_K + (root**2 * self.M + root * self.own_D if root else 0)
+        own = self.own_K + (root**2 * self.own_M + root * self.own_D if root else 0)
         turned = self.strain.at(root) if turned is None else turned
         try:
-            return factorized(own, self.strain.across, self.strain.flexibility(turned))
+            return self.system.factorized(own, turned)
         except RuntimeError as error:
             raise LinearError(f"the machine's system matrix is singular at {root:g} 1/s") from error

@@ -19,10 +19,10 @@ from ..contact.wall import ContactQuantities
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, InterfaceElement, Part, SpringElement
 from ..parts.linear_bearing import Seal
-from ..structure.strain_solver import factorized
+from ..structure.strain_solver import StrainedMatrices
 from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
-from .real_matrices import differences
+from .real_matrices import Between, differences
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
 _APART = 1e-9  # of a matrix: what is smaller couples nothing
@@ -73,25 +73,27 @@ class UndampedMachine:
         """Set the matrices of the unknowns, without housings where these are ground; K without
         springs to ground, and apart from what the shaft's strain adds to it."""
         s = machine.structure
-        ground, n = machine.expand.shape[0] // 2 - 1, machine.expand.shape[1]
-        kept = sp.eye_array(n, 2 * len(s.weight) if rigid_pedestals else n, format="csr")
+        ground = machine.expand.shape[0] // 2 - 1
+        n = 2 * len(s.weight) if rigid_pedestals else machine.expand.shape[1]
         of_springs = [(dof, ground) for dof in s.springs.dof]
         of_interfaces = [
             (dof, ground if rigid_pedestals else end % (ground + 1))
             for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)
         ]
-        across = differences(ground + 1, of_springs + of_interfaces) @ machine.expand @ kept
-        springs = across[: 2 * len(of_springs)]
-        K = kept.T @ machine.K @ kept
+        across = (differences(ground + 1, of_springs + of_interfaces) @ machine.expand)[:, :n]
+        M, K, gyroscopic = (matrix[:n, :n] for matrix in machine.rotor_matrices())
         if len(of_springs):
+            springs = across[: 2 * len(of_springs)]
             own = sp.diags_array(np.repeat(s.springs.stiffness, 2))
             K = K - springs.T @ own @ springs
-        strain = machine.strain(0.0)
-        self.mass = (kept.T @ machine.M @ kept).toarray()
-        self._gyroscopic = (kept.T @ machine.gyroscopic @ kept).toarray()
-        self._K = K.tocsc()
-        self._strain = strain.across @ kept, strain.flexibility(np.eye(2))
-        self._across = across[np.column_stack([2 * self._held, 2 * self._held + 1]).ravel()]
+        K = K.tocoo()
+        rows = np.column_stack([2 * self._held, 2 * self._held + 1]).ravel()
+        self._between = Between(across[rows], K.row, K.col)
+        places = self._between.places
+        self.mass = M.toarray()
+        self._gyroscopic = gyroscopic.toarray()
+        self._K = places.summed(places.at(K.row, K.col), K.data)
+        self._system = StrainedMatrices(places, machine.system.B[:, :n], machine.system.stiffness)
 
     @property
     def is_circular(self) -> bool:
@@ -158,10 +160,9 @@ class UndampedMachine:
     def _inverse(self, stiffness: float | np.ndarray, mass: np.ndarray) -> np.ndarray:
         """Return K^-1 times a mass matrix, with the stiffness in x and y of each bearing [N/m];
         `LinearError` where nothing holds the machine."""
-        each = np.repeat(np.broadcast_to(stiffness, len(self.bearings)), 2)
-        K = self._K + self._across.T @ sp.diags_array(each) @ self._across
+        each = np.broadcast_to(stiffness, len(self.bearings))[:, None, None] * np.eye(2)
         try:
-            solve = factorized(K, *self._strain)
+            solve = self._system.factorized(self._K + self._between(each), np.eye(2))
         except RuntimeError as error:
             raise LinearError("the machine is not held by its bearings") from error
         return solve(mass.real)[0] + 1j * solve(mass.imag)[0]

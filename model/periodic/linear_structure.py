@@ -109,7 +109,7 @@ class CondensedMachine:
         self._K = reduced(without_laws(at_rest.K, at_rest.laws.by_d))
         self._D = reduced(D_at_rest)
         self._gyroscopic = reduced(without_laws(at_one.D, at_one.laws.by_v) - D_at_rest)
-        self._circulatory = reduced(at_rest.strain.matrix(TURN).toarray())
+        self._circulatory = reduced(at_rest.system.matrix(0.0 * at_rest.own_K, TURN).toarray())
         self._kappa = s.numbers[0].kappa_v, s.numbers[0].kappa_h
         linear = s.interfaces[self._linear]
         tables = [s.laws[i.law][i.row] for i in linear]

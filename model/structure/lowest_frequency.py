@@ -59,11 +59,14 @@ def lowest_omega(
 def _lowest_square(rotor: Rotor, M: np.ndarray, others: np.ndarray, free: np.ndarray) -> float:
     """Return the lowest squared natural frequency of a supported shaft [rad2/s2], accurate for any
     stiffness; others: all stiffness but the shaft's; free: the dofs that may move."""
-    from .strain_solver import factorized, strains
+    from .strain_solver import Places, StrainedMatrices, strains
 
     across, stiffness = strains(rotor)
-    inverse = np.linalg.inv(stiffness)
-    solve = factorized(sparse(others)[free][:, free].tocsc(), across[:, free], inverse)
+    own = sparse(others)[free][:, free].tocoo()
+    places = Places(len(free), own.row, own.col)
+    numbers = places.summed(places.at(own.row, own.col), own.data)
+    system = StrainedMatrices(places, across[:, free], stiffness)
+    solve = system.factorized(numbers, np.eye(1))
     return lowest_square_supported(lambda f: solve(f)[0], sparse(M)[free][:, free])
 
 

@@ -37,37 +37,88 @@ def strains(rotor: Rotor) -> tuple[sp.csr_array, np.ndarray]:
     return B, np.array([shaft_element(s).stiffness[2:, 2:] for s in rotor.sections])
 
 
-def diagonal(blocks: np.ndarray) -> sp.bsr_array:
-    """Return the matrix with these blocks, shape (count, size, size), along its diagonal."""
-    count, size, _ = blocks.shape
-    places = np.arange(count), np.arange(count + 1)
-    return sp.bsr_array((blocks, *places), shape=(count * size, count * size))
+class Places:
+    """Where the numbers of several sparse square matrices are: as arrays over the same places they
+    are added without their places being looked for again.
+
+    rows, columns: of the numbers, by columns.
+    """
+
+    def __init__(self, size: int, rows: np.ndarray, columns: np.ndarray) -> None:
+        """Take the places at these rows and columns, each once."""
+        self.size = size
+        self._keys = np.unique(columns.astype(np.int64) * size + rows)
+        self.columns, self.rows = (at.astype(np.int32) for at in np.divmod(self._keys, size))
+        self._starts = np.searchsorted(self._keys, size * np.arange(size + 1)).astype(np.int32)
+
+    def at(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Return which of the places are those of these rows and columns."""
+        return np.searchsorted(self._keys, columns.astype(np.int64) * self.size + rows)
+
+    def summed(self, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Return the numbers of a matrix that is the sum of values at these of the places."""
+        return np.bincount(at, values, minlength=len(self._keys))
+
+    def matrix(self, numbers: np.ndarray) -> sp.csc_array:
+        """Return the matrix of these numbers."""
+        return sp.csc_array((numbers, self.rows, self._starts), shape=(self.size,) * 2)
 
 
-def factorized(A: sp.sparray, B: sp.sparray, flexibility: np.ndarray) -> Solve:
-    """Return the solver of A q + B^T k B q = f; flexibility: the diagonal blocks of k^-1; real or
-    complex. Raises `RuntimeError` if the matrix is singular."""
-    # as `sp.block_array` does it, in a third of the time
-    a, b, size = A.tocoo(), B.tocoo(), A.shape[0]
-    own = size + np.arange(B.shape[0]).reshape(*flexibility.shape[:2], 1)
-    across, along = np.broadcast_arrays(own, own.transpose(0, 2, 1))
-    values = np.concatenate([a.data, b.data, b.data, -flexibility.ravel()])
-    rows = np.concatenate([a.row, size + b.row, b.col, across.ravel()])
-    columns = np.concatenate([a.col, b.col, size + b.row, along.ravel()])
-    whole = sp.coo_array((values, (rows, columns)), shape=(size + B.shape[0],) * 2).tocsc()
-    column = np.repeat(np.arange(whole.shape[1]), np.diff(whole.indptr))
-    scale = _balance(np.abs(whole.data), whole.indices, column, whole.shape[0])
-    whole.data *= scale[whole.indices] * scale[column]
-    factors = splu(whole)
+class StrainedMatrices:
+    """Matrices A + B^T (k x Z) B, with numbers A at some places, and Z of both planes."""
 
-    def solve(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        by_row = scale.reshape(-1, *[1] * (f.ndim - 1))
-        right = np.zeros((len(scale), *f.shape[1:]), dtype=whole.dtype)
-        right[:size] = f
-        result = by_row * factors.solve(by_row * right)
-        return result[:size], result[size:]
+    def __init__(self, places: Places, B: sp.sparray, stiffness: np.ndarray) -> None:
+        """Take what is the same in all of them; stiffness: k of each element, shape (count, 2, 2);
+        B: of one plane, or of x and y in turn."""
+        self.places, self.B, self.stiffness = places, B, stiffness
+        self._flexibility = np.linalg.inv(stiffness)
+        b, size, count = B.tocoo(), places.size, len(stiffness)
+        self.size = size + B.shape[0]
+        own = size + np.arange(B.shape[0]).reshape(count, -1, 1)
+        across, along = np.broadcast_arrays(own, own.transpose(0, 2, 1))
+        rows = np.concatenate([places.rows, size + b.row, b.col, across.ravel()])
+        columns = np.concatenate([places.columns, b.col, size + b.row, along.ravel()])
+        self._by_column = np.lexsort((rows, columns))
+        self._rows, self._columns = (at[self._by_column].astype(np.int32) for at in (rows, columns))
+        self._strains = np.concatenate([b.data, b.data])
+        self._is_flexibility = self._by_column >= len(places.rows) + 2 * b.nnz
 
-    return solve
+    def matrix(self, numbers: np.ndarray, turned: np.ndarray) -> sp.csc_array:
+        """Return the matrix of numbers A, with Z = turned."""
+        blocks = _turned(self.stiffness, turned)
+        count, size, _ = blocks.shape
+        k = sp.bsr_array(
+            (blocks, np.arange(count), np.arange(count + 1)), shape=(count * size,) * 2
+        )
+        return self.places.matrix(numbers) + (self.B.T @ k @ self.B).tocsc()
+
+    def factorized(self, numbers: np.ndarray, turned: np.ndarray) -> Solve:
+        """Return the solver of A q + B^T (k x Z) B q = f, with Z = turned; real or complex. Raises
+        `RuntimeError` if the matrix is singular."""
+        flexibility = _turned(self._flexibility, np.linalg.inv(turned))
+        values = np.concatenate([numbers, self._strains, -flexibility.ravel()])[self._by_column]
+        acts = (values != 0) | self._is_flexibility
+        values, rows, columns = values[acts], self._rows[acts], self._columns[acts]
+        starts = np.searchsorted(columns, np.arange(self.size + 1, dtype=np.int32))
+        starts = starts.astype(np.int32)  # as SciPy would, in less time
+        scale = _balance(np.abs(values), rows, columns, self.size)
+        values *= scale[rows] * scale[columns]
+        factors = splu(sp.csc_array((values, rows, starts), shape=(self.size,) * 2))
+
+        def solve(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            by_row = scale.reshape(-1, *[1] * (f.ndim - 1))
+            right = np.zeros((len(scale), *f.shape[1:]), dtype=values.dtype)
+            right[: len(f)] = f
+            result = by_row * factors.solve(by_row * right)
+            return result[: len(f)], result[len(f) :]
+
+        return solve
+
+
+def _turned(each: np.ndarray, turned: np.ndarray) -> np.ndarray:
+    """Return the Kronecker product of each of `count` matrices, shape (count, 2, 2), with one."""
+    size = each.shape[1] * len(turned)
+    return np.einsum("eij,ab->eiajb", each, turned).reshape(-1, size, size)
 
 
 def _balance(sizes: np.ndarray, row: np.ndarray, column: np.ndarray, count: int) -> np.ndarray:
