@@ -99,7 +99,7 @@ def critical_map(
         bearings=tuple(lines.machine.bearings),
         own=own,
         crossings=tuple(_crossings(lines, own, values, speeds)),
-        rigid=first_rigid_critical(rotor, contacts),
+        rigid=first_rigid_critical(rotor, lines.machine.contacts),
     )
 
 

@@ -53,10 +53,12 @@ class UndampedMachine:
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None, rigid_pedestals: bool) -> None:
-        self.contacts = LinearMachine(rotor, contacts).contacts
-        self._loaded = LinearMachine(without_seals(rotor), self.contacts)
-        machine = LinearMachine(without_seals(rotor), OPEN)
-        named = _bearings(without_seals(rotor), self.contacts)
+        self.contacts = contacts or LinearMachine(rotor).contacts
+        bare = without_seals(rotor)
+        self._loaded = machine = LinearMachine(bare, self.contacts)
+        if self.contacts != OPEN:
+            machine = LinearMachine(bare, OPEN)
+        named = _bearings(bare, self.contacts)
         names = (*machine.supports.springs, *machine.supports.interfaces)
         held = [i for i, name in enumerate(names) if name in named]
         if not held:
