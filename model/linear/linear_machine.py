@@ -43,7 +43,6 @@ _ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _FAR = 1e9  # what is more than any displacement [m]
 _ABOVE = (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.4)
-_CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
 
 
@@ -334,27 +333,6 @@ class LinearMachine:
                 "none: give the machine gravity, or its pads preload"
             )
         return result
-
-
-def lowest_speed(rotor: Rotor, top: float, contacts: str | None = None) -> float:
-    """Return the lowest speed up to `top` [rad/s] from which on the machine has linear answers: 0,
-    or where its oil films begin to carry it, to some percent."""
-    machine = LinearMachine(rotor, contacts)
-
-    def is_carried(speed: float) -> bool:
-        try:
-            machine.at(speed)
-        except LinearError:
-            return False
-        return True
-
-    low, high = _CREEPING * top, top
-    if is_carried(low) or not is_carried(high):
-        return 0.0
-    for _ in range(_HALVINGS):
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if is_carried(middle) else (middle, high)
-    return high
 
 
 def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Static deflection under gravity and loads, and the loads on the bearings."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,6 +9,8 @@ import numpy as np
 from ..machine.rotor import Rotor
 from .linear_machine import LinearError, LinearMachine
 from .modes import check_speed
+
+_CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 
 
 @dataclass(frozen=True)
@@ -108,3 +111,24 @@ def check_node(machine: LinearMachine, node: int) -> int:
     if not 1 <= node <= highest:
         raise LinearError(f"node = {node}: must be an integer from 1 to {highest}")
     return node
+
+
+def lowest_speed(rotor: Rotor, top: float, contacts: str | None = None) -> float:
+    """Return the lowest speed up to `top` [rad/s] from which on the machine has linear answers: 0,
+    or where its oil films begin to carry it, to some percent."""
+    machine = LinearMachine(rotor, contacts)
+
+    def is_carried(speed: float) -> bool:
+        try:
+            machine.at(speed)
+        except LinearError:
+            return False
+        return True
+
+    low, high = _CREEPING * top, top
+    if is_carried(low) or not is_carried(high):
+        return 0.0
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if is_carried(middle) else (middle, high)
+    return high

@@ -12,8 +12,8 @@ from ..machine.rotor import Rotor
 from . import orbit
 from .amplification import Margin, Peak, about, largest, margin, peaks
 from .campbell import campbell
-from .linear_machine import LinearError, lowest_speed
-from .static import check_node
+from .linear_machine import LinearError
+from .static import check_node, lowest_speed
 from .unbalance import SteadyWhirl
 from .unbalance_placement import vibration_limit
 
