@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from . import arclength
 from .arclength import ContinuationSteps, CurvePoint, NotConverged
@@ -35,6 +36,7 @@ _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _VERTICAL = 0.05  # a smaller component of the tangent along the parameter: a fold is near
 _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier
 _EVALUATIONS = 40  # evaluations of a test function at most
+_PRECISE = 1e-9  # of a step along the curve
 _NEAR_START = 0.5  # share of a step: the branch has come back to its start
 _COARSE_STEPS = 4  # short steps with too few harmonics after which a whirl is not followed
 
@@ -324,27 +326,23 @@ class Tracer:
         at_before: float,
         at_after: float,
     ) -> tuple[CurvePoint, bool]:
-        """Return the root of a test function, by the Illinois method, and whether the function is
-        smooth there."""
+        """Return the root of a test function along the step, by Brent's method, and whether the
+        function is smooth there."""
         scale = problem.parameter.scale
         along = before.tangent_value * ((after.value - before.value) / scale)
-        low, high = 0.0, float(before.tangent @ (after.x - before.x) + along)
-        f_low, f_high = at_before, at_after
-        whole = max(abs(f_low), abs(f_high))
-        point, value, width = after, f_high, high
-        for _ in range(_EVALUATIONS):
-            s = (low * f_high - high * f_low) / (f_high - f_low)
-            if not low < s < high:
-                s = 0.5 * (low + high)
-            try:
+        end = float(before.tangent @ (after.x - before.x) + along)
+        known = {0.0: (before, at_before), end: (after, at_after)}  # points, values by distance
+
+        def tested(s: float) -> float:
+            if s not in known:
                 point = arclength.step_along(problem, before, s, scale)
-            except NotConverged:
-                break
-            value = test(point)
-            if abs(value) < 1e-9 * whole or high - low < 1e-9 * width:
-                break
-            if (value > 0) == (f_low > 0):
-                low, f_low, f_high = s, value, 0.5 * f_high
-            else:
-                high, f_high, f_low = s, value, 0.5 * f_low
+                known[s] = point, test(point)
+            return known[s][1]
+
+        try:
+            options = {"xtol": _PRECISE * abs(end), "maxiter": _EVALUATIONS, "disp": False}
+            point, value = known[brentq(tested, 0.0, end, **options)]
+        except NotConverged:
+            point, value = list(known.values())[-1]
+        whole = max(abs(at_before), abs(at_after))
         return point, abs(value) < 1e-3 * whole
