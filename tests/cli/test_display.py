@@ -1,4 +1,4 @@
-"""Units of tables, pictures and pages, chosen once; the factors are the units' definitions."""
+"""Units of tables and pictures, chosen once; the factors are the units' definitions."""
 
 import itertools
 import json
@@ -22,22 +22,19 @@ from rotor_fmu.display import (
     shown_speed,
 )
 from rotor_fmu.errors import InputError
-from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.linear import acceptance, answers, bearing_answers
 from rotor_fmu.linear.displayed import _shear
 from rotor_fmu.linear.frequency_answers import frequency_response
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
-from rotor_fmu.live.live_page import page_data
 from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.plotting.figure_style import new_figure, save
-from rotor_fmu.report.run_page import runs_page
 from rotor_fmu.run_pictures import run_folder, signal_plots
 from rotor_fmu.run_pictures.signal_plots import bode, orbit
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.trial_balancing import Balancing, CorrectionPlane, Vibration
 
-from ..recordings import recorded, write_study
+from ..recordings import recorded
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -238,27 +235,6 @@ def test_speeds_in_pictures_have_all_digits_before_the_point():
         assert shown_speed(100 * math.pi / 3) == "1000"
 
 
-def test_tables_of_the_page_are_in_the_units_chosen():
-    def page():
-        return runs_page([recorded().named("one")], [{}])
-
-    with restored():
-        choose("rpm,mil,pp")
-        chosen = page()
-    mine, si = _cells(chosen, "disc 2"), _cells(page(), "disc 2")
-    assert mine[0] == pytest.approx(2 / 25.4 * si[0], rel=1e-4)
-    assert mine[1] == pytest.approx(60 * si[1], rel=1e-4)
-    assert mine[-3:] == pytest.approx([um / 25.4 for um in si[-3:]], rel=1e-4)
-    for head in ("1x, largest [mil pp]", "at [rpm]", "x [mil pp]", "S_max [mil 0-p]"):
-        assert f'<th scope="col">{head}</th>' in chosen
-
-
-def _cells(page, place):
-    """Numbers of a row of a table in a page."""
-    row = re.search(rf"<tr><td>{place}</td>(.*?)</tr>", page)[1]
-    return [float(text) for text in re.findall(r"<td>([^<]*)</td>", row) if text != "-"]
-
-
 def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it(of_rig):
     (at_rest,) = (each.figure().axes[0] for each in of_rig if isinstance(each, Static))
     pictures = [
@@ -296,42 +272,6 @@ def test_the_unbalance_picture_says_that_amplitudes_are_0_p():
     assert figure.axes[0].get_ylabel() == "Amplitude [µm 0-p]"
 
 
-def test_a_page_begins_in_the_units_that_were_chosen():
-    runs = [recorded().named("one")]
-    with restored():
-        choose("rpm,mil")
-        page = runs_page(runs, [{}])
-    assert '<option value="60" selected>rpm' in page
-    assert '"unit":"mil"' in page
-    assert '"unit":"\\u00b5m"' not in page
-    assert '<option value="2" selected>mil 0-p' in page
-    assert "<h1>closed form</h1>" in page
-    assert "selected" not in runs_page(runs, [{}]).split("<script")[0]
-
-
-def test_the_page_of_a_study_is_in_the_units_that_were_chosen(command, tmp_path):
-    """Of a machine that asks for none they are Hz and µm; its file may ask for others, and
-    `--units` for others again."""
-    write_study(tmp_path / "study")
-    pages = [_page_of_study(command, tmp_path, *given) for given in ((), ("--units", "us"))]
-    about = json.loads((tmp_path / "study" / "study.json").read_text())
-    (tmp_path / "study" / "study.json").write_text(json.dumps(about | {"units": "rpm,mil"}))
-    pages.append(_page_of_study(command, tmp_path))
-    units = [[c["unit"] for c in data["columns"]] for data in pages]
-    assert units == [["-", "µm", "µm"], ["-", "mil", "mil"], ["-", "mil", "mil"]]
-    curves = [data["curves"][0] for data in pages]
-    assert [c["coordinate_unit"] for c in curves] == ["Hz", "rpm", "rpm"]
-    assert [c["unit"] for c in curves] == ["µm", "mil", "mil"]
-    hz, rpm = (np.array(c["coordinate"]) for c in curves[:2])
-    assert rpm == pytest.approx(60 * hz)
-
-
-def _page_of_study(command, folder, *given):
-    command("report", str(folder / "study"), *given)
-    text = (folder / "out").read_text(encoding="utf-8")
-    return json.loads(re.search(r'id="data">(.*?)</script>', text, re.S).group(1))
-
-
 def test_the_table_of_a_study_is_in_the_units_that_were_chosen(command, tmp_path):
     (tmp_path / "rig.toml").write_text(f'units = "rpm, mil"\n{rig_toml()}')
     (tmp_path / "study.toml").write_text(
@@ -347,31 +287,6 @@ def test_the_table_of_a_study_is_in_the_units_that_were_chosen(command, tmp_path
     small, large = ([float(v) for v in re.findall(r"(\d+\.\d+) ok", text)] for text in (mil, um))
     assert small == pytest.approx([um / 25.4 for um in large], rel=1e-3)
     assert len(small) == 2
-
-
-def test_the_page_on_which_a_machine_runs_is_in_the_units_that_were_chosen():
-    machine = machine_of(rig_toml(), False, 0)
-    with restored():
-        choose("us, pp")
-        us = page_data(machine)
-    si = page_data(machine)
-    units = {name: each["unit"] for name, each in us["units"].items()}
-    assert units == {"speed": "rpm", "displacement": "mil", "amplitude": "mil pp"}
-    assert us["units"]["amplitude"]["factor"] == pytest.approx(2e6 / 25.4)
-    shown = [c["unit"] for group in (us["course"], *us["groups"]) for c in group["controls"]]
-    shown += [c["unit"] for c in us["recorded"]]
-    assert {"rpm", "rpm/s", "mil", "lbf", "lbf/in", "lbf.s/in", "lb", "lbf.in"} <= set(shown)
-    assert not {"Hz", "µm", "um", "N", "N/m", "N.s/m", "kg", "N.m", "rad/s", "m"} & set(shown)
-    assert [c["unit"] for c in si["course"]["controls"]] == ["Hz", "Hz", "Hz/s", "s", ""]
-    # what runs and what an address says stays in SI units
-    starts = [[c["start"] for c in data["course"]["controls"]] for data in (us, si)]
-    assert starts[0] == starts[1]
-
-
-@pytest.mark.native
-def test_the_command_page_takes_units(command, tmp_path):
-    command("page", "--units", "us")
-    assert '"speed":{"unit":"rpm"' in (tmp_path / "out").read_text(encoding="utf-8")
 
 
 def test_a_shape_is_drawn_with_the_elements_own_cubic():

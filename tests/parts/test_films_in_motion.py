@@ -316,25 +316,6 @@ def test_bad_damper_is_refused():
         SqueezeFilmDamper(**DAMPER, sealed=True, short=True).check("squeeze_film_damper[1]")
 
 
-# --- FMUs ---
-
-
-def test_fmu_has_the_bits_of_the_simulation(machine_of):
-    """The FMU in Python and the native one, with a film in lobes and a damper."""
-    lobes = {"pads": [1.570796, 4.712389], "arc": 2.8, "preload": 0.4}
-    damper = table("[squeeze_film_damper]", **{**DAMPER, "node": 3}, stiffness=1e7)
-    text = heavy_shaft(1e-5) + film(1, **lobes, k=1e8) + damper
-    names = ("journal_bearing[1].fx", "journal_bearing[1].film", "squeeze_film_damper[1].fy")
-    simulation = Simulation(
-        parse_rotor(text), choose("controlled", tolerance=1e-3), speed=500.0, warn=lambda _: None
-    )
-    with machine_of(text).start(speed=500.0, tolerance=1e-3) as run:
-        for i in range(1, 6):
-            run.advance(0.01 * i)
-            simulation.advance(0.01 * i, 500.0)
-            assert run.read(*names) == [simulation.read(name) for name in names]
-
-
 @pytest.mark.parametrize(("is_full", "bound"), [(True, 1e-4), (False, 0.1)])
 def test_a_damper_off_the_centre_vibrates_as_the_limitations_say(is_full, bound):
     machine = rf.parse(
@@ -375,3 +356,22 @@ def test_a_damper_off_the_centre_vibrates_as_the_limitations_say(is_full, bound)
     off = np.abs(found / expected - 1).max()
     assert off < bound
     assert is_full or off > 0.03
+
+
+# --- FMUs ---
+
+
+def test_fmu_has_the_bits_of_the_simulation(machine_of):
+    """The FMU in Python and the native one, with a film in lobes and a damper."""
+    lobes = {"pads": [1.570796, 4.712389], "arc": 2.8, "preload": 0.4}
+    damper = table("[squeeze_film_damper]", **{**DAMPER, "node": 3}, stiffness=1e7)
+    text = heavy_shaft(1e-5) + film(1, **lobes, k=1e8) + damper
+    names = ("journal_bearing[1].fx", "journal_bearing[1].film", "squeeze_film_damper[1].fy")
+    simulation = Simulation(
+        parse_rotor(text), choose("controlled", tolerance=1e-3), speed=500.0, warn=lambda _: None
+    )
+    with machine_of(text).start(speed=500.0, tolerance=1e-3) as run:
+        for i in range(1, 6):
+            run.advance(0.01 * i)
+            simulation.advance(0.01 * i, 500.0)
+            assert run.read(*names) == [simulation.read(name) for name in names]
