@@ -1,6 +1,8 @@
 """Rotors in oil films."""
 
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 from ..toml_text import table
 from .machines import shaft
@@ -42,3 +44,14 @@ def on_dampers(viscosity, young=2.1e13, density=1.0, e=3e-5):
     dampers = [table("[squeeze_film_damper]", **{**DAMPER, **more, "node": n}) for n in (1, 3)]
     stiff = shaft(0.0, 0.1, 0.2, material=table("material", young=young, density=density))
     return parse_rotor(f"gravity = 0.0\n{stiff}{body}{''.join(dampers)}")
+
+
+def run_of(rotor, speed, tolerance=1e-4, **options):
+    """A run with error control, at a constant speed [rad/s], whose warnings nobody hears."""
+    return Simulation(
+        rotor,
+        choose("controlled", tolerance=tolerance),
+        speed=speed,
+        warn=lambda _: None,
+        **options,
+    )
