@@ -188,9 +188,9 @@ class LinearMachine:
     def cross_coupling(self, stiffness: Mapping[int, float]) -> np.ndarray:
         """Return what F_x = -q y, F_y = q x add to K, as numbers of the system; stiffness: q [N/m]
         by node (from 1)."""
-        places, x = self._between.places, self._unknown[[4 * (node - 1) for node in stiffness]]
+        places, x = self.system.places, self._unknown[[4 * (node - 1) for node in stiffness]]
         q, x = np.array(list(stiffness.values()))[x >= 0], x[x >= 0]
-        return places.summed(places.at(x, x + 1), q) - places.summed(places.at(x + 1, x), q)
+        return places.numbers(x, x + 1, q) - places.numbers(x + 1, x, q)
 
     def rotor_matrices(self) -> tuple[sp.csc_array, sp.csc_array, sp.csc_array]:
         """Return M, K and G of the unknowns, shape (N, N), without what the laws and the shaft's

@@ -94,7 +94,7 @@ class UndampedMachine:
         places = self._between.places
         self.mass = M.toarray()
         self._gyroscopic = gyroscopic.toarray()
-        self._K = places.summed(places.at(K.row, K.col), K.data)
+        self._K = places.numbers(K.row, K.col, K.data)
         self._system = StrainedMatrices(places, machine.system.B[:, :n], machine.system.stiffness)
 
     @property

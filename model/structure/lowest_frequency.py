@@ -64,9 +64,8 @@ def _lowest_square(rotor: Rotor, M: np.ndarray, others: np.ndarray, free: np.nda
     across, stiffness = strains(rotor)
     own = sparse(others)[free][:, free].tocoo()
     places = Places(len(free), own.row, own.col)
-    numbers = places.summed(places.at(own.row, own.col), own.data)
     system = StrainedMatrices(places, across[:, free], stiffness)
-    solve = system.factorized(numbers, np.eye(1))
+    solve = system.factorized(places.numbers(own.row, own.col, own.data), np.eye(1))
     return lowest_square_supported(lambda f: solve(f)[0], sparse(M)[free][:, free])
 
 

@@ -59,6 +59,10 @@ class Places:
         """Return the numbers of a matrix that is the sum of values at these of the places."""
         return np.bincount(at, values, minlength=len(self._keys))
 
+    def numbers(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Return the numbers of a matrix that is the sum of values at these rows and columns."""
+        return self.summed(self.at(rows, columns), values)
+
     def matrix(self, numbers: np.ndarray) -> sp.csc_array:
         """Return the matrix of these numbers."""
         return sp.csc_array((numbers, self.rows, self._starts), shape=(self.size,) * 2)
