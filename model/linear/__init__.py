@@ -13,4 +13,5 @@ from .stability_levels import StabilityLevel1, StabilityLevel2, Stage, level_1, 
 from .static import Static, lowest_speed, static
 from .unbalance import UnbalanceResponse, unbalance_response
 from .unbalance_check import UnbalanceCheck, critical_peaks, unbalance_check
+from .unbalance_peaks import response_with_peaks
 from .unbalance_placement import placed_unbalances

@@ -128,7 +128,7 @@ def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[flo
         lambda speed: -response(speed),
         bounds=(at[i - 1], at[i + 1]),
         method="bounded",
-        options={"xatol": _PRECISE * at[i]},
+        options={"xatol": _PRECISE * abs(at[i])},
     )
     return float(found.x), -float(found.fun)
 

@@ -77,6 +77,11 @@ class UnbalanceResponse:
         at negative speeds [rad]."""
         return self._lead(self.y)
 
+    def nodes(self) -> list[int]:
+        """Return up to three nodes (from 1) with the largest orbits, ascending."""
+        largest = np.argsort(-self.major.max(axis=0, initial=0.0), kind="stable")[:3]
+        return sorted((largest + 1).tolist())
+
     def _lead(self, vector: np.ndarray) -> np.ndarray:
         return np.angle(vector) * np.where(self.speeds < 0, -1.0, 1.0)[:, None]
 
@@ -94,35 +99,12 @@ def unbalance_response(
     unbalances: (node from 1, amount [kg.m], angle from the shaft's mark [rad]); contacts: `open` or
     `pinned`; None: open where the machine is held without them. Raises `LinearError`.
     """
-    steady = SteadyWhirl(rotor, contacts, unbalances)
-    machine = steady.machine
-    size = machine.across.shape[1] // 2
-    result, bears = [], []
-    for speed in speeds:
-        moved, loads = steady.at(speed)
-        result.append(moved)
-        bears.append(loads)
-    whole = np.array(result).reshape(-1, size, 2)
-    load = np.array(bears).reshape(len(whole), -1, 2)
-    n = 2 * len(machine.nodes)
-    return UnbalanceResponse(
-        speeds=np.array(speeds, float),
-        contacts=machine.contacts,
-        z=machine.nodes,
-        x=whole[:, :n:2, 0],
-        y=whole[:, :n:2, 1],
-        housings=machine.supports.housings,
-        housing_x=whole[:, n:-1, 0],
-        housing_y=whole[:, n:-1, 1],
-        supports=machine.supports.springs + machine.supports.interfaces,
-        load_x=load[:, :, 0],
-        load_y=load[:, :, 1],
-    )
+    return SteadyWhirl(rotor, contacts, unbalances).response(speeds)
 
 
 class SteadyWhirl:
-    """The steady motion of a machine under its unbalances, or under those given instead; see
-    `unbalance_response` for these and `contacts`."""
+    """The steady motion of a machine under its unbalances, or under those given instead, at any
+    speed, solved for once; see `unbalance_response` for these and `contacts`."""
 
     def __init__(
         self,
@@ -139,10 +121,17 @@ class SteadyWhirl:
         for node, amount, phase in unbalances or ():
             pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
         self._pull = np.column_stack([pull, -1j * pull]).ravel()
+        self._known: dict[float, tuple[np.ndarray, np.ndarray]] = {}
 
     def at(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the complex amplitudes of x, y of every dof [m, rad] and the loads on the supports
         in x and y [N] at a speed [rad/s]."""
+        speed = float(speed)
+        if speed not in self._known:
+            self._known[speed] = self._solved(speed)
+        return self._known[speed]
+
+    def _solved(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
         check_speed(speed)
         machine = self.machine
         if speed == 0.0:  # nothing pulls, even on journals that no film carries yet
@@ -151,6 +140,32 @@ class SteadyWhirl:
         force = speed**2 * self._pull
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
         return machine.expand @ u, machine.loads(linear, u, pull, force, speed)
+
+    def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
+        """Return the response at speeds [rad/s]."""
+        machine = self.machine
+        size = machine.across.shape[1] // 2
+        result, bears = [], []
+        for speed in speeds:
+            moved, loads = self.at(speed)
+            result.append(moved)
+            bears.append(loads)
+        whole = np.array(result).reshape(-1, size, 2)
+        load = np.array(bears).reshape(len(whole), -1, 2)
+        n = 2 * len(machine.nodes)
+        return UnbalanceResponse(
+            speeds=np.array(speeds, float),
+            contacts=machine.contacts,
+            z=machine.nodes,
+            x=whole[:, :n:2, 0],
+            y=whole[:, :n:2, 1],
+            housings=machine.supports.housings,
+            housing_x=whole[:, n:-1, 0],
+            housing_y=whole[:, n:-1, 1],
+            supports=machine.supports.springs + machine.supports.interfaces,
+            load_x=load[:, :, 0],
+            load_y=load[:, :, 1],
+        )
 
 
 def _nothing(machine: LinearMachine) -> np.ndarray:

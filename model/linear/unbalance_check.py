@@ -9,12 +9,11 @@ from functools import partial
 import numpy as np
 
 from ..machine.rotor import Rotor
-from . import orbit
-from .amplification import Margin, Peak, about, largest, margin, peaks
-from .campbell import campbell
+from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import LinearError
 from .static import check_node, lowest_speed
 from .unbalance import SteadyWhirl
+from .unbalance_peaks import distance_of, major_of, with_criticals
 from .unbalance_placement import vibration_limit
 
 _POINTS = 301
@@ -23,7 +22,6 @@ _POINTS = 301
 LOOKED_AT = 1.5
 _ROUNDING = 1e-10  # of the largest displacement: a smaller one has no peaks
 _CLEARANCE = 0.75  # of a clearance, which the motion may take
-_MODES = 12
 
 
 @dataclass(frozen=True)
@@ -173,15 +171,11 @@ def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
     and more of them about the damped critical speeds."""
     first = lowest_speed(rotor, top, contacts)
     grid = np.linspace(max(first, top / _POINTS), top, _POINTS)
-    found = campbell(rotor, np.linspace(first, 1.2 * top, 13), count=_MODES, contacts=contacts)
-    near = [about(c.speed, c.log_dec / (2 * math.pi)) for c in found.critical]
-    return np.unique(
-        np.concatenate([s[(s > 0) & (s >= first) & (s <= top)] for s in (grid, *near)])
-    )
+    return with_criticals(rotor, grid, contacts)
 
 
 def _level(response: "_Response", node: int, speeds: np.ndarray) -> ProbeLevel:
-    speed, major = largest(lambda s: response.major(s, node), speeds)
+    speed, major = largest(partial(major_of, response.whirl, node), speeds)
     return ProbeLevel(node, 2 * major, speed)
 
 
@@ -195,9 +189,8 @@ class _Response:
         unbalances: Sequence[tuple[int, float, float]] | None,
         clearances: Mapping[int, float],
     ) -> None:
-        self._whirl = SteadyWhirl(rotor, contacts, unbalances)
-        self.machine = self._whirl.machine
-        self._known: dict[float, np.ndarray] = {}
+        self.whirl = SteadyWhirl(rotor, contacts, unbalances)
+        self.machine = self.whirl.machine
         self._gaps = self._clearances(rotor, clearances)
 
     def _clearances(
@@ -223,34 +216,17 @@ class _Response:
                     result.append((name, float(gap), int(interfaces.dof[i]), end))
         return result
 
-    def _at(self, speed: float) -> np.ndarray:
-        """Return x, y of every dof, shape (size, 2)."""
-        speed = float(speed)
-        if speed not in self._known:
-            self._known[speed] = self._whirl.at(speed)[0].reshape(-1, 2)
-        return self._known[speed]
-
     def axis(self, node: int, axis: int, speed: float) -> float:
         """Return the amplitude of a node in x or y [m]."""
-        motion = np.abs(self._at(speed))
+        motion = np.abs(self.whirl.at(speed)[0].reshape(-1, 2))
         result = float(motion[2 * (node - 1), axis])
         return result if result > _ROUNDING * motion[::2].max() else 0.0
-
-    def major(self, speed: float, node: int) -> float:
-        """Return the major semi-axis of a node [m]."""
-        x, y = self._at(speed)[2 * (node - 1)]
-        return float(orbit.semi_axes(x, y)[0])
 
     def clearance_levels(self, speeds: np.ndarray, scale: float) -> list[ClearanceLevel]:
         """Return how much of each clearance is taken."""
         result = []
         for name, clearance, dof, end in self._gaps:
-            speed, major = largest(partial(self._distance, dof, end), speeds)
+            speed, major = largest(partial(distance_of, self.whirl, dof, end), speeds)
             scaled = max(scale, 1.0) * major if major else 0.0
             result.append(ClearanceLevel(name, clearance, major, speed, scaled))
         return result
-
-    def _distance(self, dof: int, end: int, speed: float) -> float:
-        """Return the major semi-axis of the distance of two dofs [m]."""
-        moved = self._at(speed)
-        return float(orbit.semi_axes(*(moved[dof] - moved[end]))[0])

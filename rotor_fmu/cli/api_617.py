@@ -162,7 +162,8 @@ def unbalance(
     """Compute the steady response to unbalance, its critical speeds with amplification factors,
     and, with --range, separation margins, probe limits and clearances by API 617.
 
-    x, y, major semi-axis and phase at any node. The probes are the nodes shown.
+    x, y, major semi-axis and phase at any node, of more than 12 speeds also at the peaks between
+    them. The probes are the nodes shown.
     """
     speeds, machine = speed_range(speed, _SPEEDS), machine_in_units(rotor, units)
     given = [_unbalance(text) for text in at] if at else None
@@ -184,7 +185,11 @@ def unbalance(
         given = [(p.node, p.amount, p.phase) for p in placed]
     if len(speeds) == 0:
         speeds = usual_speeds(machine, contacts, ends, _SPEEDS)
-    result = answers.unbalance_response(machine, speeds, contacts=contacts, unbalances=given)
+    acting: dict[str, Any] = {"contacts": contacts, "unbalances": given}
+    if len(speeds) > answers.MOST_SPEEDS:
+        result = answers.response_with_peaks(machine, speeds, nodes=node or (), **acting)
+    else:
+        result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
     name_films(machine)
     writable_folder(out)

@@ -44,7 +44,7 @@ from .linear_tables import Table, peaks, turns
 _WHIRL = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 _MOST_SHAPES = 6
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
-_MOST_SPEEDS = 12  # of a table of the response
+MOST_SPEEDS = 12  # of a table of the response
 _ROUNDING = 1e-10  # of the largest amplitude: a smaller one does not peak
 
 
@@ -209,18 +209,13 @@ def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
-    def nodes(self) -> list[int]:
-        """Return up to three nodes (from 1) with the largest orbits, ascending."""
-        largest = np.argsort(-self.major.max(axis=0, initial=0.0), kind="stable")[:3]
-        return sorted((largest + 1).tolist())
-
     def table(self, nodes: Sequence[int] | None = None) -> Table:
         """Return the rows of speed and node (from 1): at every speed where they are few, else where
         the largest semi-axis of a node peaks."""
         d = current()
         moves = self.major > _ROUNDING * self.major.max(axis=1, keepdims=True)
         size = np.where(moves, self.major, 0.0)
-        is_few = len(self.speeds) <= _MOST_SPEEDS
+        is_few = len(self.speeds) <= MOST_SPEEDS
         places = [
             (i, node - 1)
             for node in nodes or self.nodes()
@@ -348,6 +343,7 @@ def _rounded(cell: object) -> object:
 modes = answer_of(Modes, linear.modes)
 campbell = answer_of(Campbell, linear.campbell)
 unbalance_response = answer_of(UnbalanceResponse, linear.unbalance_response)
+response_with_peaks = answer_of(UnbalanceResponse, linear.response_with_peaks)
 
 
 @on_one_thread

@@ -68,8 +68,9 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
     at_speed = answers.modes(rotor, high, count=_MODES)
     diagram = answers.campbell(rotor, speeds)
     over_stiffness = acceptance.critical_map(rotor)
-    response = answers.unbalance_response(
-        rotor, np.linspace(first, top, _CURVE), unbalances=unbalances
+    curve = np.linspace(first, top, _CURVE)
+    response = answers.response_with_peaks(
+        rotor, curve, nodes=asked.probes or (), unbalances=unbalances
     )
     probes = list(asked.probes or response.nodes())
     check = acceptance.unbalance_check(

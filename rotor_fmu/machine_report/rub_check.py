@@ -3,20 +3,23 @@ the machine is run up and down with its contacts, and the runs say what the rub 
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ..api.machine import Machine
 from ..api.result import Result
 from ..api.simulate import simulate
 from ..display import current
-from ..linear.answers import UnbalanceResponse, static, unbalance_response
+from ..linear.answers import static
 from ..model.linear.linear_machine import OPEN
 from ..model.linear.orbit import semi_axes
 from ..model.linear.unbalance import SteadyWhirl
+from ..model.linear.unbalance_peaks import distance_of, with_criticals, with_peaks_of
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import InterfaceElement, Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
@@ -152,10 +155,14 @@ def rub_check(
     """
     machine = with_unbalances(rotor, unbalances, scale)
     top = 1.25 * high
-    speeds = np.linspace(_FIRST * top, top, _SPEEDS)
-    response = unbalance_response(machine, speeds)
-    closings = _closings(machine, response)
-    seen = _seen_by_probes(machine, speeds)
+    whirl = SteadyWhirl(machine)
+    close = with_criticals(machine, np.linspace(_FIRST * top, top, _SPEEDS))
+    closings = _closings(machine, whirl, close)
+    probes = {
+        name: partial(_size, whirl, of) for name, of in machine.elements_of_kind(ProbeElement)
+    }
+    speeds = with_peaks_of(list(probes.values()), close)
+    seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
     place = max(seen, key=lambda name: seen[name].max()) if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
     runs: tuple[RubRun, ...] = ()
@@ -167,16 +174,10 @@ def rub_check(
     return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, runs)
 
 
-def _seen_by_probes(rotor: Rotor, speeds: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the major semi-axis of each part whose motion is an output, over the speed [m]."""
-    whirl = SteadyWhirl(rotor)
-    moved = np.array([whirl.at(speed)[0].reshape(-1, 2) for speed in speeds])
-    result = {}
-    for name, probe in rotor.elements_of_kind(ProbeElement):
-        at = 2 * (probe.node - 1)
-        x, y = (moved[:, at] + probe.offset * moved[:, at + 1]).T
-        result[name] = semi_axes(x, y)[0]
-    return result
+def _size(whirl: SteadyWhirl, probe: ProbeElement, speed: float) -> float:
+    """Return the major semi-axis of a part whose motion is an output [m]."""
+    moved, at = whirl.at(speed)[0].reshape(-1, 2), 2 * (probe.node - 1)
+    return float(semi_axes(*(moved[at] + probe.offset * moved[at + 1]))[0])
 
 
 def _contacts(rotor: Rotor) -> dict[str, tuple[int, str, float]]:
@@ -189,29 +190,44 @@ def _contacts(rotor: Rotor) -> dict[str, tuple[int, str, float]]:
     return result
 
 
-def _closings(rotor: Rotor, response: UnbalanceResponse) -> list[Closing]:
+def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray) -> list[Closing]:
     contacts = _contacts(rotor)
-    if response.contacts != OPEN:
+    if whirl.machine.contacts != OPEN:
         return [
             Closing(name, gap, math.nan, math.nan, math.nan, math.nan)
             for name, (_, _, gap) in contacts.items()
         ]
     rest = static(rotor)
+    housings = whirl.machine.supports.housings
     result = []
     for name, (node, housing, gap) in contacts.items():
-        x, y = response.x[:, node - 1], response.y[:, node - 1]
         at_rest = complex(rest.x[node - 1], rest.y[node - 1])
+        end = -1  # ground
         if housing:
-            k = response.housings.index(housing)
-            x, y = x - response.housing_x[:, k], y - response.housing_y[:, k]
+            k = housings.index(housing)
+            end = 2 * len(rest.z) + k
             at_rest -= complex(rest.housing_x[k], rest.housing_y[k])
-        major = (np.abs(x + 1j * y) + np.abs(x - 1j * y)) / 2
         sag = abs(at_rest)
-        closed = np.flatnonzero(sag + major >= gap)
-        if len(closed):
-            ends = response.speeds[closed[[0, -1]]]
-            result.append(Closing(name, gap, sag, float(major.max()), *map(float, ends)))
+        distance = partial(distance_of, whirl, 2 * (node - 1), end)
+        peaked = with_peaks_of([distance], speeds)
+        free = gap - sag - np.array([distance(speed) for speed in peaked])
+        if (free <= 0).any():
+            closed = np.flatnonzero(free <= 0)[[0, -1]]
+            begin, to = (
+                _meeting(lambda s: gap - sag - distance(s), peaked, int(i), side)  # noqa: B023
+                for i, side in zip(closed, (-1, 1), strict=True)
+            )
+            largest = float(gap - sag - free.min())
+            result.append(Closing(name, gap, sag, largest, begin, to))
     return result
+
+
+def _meeting(free: Callable[[float], float], speeds: np.ndarray, i: int, side: int) -> float:
+    """Return the speed [rad/s] at which a clearance closes between the i-th of speeds, where it is
+    closed, and its neighbour on a side; the i-th itself if it has none."""
+    if not 0 <= i + side < len(speeds):
+        return float(speeds[i])
+    return float(brentq(free, speeds[i], speeds[i + side], xtol=1e-9 * speeds[i]))
 
 
 def _run(

@@ -1,0 +1,76 @@
+"""Speeds so close together that a response to unbalance shows all of its peaks: a lightly damped
+one is narrower than the distance of speeds spaced evenly."""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+
+from ..machine.rotor import Rotor
+from .amplification import about, inner_peaks, top
+from .campbell import campbell
+from .orbit import semi_axes
+from .static import check_node, lowest_speed
+from .unbalance import SteadyWhirl, UnbalanceResponse
+
+_MODES = 12
+_POINTS = 13  # of the Campbell diagram
+_BEYOND = 1.2  # times the highest speed, that a critical speed whose flank lies below is found
+
+
+def with_criticals(
+    rotor: Rotor, speeds: Sequence[float] | np.ndarray, contacts: str | None = None
+) -> np.ndarray:
+    """Return speeds [rad/s], ascending, with more of them about the damped critical speeds between,
+    so that no peak of the response to unbalance lies between two."""
+    at = np.unique(np.asarray(speeds, dtype=float))
+    low, high = (float(end) for end in at[[0, -1]])
+    first = lowest_speed(rotor, high, contacts) if low == 0.0 else low
+    diagram = np.linspace(min(first, _BEYOND * first), max(high, _BEYOND * high), _POINTS)
+    found = campbell(rotor, diagram, count=_MODES, contacts=contacts).critical
+    near = [about(c.speed, c.log_dec / (2 * math.pi)) for c in found]
+    return np.unique(np.concatenate([at, *(s[(s >= first) & (s <= high)] for s in near)]))
+
+
+def with_peaks_of(sizes: Sequence[Callable[[float], float]], speeds: np.ndarray) -> np.ndarray:
+    """Return ascending speeds [rad/s] with those of the peaks of sizes between them."""
+    found = [
+        top(size, speeds, i)[0]
+        for size in sizes
+        for i in inner_peaks(np.array([size(speed) for speed in speeds]))
+    ]
+    return np.unique(np.append(speeds, found))
+
+
+def major_of(whirl: SteadyWhirl, node: int, speed: float) -> float:
+    """Return the major semi-axis of a node (from 1) at a speed [rad/s] in m."""
+    return float(semi_axes(*_moved(whirl, speed)[2 * (node - 1)])[0])
+
+
+def distance_of(whirl: SteadyWhirl, dof: int, end: int, speed: float) -> float:
+    """Return the major semi-axis of the distance of two dofs at a speed [rad/s] in m."""
+    moved = _moved(whirl, speed)
+    return float(semi_axes(*(moved[dof] - moved[end]))[0])
+
+
+def _moved(whirl: SteadyWhirl, speed: float) -> np.ndarray:
+    return whirl.at(speed)[0].reshape(-1, 2)
+
+
+def response_with_peaks(
+    rotor: Rotor,
+    speeds: Sequence[float] | np.ndarray,
+    *,
+    nodes: Sequence[int] = (),
+    contacts: str | None = None,
+    unbalances: Sequence[tuple[int, float, float]] | None = None,
+) -> UnbalanceResponse:
+    """Return the response to unbalance at speeds [rad/s], ascending, and at the peaks between them
+    of nodes (from 1), by default those with the largest orbits; see `unbalance_response` for the
+    rest."""
+    whirl = SteadyWhirl(rotor, contacts, unbalances)
+    close = with_criticals(rotor, speeds, contacts)
+    shown = nodes or whirl.response(close).nodes()
+    sizes = [partial(major_of, whirl, check_node(whirl.machine, node)) for node in shown]
+    return whirl.response(with_peaks_of(sizes, close))

@@ -1,0 +1,82 @@
+"""Peaks of the response to unbalance that are narrower than the distance of the speeds asked for:
+every output of a command has the same one."""
+
+import json
+
+import numpy as np
+import pytest
+from rotor_fmu.cli import app
+from rotor_fmu.machine_report.rub_check import rub_check
+from rotor_fmu.model.linear import critical_peaks, response_with_peaks, unbalance_check
+from rotor_fmu.model.machine.toml import parse_rotor
+
+OVERHUNG = """
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.2, 0.4, 0.6]
+diameters = [0.03, 0.03, 0.03]
+[[disc]]
+node = 4
+diameter = 0.3
+width = 0.03
+e = 1e-7
+[[support]]
+node = 1
+stiffness = 2e7
+damping = DAMPING
+[[support]]
+node = 3
+stiffness = 2e7
+damping = DAMPING
+[[contact]]
+node = 4
+journal_radius = 0.15
+clearance = 2e-3
+mu = 0.1
+k = 1e7
+"""
+LIGHT = OVERHUNG.replace("DAMPING", "30.0")  # an amplification factor of 19 000
+
+
+def test_the_response_is_asked_for_at_its_peaks():
+    rotor = parse_rotor(LIGHT)
+    found = response_with_peaks(rotor, np.linspace(0.0, 400.0, 401))
+    (x, _) = critical_peaks(rotor, 400.0, [4])
+    i = int(np.argmax(found.major[:, 3]))
+    assert found.speeds[i] == pytest.approx(x.peak.speed, rel=1e-9)
+    assert found.major[i, 3] == pytest.approx(x.peak.amplitude, rel=1e-6)
+
+
+def test_of_a_rotor_that_turns_backward_too():
+    rotor = parse_rotor(LIGHT)
+    found = response_with_peaks(rotor, np.linspace(-400.0, 0.0, 401), nodes=[4])
+    mirrored = response_with_peaks(rotor, np.linspace(0.0, 400.0, 401), nodes=[4])
+    assert found.major[:, 3].max() == pytest.approx(mirrored.major[:, 3].max(), rel=1e-6)
+
+
+def test_the_command_shows_one_peak_in_its_table_its_file_and_its_check(tmp_path):
+    file = tmp_path / "light.toml"
+    file.write_text(LIGHT)
+    out = ["--out", str(tmp_path), "--quiet"]
+    arguments = ["--rotor", str(file), "--range", "100:200", "--node", "4"]
+    app(["unbalance", *arguments, *out], standalone_mode=False)
+    data = json.loads((tmp_path / "unbalance.json").read_text())
+    peak = max(critical["peak"]["amplitude"] for critical in data["check"]["criticals"])
+    assert np.max(data["major"], axis=0)[3] == pytest.approx(peak, rel=1e-6)
+    table = np.genfromtxt(tmp_path / "unbalance.csv", delimiter=",", names=True)
+    assert table["node4major_m"].max() == pytest.approx(peak, rel=1e-6)
+
+
+def test_the_clearance_that_is_checked_is_the_one_that_closes_in_the_runs():
+    """Of 2 mm the response takes 2.1 mm, in a range of speeds of 3e-5 of the critical one."""
+    rotor = parse_rotor(LIGHT)
+    (gap,) = unbalance_check(rotor, 200.0, 300.0, [4]).clearances
+    assert gap.amplitude > gap.clearance
+    (closing,) = rub_check(rotor, 200.0, 300.0).closings
+    assert closing.amplitude == pytest.approx(gap.amplitude, rel=1e-6)
+    assert closing.begin < gap.speed < closing.end
+    ends = response_with_peaks(rotor, [closing.begin, gap.speed, closing.end], nodes=[4])
+    taken = np.interp([closing.begin, closing.end], ends.speeds, ends.major[:, 3])
+    np.testing.assert_allclose(taken + closing.sag, gap.clearance, rtol=1e-4)
