@@ -30,6 +30,7 @@ _UNDAMPED = 1e-8  # of a speed: a peak that is not as wide has no damping but ro
 _ABOVE = np.array([0.1, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
 _AROUND = np.concatenate([-_ABOVE[::-1], _ABOVE])
 _ROUNDING = 1e-10  # of the largest answer: what is smaller has no peaks
+_FLAT = 1e-5  # of a peak: what rises less is rounding beside an undamped mode that nothing drives
 _SHARPEST = 1e-6 / (2 * math.pi)  # damping ratio: a sharper peak is not looked at more closely
 
 
@@ -112,13 +113,28 @@ def peaks(response: Callable[[float], float], speeds: Sequence[float] | np.ndarr
     """
     at = np.asarray(speeds, dtype=float)
     values = np.array([response(speed) for speed in at])
-    return [_peak(response, at, values, i) for i in inner_peaks(values)]
+    return [
+        _peak(response, at, values, i)
+        for i in inner_peaks(values)
+        if _rise(values, i) > _FLAT * values[i]
+    ]
 
 
 def inner_peaks(values: np.ndarray) -> list[int]:
     """Return the places of values that are higher than their neighbours."""
     inner = (values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:])
     return (np.flatnonzero(inner) + 1).tolist()
+
+
+def _rise(values: np.ndarray, i: int) -> float:
+    """Return by how much the i-th of values rises above the higher of the lowest on either side, as
+    far as none there is higher than it."""
+
+    def lowest(side: np.ndarray) -> float:
+        higher = np.flatnonzero(side > values[i])
+        return float(side[: higher[0] if len(higher) else None].min())
+
+    return float(values[i]) - max(lowest(values[:i][::-1]), lowest(values[i + 1 :]))
 
 
 def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[float, float]:
