@@ -1,17 +1,32 @@
 """The component of an FMU in wasmtime, and a run through it as `wasm.rows_of` makes one."""
 
+import shutil
 import struct
 import zipfile
 
 import fmpy
 import numpy as np
+import pytest
 import wasmtime
 from wasmtime import component
 
+from rotor_fmu.fmi.machine_table import FILE
+from rotor_fmu.library.component import _jco
 from rotor_fmu.library.platforms import COMPONENT
 
+NODE, JCO = shutil.which("node"), _jco()
+NEEDED = pytest.mark.skipif(
+    not (NODE and JCO), reason="needs Node.js and jco (npm install -g @bytecodealliance/jco)"
+)
+BINARY = "binaries/wasm32-wasip2/RotorBearingNative.wasm"
 CO_SIMULATION = "fmi:fmi3/co-simulation@3.0.0"
 RESOURCE = "co-simulation-instance"
+
+
+def table_of(fmu):
+    """The file of an FMU that holds its machine."""
+    with zipfile.ZipFile(fmu) as archive:
+        return archive.read(f"resources/{FILE}")
 
 
 class Component:

@@ -2,9 +2,7 @@
 
 import json
 import re
-import shutil
 import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -12,7 +10,6 @@ import fmpy
 import numpy as np
 import pytest
 
-from rotor_fmu.fmi.machine_table import FILE
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library import component as making
 from rotor_fmu.library.platforms import COMPONENT
@@ -20,16 +17,8 @@ from rotor_fmu.library.platforms import COMPONENT
 from .wasm import Native, rows_of
 
 wasmtime = pytest.importorskip("wasmtime", reason="wasmtime is not installed")
-from .component import Component, rows_through  # noqa: E402
+from .component import BINARY, JCO, NEEDED, NODE, Component, rows_through, table_of  # noqa: E402
 
-NODE, JCO = shutil.which("node"), making._jco()
-NEEDED = pytest.mark.skipif(
-    not (NODE and JCO), reason="needs Node.js and jco (npm install -g @bytecodealliance/jco)"
-)
-MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
-BINARY = "binaries/wasm32-wasip2/RotorBearingNative.wasm"
-INTERFACES = Path(making.__file__).parents[1] / "fmi" / "c_component" / "fmi3.wit"
-ROTOR_FMU = [sys.executable, "-c", "from rotor_fmu.cli import main; main()"]
 TYPES = (
     *("float32", "float64", "int8", "int16", "int32", "int64"),
     *("uint8", "uint16", "uint32", "uint64", "boolean", "string", "binary", "clock"),
@@ -53,11 +42,6 @@ def instance(rig):
     rig.heard.clear()
     yield result
     result.drop()
-
-
-def table_of(fmu):
-    with zipfile.ZipFile(fmu) as archive:
-        return archive.read(f"resources/{FILE}")
 
 
 def run_down(rig):

@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -15,7 +14,6 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from rotor_fmu.errors import InputError
-from rotor_fmu.fmi.machine_table import FILE
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library import component as making
 from rotor_fmu.library.build import LibraryError
@@ -23,20 +21,11 @@ from rotor_fmu.library.platforms import COMPONENT, DRAFT, PLATFORMS
 from rotor_fmu.library.wasm_memory import with_data
 
 wasmtime = pytest.importorskip("wasmtime", reason="wasmtime is not installed")
-from .component import CO_SIMULATION, RESOURCE, Component  # noqa: E402
+from .component import BINARY, CO_SIMULATION, JCO, NEEDED, RESOURCE, Component, table_of  # noqa: E402
 
-NODE, JCO = shutil.which("node"), making._jco()
-NEEDED = pytest.mark.skipif(
-    not (NODE and JCO), reason="needs Node.js and jco (npm install -g @bytecodealliance/jco)"
-)
 MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
-BINARY = "binaries/wasm32-wasip2/RotorBearingNative.wasm"
 INTERFACES = Path(making.__file__).parents[1] / "fmi" / "c_component" / "fmi3.wit"
 ROTOR_FMU = [sys.executable, "-c", "from rotor_fmu.cli import main; main()"]
-TYPES = (
-    *("float32", "float64", "int8", "int16", "int32", "int64"),
-    *("uint8", "uint16", "uint32", "uint64", "boolean", "string", "binary", "clock"),
-)
 
 
 @pytest.fixture(scope="module")
@@ -48,11 +37,6 @@ def fmu(tmp_path_factory):
 @pytest.fixture(scope="module")
 def rig(fmu):
     return Component(fmu)
-
-
-def table_of(fmu):
-    with zipfile.ZipFile(fmu) as archive:
-        return archive.read(f"resources/{FILE}")
 
 
 @NEEDED
