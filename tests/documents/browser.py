@@ -145,14 +145,14 @@ def _installed(browser, *marks):
     return pytest.param(browser, marks=[lacks, *marks], id=browser.__name__)
 
 
-# of what scripts compute, not of how a browser shows it or tells of keys and mouse: Firefox has its
-# turn with the slow tests
-of_scripts = pytest.mark.parametrize(
-    "driver", [_installed(Chromium), _installed(Firefox, pytest.mark.slow)], indirect=True
+# Firefox has its turn with the slow tests, but where a test asks for every browser
+IN_CHROMIUM = _installed(Chromium)
+in_every_browser = pytest.mark.parametrize(
+    "driver", [IN_CHROMIUM, _installed(Firefox)], indirect=True
 )
 
 
-@pytest.fixture(scope="session", params=[_installed(Chromium), _installed(Firefox)])
+@pytest.fixture(scope="session", params=[IN_CHROMIUM, _installed(Firefox, pytest.mark.slow)])
 def driver(request):
     browser = request.param()
     yield browser

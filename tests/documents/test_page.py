@@ -13,7 +13,7 @@ from rotor_fmu.report.study_page import study_page
 from rotor_fmu.saved_results import read_study
 
 from ..recordings import recorded, write_study
-from .browser import ENTER, LEFT, NASTY, Page, look, of_scripts
+from .browser import ENTER, LEFT, NASTY, Page, in_every_browser, look
 
 ONE = {"one": {"parameters": {"bearing[1].clearance": 6e-5}}}
 # runs by their names, of each page
@@ -51,6 +51,7 @@ def content(name, folder):
     return runs_page(runs, [{}] * len(runs))
 
 
+@in_every_browser
 def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(silent, pages):
     page = Page(silent, pages("one"))
     page.click_at("over.bode", 40.0, 50.0)
@@ -77,7 +78,6 @@ def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(silent, pages):
     assert complex(*mark) == pytest.approx(expected, abs=0.1)
 
 
-@of_scripts
 @pytest.mark.parametrize(("name", "sign"), [("backward", -1), ("both ways", 1)])
 def test_speeds_of_a_shaft_that_turns_backward_are_below_zero(silent, pages, name, sign):
     page = Page(silent, pages(name))
@@ -98,7 +98,6 @@ def test_speeds_of_a_shaft_that_turns_backward_are_below_zero(silent, pages, nam
     assert "whirls forward" in page.text("reading")
 
 
-@of_scripts
 def test_a_name_is_shown_as_it_is(silent, pages):
     page = Page(silent, pages("nasty"))
     assert page.run("return document.querySelector('h1').textContent") == NASTY
@@ -118,7 +117,6 @@ def test_the_slider_is_worked_by_the_keys(silent, pages):
     assert page.run("return time.range.end - time.range.start") == pytest.approx(3.0, rel=1e-3)
 
 
-@of_scripts
 def test_values_under_the_cursor_are_those_recorded(silent, pages):
     page = Page(silent, pages("one"))
     run = recorded()
@@ -228,7 +226,6 @@ def test_a_page_prints(silent, pages):
     assert silent.printed().startswith("JVBERi0")  # %PDF-, in base64
 
 
-@of_scripts
 def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_its_unit(
     silent, pages
 ):
@@ -245,7 +242,6 @@ def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_i
     ]  # fmt: skip
 
 
-@of_scripts
 def test_speeds_are_shown_in_rpm(silent, pages):
     page = Page(silent, pages("one"))
     page.set("turns", "60", "change")
@@ -292,7 +288,6 @@ def test_dragging_over_a_picture_shows_the_stretch_that_was_selected(silent, pag
     assert page.run("return over.bode.plot.x_range.end") == pytest.approx(38, abs=0.5)
 
 
-@of_scripts
 def test_a_second_place_and_a_time_base_are_drawn(silent, pages):
     """Disc 1 moves half as much as disc 2; the time base has the orbit's values over two turns."""
     page = Page(silent, pages("one"))
