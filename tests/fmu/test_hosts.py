@@ -65,6 +65,7 @@ def test_fmpy_simulate_gives_what_its_api_gives(fmu, tmp_path):
         assert column == pytest.approx(result[name].tolist(), rel=1e-9), name
 
 
+@pytest.mark.slow
 @needs("nbclient", "pip install nbclient ipykernel")
 @needs("ipykernel", "pip install nbclient ipykernel")
 @needs("plotly", "pip install plotly")

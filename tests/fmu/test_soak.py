@@ -56,7 +56,7 @@ def soak(fmu, folder, counts):
 
 @linux
 @pytest.mark.parametrize(
-    "counts", [(20, 500, 100), pytest.param((10_000, 1_000_000, 10_000), marks=pytest.mark.slow)]
+    "counts", [(10, 500, 100), pytest.param((10_000, 1_000_000, 10_000), marks=pytest.mark.slow)]
 )
 def test_instances_steps_and_states_leave_nothing_behind(fmu, tmp_path, counts):
     seen = soak(fmu, tmp_path / "temporary", counts)

@@ -43,7 +43,7 @@ for turn, (name, rotor) in enumerate(rotors.items()):
             rotor, choose(preset), speed=300.0, rate=-10.0, record=tape, warn=lambda message: None
         )
         for i in range(1, 4):
-            sim.advance(0.002 * i, 300.0 - 10.0 * sim.time)
+            sim.advance(8e-4 * i, 300.0 - 10.0 * sim.time)
         snapshot = sim.snapshot()
         sim.restore(snapshot)
         digest = hashlib.sha256(snapshot.tobytes()).hexdigest()
