@@ -1,5 +1,6 @@
 """What is built and compiled once for all workers of pytest-xdist; pictures nobody looks at."""
 
+import os
 import shutil
 import signal
 import subprocess
@@ -21,7 +22,7 @@ from .documents.browser import driver, silent  # noqa: F401, fixtures
 # schema here has an address
 sys.modules["rfc3987_syntax"] = None
 
-SHARED = pytest.StashKey[Path]()
+TEMPORARY = pytest.StashKey[Path]()
 
 COMPILE_MODEL = """
 from rotor_fmu.model.machine.toml import rig
@@ -31,26 +32,30 @@ Simulation(rig(), choose("robust"), speed=400.0, rate=-10.0).advance(0.01, 400.0
 """
 
 
-def pytest_configure():
+def pytest_configure(config):
     # what a shell starts in the background is deaf to Ctrl-C, and so would be all that it starts
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    if not hasattr(config, "workerinput"):
+        # FMUs that hosts unpack and profiles of browsers go with the session, not so `tmp_path`
+        os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
+        config.stash[TEMPORARY] = Path(tempfile.mkdtemp(prefix="tests_"))
+        os.environ["TMPDIR"] = tempfile.tempdir = str(config.stash[TEMPORARY])
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node):
     """Before pytest-xdist starts a worker: tell it where the FMU is that they all drive."""
-    config = node.config
-    if SHARED not in config.stash:
-        config.stash[SHARED] = Path(tempfile.mkdtemp(prefix="rotor_fmu_tests_"))
-        build(config.stash[SHARED])
+    folder = node.config.stash[TEMPORARY] / "fmu"
+    if not folder.exists():
+        build(folder)
         _compile()
-    node.workerinput["fmu"] = str(next(config.stash[SHARED].glob("*.fmu")))
+    node.workerinput["fmu"] = str(next(folder.glob("*.fmu")))
 
 
 def pytest_unconfigure(config):
-    if SHARED in config.stash:
-        shutil.rmtree(config.stash[SHARED], ignore_errors=True)
+    if TEMPORARY in config.stash:
+        shutil.rmtree(config.stash[TEMPORARY], ignore_errors=True)
 
 
 def _compile():
