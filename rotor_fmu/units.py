@@ -48,6 +48,11 @@ _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*
 # What no unit contains: commas and sums, and numbers that are no exponents nor the 1 of 1/min. Pint
 # would calculate with them: 0,01 mm, 1 000 rpm and 1+1 mm would be 0, 0 and 1.
 _NO_UNIT = re.compile(r"^\.|[,+]|\s-|-\s|(?<![\w.^)])(?<!\*\*)(?<!\^-)(?<!\*\*-)\d")
+# What has the same name in two systems of units: what pint would take it for is not what most mean.
+_AMBIGUOUS = {
+    "gr": "grams or grains? write g or grain",
+    "ton": "metric, short or long tons? write t, short_ton or long_ton",
+}
 # A cycle is a turn here, and what has no angle in it is no speed of rotation.
 _OURS = (
     "hertz = 2 * pi * radian / second = Hz",
@@ -98,6 +103,9 @@ def factor(shown: str, unit: str, si: str) -> float:
         return _OTHERS[si][unit]
     if si == "degC":  # a scale with an offset has no factor
         raise InputError(f"{shown}: {_must_be(si)}")
+    for name, question in _AMBIGUOUS.items():
+        if re.search(rf"(?<![A-Za-z_]){name}s?(?![A-Za-z_])", unit):
+            raise InputError(f"{shown}: {question}")
     registry = _registry(shown)
     try:
         asked = registry.parse_expression(_spelled(unit))

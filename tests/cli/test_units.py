@@ -63,6 +63,28 @@ def test_a_unit_is_worth_what_its_definition_says(text, unit, expected):
 @pytest.mark.parametrize(
     ("text", "unit", "expected"),
     [
+        ("50 gr.mm", "kg.m", "x = 50 gr.mm: grams or grains? write g or grain"),
+        ("7.8 gr/cm3", "kg/m3", "grams or grains?"),
+        ("100 ton", "kg", "metric, short or long tons? write t, short_ton or long_ton"),
+        ("100tons", "kg", "metric, short or long tons?"),
+    ],
+)
+def test_a_name_of_two_units_is_refused(text, unit, expected):
+    with pytest.raises(InputError) as refused:
+        in_si("x =", text, unit)
+    assert expected in str(refused.value)
+
+
+def test_what_to_write_in_the_place_of_such_a_name_is_read():
+    assert in_si("x =", "1 grain", "kg") == pytest.approx(POUND / 7000)
+    assert in_si("x =", "1 short_ton", "kg") == pytest.approx(2000 * POUND)
+    assert in_si("x =", "1 long_ton", "kg") == pytest.approx(2240 * POUND)
+    assert in_si("x =", "1 t", "kg") == 1000.0
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
         ("3 rpm", "m", "x = 3 rpm: must be a length, in m or such as mm, um, inch, mil"),
         ("3 furlnog", "m", "x = 3 furlnog: the unit 'furlnog' is unknown; must be a length"),
         (

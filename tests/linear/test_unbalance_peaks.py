@@ -5,10 +5,11 @@ import json
 
 import numpy as np
 import pytest
-from rotor_fmu.cli import app
-from rotor_fmu.machine_report.rub_check import rub_check
 from rotor_fmu.model.linear import critical_peaks, response_with_peaks, unbalance_check
 from rotor_fmu.model.machine.toml import parse_rotor
+
+from rotor_fmu.cli import app
+from rotor_fmu.machine_report.rub_check import rub_check
 
 OVERHUNG = """
 [material]
