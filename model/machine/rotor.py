@@ -212,12 +212,12 @@ class Rotor:
             counts[part.KIND] += 1
             if not label:
                 continue
+            where = spelled(part.KIND, counts[part.KIND])
             if not isinstance(label, str) or not _IDENTIFIER.fullmatch(label) or label in _TAKEN:
                 raise QuantityError(
-                    f"{part.KIND}.name = {label!r}: must be a word of letters a to z, digits and "
-                    f"_, and none of {', '.join(_TAKEN)}"
+                    f"{where}.name = {label!r}: must be a word of letters a to z, digits and _, "
+                    f"and none of {', '.join(_TAKEN)}"
                 )
-            where = spelled(part.KIND, counts[part.KIND])
             if label in kinds:
                 raise QuantityError(
                     f"{where}.name = {label}: is reserved, as the name of a part type"

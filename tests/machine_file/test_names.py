@@ -37,11 +37,11 @@ def test_every_part_may_have_a_name_which_its_variables_have():
     ("names", "expected"),
     [
         (("fan", "fan"), "disc[5].name = fan: disc[4] has this name already"),
-        (("two words",), "disc.name = 'two words': must be a word of letters a to z, digits"),
-        (("Laufrad_groß",), "disc.name = 'Laufrad_groß': must be a word of letters a to z"),
+        (("two words",), "disc[4].name = 'two words': must be a word of letters a to z, digits"),
+        (("Laufrad_groß",), "disc[4].name = 'Laufrad_groß': must be a word of letters a to z"),
         (
             ("solver",),
-            "disc.name = 'solver': must be a word of letters a to z, digits and _,",
+            "disc[4].name = 'solver': must be a word of letters a to z, digits and _,",
         ),
         (("bearing",), "disc[4].name = bearing: is reserved, as the name of a part type"),
     ],

@@ -136,7 +136,7 @@ def test_a_port_is_called_by_its_name_once():
         QuantityError, match=r"port\[2\]\.name = amb: port\[1\] has this name already"
     ):
         parse_rotor(text + port)
-    with pytest.raises(QuantityError, match=r"port.name = 'a.b': must be a word"):
+    with pytest.raises(QuantityError, match=r"port\[1\]\.name = 'a.b': must be a word"):
         parse_rotor(text.replace('"amb"', '"a.b"'))
 
 
