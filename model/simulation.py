@@ -293,7 +293,7 @@ class Simulation:
     @property
     def _whirls(self) -> tuple[Whirl, ...]:
         """The growing whirls that were found last, the fastest first."""
-        return growing_whirls(self.structure, self._run.survey)
+        return growing_whirls(self.structure, self._run.survey, self._run.memory.seats)
 
     def _survey(self, is_start: bool) -> None:
         """Survey the growing whirls up to the present speed, and warn of those that the steps

@@ -70,27 +70,27 @@ def _fill_tangent(structure, survey, motion, trial, j, d, omega, sliding):
 
 
 @jit
-def find_seats(structure, survey, motion):
-    """Note where the walls that carry the machine hold it, in equilibrium."""
+def find_seats(structure, motion, seats):
+    """Fill `seats` with where the walls that carry the machine hold it, in equilibrium."""
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         carries = interface.has_wall == 1 and motion.force[j] != 0.0
-        survey.seat[j] = relative(interface, motion.q) if carries else 0.0j
+        seats[j] = relative(interface, motion.q) if carries else 0.0j
 
 
 @jit
-def is_seat(survey, j):
+def is_seat(seats, j):
     """Return whether interface j is a wall that carries the machine at rest."""
-    return survey.seat[j] != 0.0
+    return seats[j] != 0.0
 
 
 @jit_not_inlined
-def fill_rest_tangents(structure, survey, motion, trial, omega):
+def fill_rest_tangents(structure, survey, motion, trial, seats, omega):
     """Fill in the tangents of the walls that carry the machine, where they do at rest, the shaft
     turning at this speed [rad/s]."""
     for j in range(len(structure.interfaces)):
-        if is_seat(survey, j):
-            _fill_tangent(structure, survey, motion, trial, j, survey.seat[j], omega, omega)
+        if is_seat(seats, j):
+            _fill_tangent(structure, survey, motion, trial, j, seats[j], omega, omega)
 
 
 @jit_not_inlined
@@ -169,7 +169,7 @@ def _fill_matrices(structure, survey, basis, mass):
 
 
 @jit
-def fill_system_matrix(structure, survey, speed, case):
+def fill_system_matrix(structure, survey, seats, speed, case):
     """Fill in A at one speed [rad/s] in one case, for x = (q, v / scale), q the x of all dofs and
     housings, then their y; scale: the machine's lowest frequency [rad/s]."""
     numbers = structure.numbers[0]
@@ -200,7 +200,7 @@ def fill_system_matrix(structure, survey, speed, case):
         A[size + x, size + x] -= housing.cx
         A[size + y, size + y] -= housing.cy
     for j in range(len(structure.interfaces)):
-        acts = structure.interfaces[j].has_wall == 0 or (case == REST and is_seat(survey, j))
+        acts = structure.interfaces[j].has_wall == 0 or (case == REST and is_seat(seats, j))
         if acts or is_closed(structure.interfaces, j, case):
             _add_force(survey, half, j, 0, survey.p_d[j], survey.q_d[j])
             _add_force(survey, half, j, size, survey.p_v[j], survey.q_v[j])

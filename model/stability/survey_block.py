@@ -30,9 +30,9 @@ class WhirlSurvey(NamedTuple):
     displacement [N/m] and velocity [N.s/m]; the machine x' = A x in real coordinates, and a copy
     that the eigenvalue solver overwrites; one root's equation and its vector; all roots.
 
-    seat: displacement at each wall that carries the machine at rest [m], 0 at the others. whirls:
-    the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward, `case`
-    (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN [1/s].
+    whirls: the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward,
+    `case` (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN
+    [1/s].
     """
 
     basis: Annotated[np.ndarray, float, "n", "basis"]
@@ -51,7 +51,6 @@ class WhirlSurvey(NamedTuple):
     K_shaft: Annotated[np.ndarray, float, "coarse + housings", "coarse + housings"]
     pick: Annotated[np.ndarray, float, "interfaces", "coarse + housings"]
     push: Annotated[np.ndarray, float, "interfaces", "coarse + housings"]
-    seat: Annotated[np.ndarray, complex, "interfaces"]
     p_d: Annotated[np.ndarray, complex, "interfaces"]
     q_d: Annotated[np.ndarray, complex, "interfaces"]
     p_v: Annotated[np.ndarray, complex, "interfaces"]

@@ -69,12 +69,12 @@ class Whirl:
         return self.root.imag / (2 * np.pi)
 
 
-def growing_whirls(structure: Structure, survey: WhirlSurvey) -> tuple[Whirl, ...]:
-    """Return the whirls that the last `find_growing_whirls` found, the fastest growing first."""
-    interfaces = structure.interfaces
-    walls = (interfaces.slips == 1).nonzero()[0].tolist()
-    seats = np.flatnonzero(survey.seat).tolist()
-    cases = {OPEN: (), ALL: tuple(walls), REST: tuple(seats)}
+def growing_whirls(
+    structure: Structure, survey: WhirlSurvey, seats: np.ndarray
+) -> tuple[Whirl, ...]:
+    """Return the whirls found last, the fastest growing first; seats: see `Memory`."""
+    walls = (structure.interfaces.slips == 1).nonzero()[0].tolist()
+    cases = {OPEN: (), ALL: tuple(walls), REST: tuple(np.flatnonzero(seats).tolist())}
     return tuple(
         Whirl(complex(re, im), backward == 1.0, cases.get(int(case), (int(case),)), speed)
         for re, im, backward, case, speed in survey.whirls[: survey.counted[0]].tolist()
@@ -105,7 +105,7 @@ def find_growing_whirls(run, speed, is_start):
     """
     structure, survey, r = run.structure, run.survey, run.memory.record[0]
     if is_start != 0:
-        find_seats(structure, survey, run.motion)
+        find_seats(structure, run.motion, run.memory.seats)
     r.surveyed_at = speed
     survey.counted[0] = 0
     survey.rest[0] = complex(math.nan, math.nan)
@@ -129,7 +129,7 @@ def find_growing_whirls(run, speed, is_start):
             if case == OPEN:
                 held = _fill_own_roots(run, share * speed)
             else:
-                _fill_roots(structure, survey, share * speed, case)
+                _fill_roots(structure, survey, run.memory.seats, share * speed, case)
             if share == 0.0:
                 _record_growth_at_rest(run)
             else:
@@ -151,10 +151,10 @@ def find_growing_whirls(run, speed, is_start):
 
 
 @jit_not_inlined
-def _fill_roots(structure, survey, speed, case):
+def _fill_roots(structure, survey, seats, speed, case):
     """Fill in all roots at one speed [rad/s] in one case."""
     fill_basis_matrices(structure, survey, case)
-    fill_system_matrix(structure, survey, speed, case)
+    fill_system_matrix(structure, survey, seats, speed, case)
     states = states_of(structure, survey)
     for i in range(states):
         for k in range(states):
@@ -166,26 +166,26 @@ def _fill_roots(structure, survey, speed, case):
 def _fill_own_roots(run, speed):
     """Fill in all roots of the machine itself at one speed [rad/s]: with all contacts open or, if
     some carry it and nothing else does, with these as at rest; return which."""
-    structure, survey = run.structure, run.survey
-    lies = _has_seats(structure, survey)
+    structure, survey, seats = run.structure, run.survey, run.memory.seats
+    lies = _has_seats(seats)
     if not lies or _has_other_supports(structure):
-        _fill_roots(structure, survey, speed, OPEN)
+        _fill_roots(structure, survey, seats, speed, OPEN)
         lies = lies and _is_free(structure, survey)
     if not lies:
         return OPEN
     trial = run.problem.internal_state
-    fill_rest_tangents(structure, survey, run.motion, trial, speed)
-    _fill_roots(structure, survey, speed, REST)
+    fill_rest_tangents(structure, survey, run.motion, trial, seats, speed)
+    _fill_roots(structure, survey, seats, speed, REST)
     fill_tangents(structure, survey, run.motion, trial, speed)
     return REST
 
 
 @jit
-def _has_seats(structure, survey):
+def _has_seats(seats):
     """Return whether a wall is closed at rest."""
     result = False
-    for j in range(len(structure.interfaces)):
-        result = result or is_seat(survey, j)
+    for j in range(len(seats)):
+        result = result or is_seat(seats, j)
     return result
 
 

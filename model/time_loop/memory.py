@@ -109,7 +109,8 @@ class Memory(NamedTuple):
     theta) now [m], integrated over the present revolution [m.rad], and their means over the one
     before, by the angle turned [m]; bounce: of each interface the displacement at the last contact
     (x, y) [m], steps since then, score of crossings; rest: the probes under the loads at the start
-    [m]; center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of the
+    [m]; seats: displacement then at each wall that carries the machine [m], 0 at the others;
+    center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of the
     base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been linear
     in time [N, N/s]; load_work, load_power: of each load since t_ref [J] and now [W].
     """
@@ -121,6 +122,7 @@ class Memory(NamedTuple):
     once: Annotated[np.ndarray, complex, str(len(ONCE)), str(len(SENSE)), "probes"]
     bounce: Annotated[np.ndarray, float, "interfaces", str(len(BOUNCE))]
     rest: Annotated[np.ndarray, complex, "probes"]
+    seats: Annotated[np.ndarray, complex, "interfaces"]
     center: Annotated[np.ndarray, complex, "n"]
     loads: Annotated[np.ndarray, complex, "loads"]
     load_refs: Annotated[np.ndarray, complex, "loads"]

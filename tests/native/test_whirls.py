@@ -8,6 +8,7 @@ from itertools import pairwise
 import fmpy
 import numpy as np
 import pytest
+from rotor_fmu.examples import example_folder
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
@@ -15,6 +16,7 @@ from rotor_fmu.model.stability import survey_block
 from rotor_fmu.model.stability.eigenvalues import eigenvalues
 
 from rotor_fmu.fmi.log import with_code
+from rotor_fmu.machine_file.loading import machine_text
 
 from ..parts.test_linear_bearing import FLEXIBLE
 from ..validation.whip import OVERHUNG
@@ -130,6 +132,27 @@ def test_a_state_from_before_goes_on_with_the_steps_that_it_had(overhung):
     other.t = machine.t - H
     other.step(H)
     assert (other.read() == expected).all()
+
+
+def test_a_state_knows_by_which_contacts_the_machine_lay_at_rest(make):
+    """Of a machine that lies in its touchdown bearings: at speeds not surveyed before, an instance
+    that was never at this rest takes the steps of the one that was."""
+    fmu = make(rotor_toml=machine_text("", example_folder("magnetic_bearing") / "compressor.toml"))
+
+    def run_up(machine):
+        for k in range(20):
+            machine.set(speed=50.0 + 40.0 * k)
+            machine.step(1e-3)
+        return machine.read()
+
+    machine = Machine(fmu).start(speed=50.0)
+    machine.step(1e-3)
+    state = machine.fmu.serializeFMUstate(machine.fmu.getFMUstate())
+    expected = run_up(machine)
+    other = Machine(fmu)
+    other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(state))
+    other.t = 1e-3
+    assert (run_up(other) == expected).all()
 
 
 @pytest.mark.parametrize("modes", [2, 10])
