@@ -73,6 +73,31 @@ def test_loads_go_on_with_the_slopes_that_they_were_given(extracted):
     assert work[1] == pytest.approx(work[0], rel=1e-3)
 
 
+def test_a_slope_given_after_an_early_end_stays_with_the_value_before_it_or_behind(extracted):
+    at, ends = [extracted.refs["disc[2].fx"]], []
+    for order in ("value", "slope"):
+        host = Ramp(extracted, **{"solver.max_iterations": 50})
+        with pytest.raises(Discarded):
+            host.fmu.step(0.0, H)
+        if order == "slope":
+            host.fmu.slopes(at, [5e4])
+        host.fmu.set("Real", at, [1.0])
+        if order == "value":
+            host.fmu.slopes(at, [5e4])
+        state = host.fmu.state()
+        host.fmu.step(host.fmu.last_successful_time, 1e-4)
+        ends.append(host.get("disc[2].x"))
+        host.fmu.restore(state)
+        host.fmu.step(host.fmu.last_successful_time, 1e-4)
+        ends.append(host.get("disc[2].x"))
+    assert len({*ends}) == 1
+    # set anew without a slope, it has none
+    host.fmu.restore(state)
+    host.fmu.slopes(at, [0.0])
+    host.fmu.step(host.fmu.last_successful_time, 1e-4)
+    assert host.get("disc[2].x") != ends[0]
+
+
 @pytest.mark.parametrize("name", ["limit.displacement", "limit.force"])
 def test_a_master_that_rolls_back_passes_a_limit_that_it_was_told_of(extracted, name):
     """It steps again, from the state before, to the time reached, and on from there."""

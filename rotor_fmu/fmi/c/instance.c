@@ -55,6 +55,7 @@ static Instance *furnished(Instance *m)
         return refused(m, "out of memory");
     m->values = (double *)(m->state + 1);
     m->slopes = m->values + m->table->observed_at;
+    m->continued = m->slopes + m->table->inputs;
     begin_anew(m);
     return m;
 }

@@ -84,7 +84,7 @@ typedef struct {
     int64_t phase, is_built, is_retuned, has_tolerance, has_stop;
     double start, stop, now, tolerance;
     char failure[704];
-} State; /* followed by the values of what can be set, the inputs' slopes, and the run */
+} State; /* followed by the values of what can be set, `slopes` and `continued`, and the run */
 
 enum { WARNINGS = 512 };
 typedef struct Instance Instance;
@@ -97,6 +97,7 @@ struct Instance {
     const Table *table;
     State *state;
     double *values, *slopes; /* NaN where the host has given none for the next step */
+    double *continued; /* 1 where a slope is that of a step that ended early */
     void *before;            /* the state before a step that has to be done whole or not at all */
     int is_whole;
     double limit_at; /* time at which the host was told of a limit, NaN before */

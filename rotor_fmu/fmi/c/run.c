@@ -110,8 +110,10 @@ static void take_loads(Instance *m)
 
 void forget_slopes(Instance *m)
 {
-    for (int64_t i = 0; i < m->table->inputs; i++)
+    for (int64_t i = 0; i < m->table->inputs; i++) {
         m->slopes[i] = NAN;
+        m->continued[i] = 0.0;
+    }
 }
 
 /* Put the machine's parameters into the block, or those alone that may change during a run. */
@@ -237,14 +239,15 @@ static void continue_inputs(Instance *m)
 {
     const Table *t = m->table;
     const double *loads = (const double *)(m->block + t->loads_at);
+    m->values[t->drive_at] = in_block(m, t->is_free ? t->torque_at : t->omega_at);
+    if (!t->is_free && isnan(m->slopes[t->drive_at]))
+        m->slopes[t->drive_at] = in_block(m, t->alpha_at);
     for (int64_t i = 0; i < t->inputs; i++) {
         const Variable *v = variables(t) + i;
         if (v->role == LOAD)
             m->values[i] = loads[v->at];
+        m->continued[i] = !isnan(m->slopes[i]);
     }
-    m->values[t->drive_at] = in_block(m, t->is_free ? t->torque_at : t->omega_at);
-    if (!t->is_free && isnan(m->slopes[t->drive_at]))
-        m->slopes[t->drive_at] = in_block(m, t->alpha_at);
 }
 
 /* A step that took more iterations than it may, or came upon a limit or a contact: how far. */
@@ -346,7 +349,9 @@ Status set_slopes(Instance *m, const uint32_t *references, size_t count, const i
             return refuse(m, "%s: %s = %s: must be a finite number", call,
                           name_of(m, references[i]), shown);
     }
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         m->slopes[references[i]] = values[i];
+        m->continued[references[i]] = 0.0;
+    }
     return OK;
 }

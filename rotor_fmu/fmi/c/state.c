@@ -13,7 +13,7 @@ size_t state_size(const void *state)
 
 size_t head_size(const Instance *m)
 {
-    return sizeof(State) + (size_t)(m->table->observed_at + m->table->inputs) * sizeof(double);
+    return sizeof(State) + (size_t)(m->table->observed_at + 2 * m->table->inputs) * sizeof(double);
 }
 
 /* Whether a state is of this size. */

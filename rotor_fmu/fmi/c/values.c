@@ -101,8 +101,10 @@ static void take_value(Instance *m, uint32_t reference, double value)
 {
     if (variables(m->table)[reference].role == MACHINE && m->values[reference] != value)
         m->state->is_retuned = m->state->phase == STEPPING;
-    if (reference < m->table->inputs && *m->state->failure) /* nothing of it is continued */
+    if (reference < m->table->inputs && m->continued[reference] != 0.0) {
         m->slopes[reference] = NAN;
+        m->continued[reference] = 0.0;
+    }
     m->values[reference] = value;
 }
 
