@@ -323,12 +323,12 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, li
     for i in range(len(structure.deflections)):
         if not is_finite_within(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
-    if first_invalid_law(structure, new.q, problem.internal_state) >= 0:
+    for i in range(len(problem.internal_state)):
+        new.internal_state[i] = problem.internal_state[i]
+    if first_invalid_law(structure, new.q, new.internal_state) >= 0:
         return FILM_INVALID, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
     if len(problem.internal_state) > 0:
-        for i in range(len(problem.internal_state)):
-            new.internal_state[i] = problem.internal_state[i]
         _fill_rates(structure, spin, new)
         balance_back(
             scheme,

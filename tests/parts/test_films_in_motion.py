@@ -13,6 +13,7 @@ from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
 from ..toml_text import table
 from .films import DAMPER, OF_A_FILM, THRESHOLDS, film, heavy_shaft, in_films, run_of
+from .machines import shaft
 
 
 def _pushed(rotor, speed):
@@ -163,6 +164,26 @@ def test_a_run_ends_where_a_film_without_contact_breaks(settings):
         _pressed(run)
     # the last good state
     assert 1e-6 <= run.read("journal_bearing[1].film") < 2e-6
+
+
+def _coast(run):
+    """Let a rotor turn on without a torque, in communication steps of 2 ms."""
+    for i in range(1, 51):
+        run.advance(2e-3 * i, 0.0)
+
+
+def test_the_film_that_breaks_is_named_where_pads_tilt():
+    """It is that of the step which was tried, with its pads as they are tilted then."""
+    journals = {"journal_radius": 0.02, "length": 0.02, "clearance": 5e-5, "viscosity": 0.01}
+    pads = {"pads": [0.8, 2.4, 4.0, 5.5], "arc": 1.3, "tilting": True}
+    text = shaft(0.0, 0.2, 0.4)
+    text += table("[body]", node=2, mass=2.0, I_d=0.01, I_p=0.015, e=2e-5)
+    text += table("[journal_bearing]", node=1, **journals, **pads)
+    text += table("[journal_bearing]", node=3, **journals, short=True)
+    run = run_of(parse_rotor(text), 1400.0, 1e-3, drive_torque=0.0)
+    with pytest.raises(StepFailure, match=r"oil film at node 1 is thinner than its roughness"):
+        _coast(run)
+    assert run.read("journal_bearing[1].film") < 1.1e-6 < run.read("journal_bearing[2].film")
 
 
 def test_a_free_rotor_is_braked_by_its_films():
