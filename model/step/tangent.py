@@ -51,7 +51,7 @@ class Tangent(NamedTuple):
 
 class TangentWork(NamedTuple):
     """Work arrays of tangents. by_law: the pairs of dF/dd and of dF/dd'; d_free: derivatives of the
-    predicted internal states; flows, ledger: of `ledger.FLOWS`."""
+    predicted internal states; flows, ledger: of `ledger.FLOWS`; load_work: of each load [J]."""
 
     by_law: Annotated[np.ndarray, complex, "interfaces", "4"]
     known: Annotated[np.ndarray, complex, "interfaces"]
@@ -64,6 +64,7 @@ class TangentWork(NamedTuple):
     places: Annotated[np.ndarray, np.int64, "2 * interfaces"]
     flows: Annotated[np.ndarray, float, "flows"]
     ledger: Annotated[np.ndarray, float, "flows"]
+    load_work: Annotated[np.ndarray, float, "loads"]
     loads: Annotated[np.ndarray, complex, "loads"]
 
 

@@ -13,7 +13,7 @@ from ..quantities import places
 from ..step.excitation import spin_of
 from ..step.step import accelerate
 from ..step.tangent import row_of
-from .energy import powers
+from .energy import port_power, powers
 from .memory import spin_now
 from .observe import SHAFT, observe
 from .sensitivities import difference_step, moved_spin, rotation_along, torque_at
@@ -81,6 +81,8 @@ def by_time(run, tangents):
     step = _SHARE / max(fastest, math.sqrt(r.characteristic_frequency_squared))
     for i in range(len(memory.work)):
         tangents.work.ledger[i] = memory.work[i]
+    for i in range(len(memory.load_work)):
+        tangents.work.load_work[i] = memory.load_work[i]
     for i in range(len(second)):
         second[i] = 0.0
     alpha_rate = _jerk(structure, motion, memory, work, tangents, spin, step)
@@ -88,9 +90,7 @@ def by_time(run, tangents):
         signed = step * _PLACES[place]
         _along_time(motion, signed, moved)
         torque, spin_there = _balanced(structure, memory, work, tangents, spin, alpha_rate, signed)
-        for i in range(len(memory.work)):
-            change = 0.5 * signed * (memory.power[i] + tangents.work.flows[i])
-            memory.work[i] = tangents.work.ledger[i] + change
+        _move_work(structure, memory, tangents, spin_there, signed)
         _read(structure, memory, work, tangents, spin_there, torque, first if place == 0 else now)
         if place == 1:
             for i in range(len(first)):
@@ -100,6 +100,8 @@ def by_time(run, tangents):
                 second[i] += _WEIGHTS[place] * now[i]
     for i in range(len(memory.work)):
         memory.work[i] = tangents.work.ledger[i]
+    for i in range(len(memory.load_work)):
+        memory.load_work[i] = tangents.work.load_work[i]
     for i in range(len(second)):
         second[i] /= _NORM * step * step
     rates = tangents.after.spin[0]
@@ -108,6 +110,19 @@ def by_time(run, tangents):
     rotation_along(structure, memory.record, drive_rate, rates, first)
     rates[0], rates[1], rates[2] = alpha_rate, second[_SHAFT.a], r.alpha
     rotation_along(structure, memory.record, 0.0, rates, second)
+
+
+@jit_not_inlined
+def _move_work(structure, memory, tangents, spin, step):
+    """Set the work of all flows and of each load to that of the displaced motion, `step` [s] from
+    now."""
+    for i in range(len(memory.work)):
+        change = 0.5 * step * (memory.power[i] + tangents.work.flows[i])
+        memory.work[i] = tangents.work.ledger[i] + change
+    for i in range(len(memory.load_work)):
+        power = port_power(structure, spin, i, tangents.work.loads[i], tangents.moved.v)
+        change = 0.5 * step * (memory.load_power[i] + power)
+        memory.load_work[i] = tangents.work.load_work[i] + change
 
 
 @jit_not_inlined

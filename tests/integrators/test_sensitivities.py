@@ -239,6 +239,29 @@ def test_derivatives_by_time_are_differences_of_a_run_with_small_steps(torque):
             assert seen[1, at] == pytest.approx(expected[1][at], rel=1e-4, abs=rounding), name
 
 
+@pytest.mark.parametrize("torque", [None, 0.5])
+def test_the_energy_of_a_step_grows_with_the_power_that_enters(torque):
+    """Of a force f at a velocity v with f v, through a line of impedance Z with f v - Z v^2."""
+    options = {} if torque is None else {"drive_torque": torque}
+    run = Simulation(parse_rotor(LINE), choose("robust"), speed=100.0, **options)
+    force, rate, t = 3.0 - 2.0j, 50.0 + 80.0j, 0.05
+    everywhere = np.ones(len(run.structure.load_dof))
+    drive = 100.0 if torque is None else torque
+    run.advance(t, drive, force * everywhere, load_rates=rate * everywhere)
+    force += rate * t
+    before, (first, second) = run.observed.copy(), run.derivatives()
+    assert (run.observed == before).all()
+    for port, impedance in (("disc[1]", 0.0), ("disc[2]", 0.0), ("disc[3]", 0.0), ("joint", 50.0)):
+        x, y, work = (run.names.index(f"{port}.{name}") for name in ("x", "y", "step_work"))
+        v, a = complex(first[x], first[y]), complex(second[x], second[y])
+        power = (force.conjugate() * v).real - impedance * abs(v) ** 2
+        grows = (rate.conjugate() * v + (force - 2.0 * impedance * v).conjugate() * a).real
+        assert first[work] == pytest.approx(power, rel=1e-6), port
+        assert second[work] == pytest.approx(grows, rel=1e-4), port
+    by_drive = first[run.names.index("step_work")]
+    assert by_drive == pytest.approx(run.read("tau") * run.read("w"), rel=1e-6)
+
+
 # --- energy, limits, lines --------------------------------------------------------------------
 
 
