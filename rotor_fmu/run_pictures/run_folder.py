@@ -52,7 +52,7 @@ def draw_amplitude(
     d = current()
     values = run.columns[f"{place}.{axis}_amp"] * d.amplitude
     n = run.columns["w"] * d.speed
-    end = start_up(run.t)
+    end = start_up(run.t, run.columns["w"])
     early, late = run.t <= end, run.t >= end
     start = f"start-up, the first {end:.3g} s" if has_start else None
     at = peak_index(run.t, run.columns["w"], values)

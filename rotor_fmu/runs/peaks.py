@@ -1,11 +1,14 @@
 """Whether a run has one speed, and where an amplitude over its speed has a peak."""
 
+import math
+
 import numpy as np
 
 from ..vibration.turns import TURN
 
-# The transient of the start is over by then [s], or after this share of a shorter run.
-PEAKS_AFTER, _START_UP = 2.0, 0.2
+# The transient of the start is over by then [s], or after so many turns of a machine that is fast,
+# or after this share of a shorter run.
+PEAKS_AFTER, _TURNS, _START_UP = 2.0, 125.0, 0.2
 # Relative to the highest speed, how far a constant one may vary: less than the half-power width of
 # any resonance whose amplification factor is below 100, so that no peak lies within.
 _CONSTANT = 0.01
@@ -17,16 +20,21 @@ def is_constant(w: np.ndarray) -> bool:
     return len(w) == 0 or float(np.ptp(w)) <= _CONSTANT * float(np.abs(w).max())
 
 
-def start_up(t: np.ndarray) -> float:
-    """Return the time [s] until which a run is in its start-up."""
-    return min(PEAKS_AFTER, _START_UP * float(t[-1])) if len(t) else PEAKS_AFTER
+def start_up(t: np.ndarray, w: np.ndarray) -> float:
+    """Return the time [s] until which a run at speeds w [rad/s] is in its start-up."""
+    if not len(t):
+        return PEAKS_AFTER
+    turned = np.cumsum(np.diff(t) * (np.abs(w[1:]) + np.abs(w[:-1])) / 2)
+    turning = np.flatnonzero(turned >= _TURNS * TURN)
+    by_turns = float(t[1 + turning[0]]) if len(turning) else math.inf
+    return min(PEAKS_AFTER, by_turns, _START_UP * float(t[-1]))
 
 
 def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | None:
     """Return the row at which an amplitude over the last turn, shape (n,), has a peak after
     the start-up; None where it is largest at an edge of the run or of its speeds: that is no
     peak."""
-    late = np.flatnonzero(t > start_up(t))
+    late = np.flatnonzero(t > start_up(t, w))
     if not len(late) or is_constant(w):
         return None
     at = int(late[np.argmax(amplitude[late])])
@@ -41,7 +49,7 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | Non
 
 def why_no_peak(t: np.ndarray, w: np.ndarray) -> str:
     """Return why a run, in which `peak_index` finds none, has no peak."""
-    if not len(t) or not t[-1] > start_up(t):
+    if not len(t) or not t[-1] > start_up(t, w):
         return "the run ends where it begins"
     if is_constant(w):
         return "the speed is constant"

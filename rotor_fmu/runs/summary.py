@@ -76,7 +76,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     figures["place"] = place
     if len(hz) and place:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
-    late = np.flatnonzero(run.t > start_up(run.t))
+    late = np.flatnonzero(run.t > start_up(run.t, c["w"]))
     if not len(late):
         return figures | {"no_peak": why_no_peak(run.t, c["w"])}
     for axis in "xy" if place else "":
@@ -121,7 +121,8 @@ def _peak(figures: Mapping[str, Any]) -> str:
     largest = [um for axis in "xy" if (um := figures[f"{axis}_largest_um"]) is not None]
     moved = ""
     if largest:
-        moved = f"; {display_name(place)} moved by at most {_length(max(largest))} from rest"
+        far = _length(max(largest))
+        moved = f"; {display_name(place)} moved by at most {far} from rest after the start-up"
     return f"No peak, because {figures['no_peak']}{moved}."
 
 
