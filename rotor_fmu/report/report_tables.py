@@ -86,8 +86,11 @@ def _ran(run: Recording, summary: Mapping[str, Any], of: str) -> str:
         ]
     rows.append(["samples", len(run.t)])
     rows += [[text, summary[name]] for name, text in _SUMMARY.items() if name in summary]
-    given = run.about.get("parameters", {})
-    rows += [[f"{name}, as set", value] for name, value in given.items()]
+    units = run.parameter_units()
+    for name, value in run.about.get("parameters", {}).items():
+        shown = current().of_si(units.get(name, "1"))
+        unit = "" if shown.unit == "1" else f" [{shown.unit}]"
+        rows.append([f"{name}, as set{unit}", value if shown.factor == 1 else value * shown.factor])
     return table(f"{of}the run", ["", ""], rows)
 
 

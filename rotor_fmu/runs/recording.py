@@ -150,6 +150,15 @@ class Recording(ShortRepr):
     def _resampled(self) -> dict[str, Synchronous]:
         return {}
 
+    def parameter_units(self) -> dict[str, str]:
+        """Return the SI units of what may be set in the run's machine, none where the recording
+        does not hold it."""
+        if self.rotor is None:
+            return {}
+        from ..fmi.interface import interface
+
+        return {v.name: v.unit for v in interface(self.rotor) if v.unit}
+
     def _clearance(self, name: str) -> float | None:
         given: Mapping[str, Any] = self.about.get("parameters", {})
         if f"{name}.clearance" in given:

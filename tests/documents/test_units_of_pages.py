@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,6 +29,18 @@ def test_tables_of_the_page_are_in_the_units_chosen():
     assert mine[-3:] == pytest.approx([um / 25.4 for um in si[-3:]], rel=1e-4)
     for head in ("1x, largest [mil pp]", "at [rpm]", "x [mil pp]", "S_max [mil 0-p]"):
         assert f'<th scope="col">{head}</th>' in chosen
+
+
+def test_what_was_set_in_a_run_is_shown_with_its_unit():
+    given = {"speed_rate": -5.235987755982989, "bearing[2].clearance": 1e-4, "bearing[2].mu": 0.1}
+    run = recorded()
+    about = {**run.about, "toml": rig_toml(), "parameters": given}
+    with restored():
+        choose("rpm,mil")
+        page = runs_page([replace(run, about=about).named("one")], [{}])
+    assert _cells(page, re.escape("speed_rate, as set [rpm/s]")) == [-50.0]
+    assert _cells(page, re.escape("bearing[2].clearance, as set [mil]")) == [3.937]
+    assert _cells(page, re.escape("bearing[2].mu, as set")) == [0.1]
 
 
 def _cells(page, place):
