@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from multiprocessing.util import Finalize
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,8 @@ def pytest_configure(config):
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
         config.stash[TEMPORARY] = Path(tempfile.mkdtemp(prefix="tests_"))
         os.environ["TMPDIR"] = tempfile.tempdir = str(config.stash[TEMPORARY])
+        # at the very end: multiprocessing removes a folder of its own in it at -100
+        Finalize(None, shutil.rmtree, (config.stash[TEMPORARY], True), exitpriority=-200)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -51,11 +54,6 @@ def pytest_configure_node(node):
         build(folder)
         _compile()
     node.workerinput["fmu"] = str(next(folder.glob("*.fmu")))
-
-
-def pytest_unconfigure(config):
-    if TEMPORARY in config.stash:
-        shutil.rmtree(config.stash[TEMPORARY], ignore_errors=True)
 
 
 def _compile():

@@ -213,15 +213,13 @@ class Rotor:
             if not label:
                 continue
             where = spelled(part.KIND, counts[part.KIND])
-            if not isinstance(label, str) or not _IDENTIFIER.fullmatch(label) or label in _TAKEN:
+            if not isinstance(label, str) or not _IDENTIFIER.fullmatch(label):
                 raise QuantityError(
-                    f"{where}.name = {label!r}: must be a word of letters a to z, digits and _, "
-                    f"and none of {', '.join(_TAKEN)}"
+                    f"{where}.name = {label!r}: must be a word of letters a to z, digits and _"
                 )
-            if label in kinds:
-                raise QuantityError(
-                    f"{where}.name = {label}: is reserved, as the name of a part type"
-                )
+            if label in _TAKEN or label in kinds:
+                of = "a part type" if label in kinds else "variables"
+                raise QuantityError(f"{where}.name = {label}: is reserved, as the name of {of}")
             if label in seen:
                 raise QuantityError(f"{where}.name = {label}: {seen[label]} has this name already")
             seen[label] = where

@@ -9,6 +9,10 @@ from typing import Any
 from ..quantities import QuantityError, quantities
 
 
+class UnfitKeys(QuantityError):
+    """A table with a key that it does not have, or without one that it needs."""
+
+
 def a_table(where: str, value: Any) -> dict[str, Any]:
     """Return the value, which must be a table."""
     if not isinstance(value, dict):
@@ -39,17 +43,27 @@ def nearest(given: object, known: Collection[str]) -> str:
 
 
 def refuse_unknown(where: str, table: dict[str, Any], known: Collection[str]) -> None:
-    """Raise `QuantityError` for the first key that is not known."""
+    """Raise `UnfitKeys` for the first key that is not known."""
     for key in table:
         if key not in known:
             name = key if key.isprintable() else repr(key)
             shown = f"{where}.{name}" if where else name
             hint = nearest(key, known)
-            raise QuantityError(f"{shown}: unknown key; {hint}known are {', '.join(known)}")
+            raise UnfitKeys(f"{shown}: unknown key; {hint}known are {', '.join(known)}")
 
 
 def _is_optional(field: Field[Any]) -> bool:
     return field.default is not MISSING or field.default_factory is not MISSING
+
+
+def fits(kind: type, given: Collection[str]) -> bool:
+    """Return whether these are keys of a data class, or nearly, with all that it needs; one key
+    alone says nothing."""
+    known = {field.name: _is_optional(field) for field in fields(kind)}
+    meant = {(get_close_matches(key, known, 1) or [key])[0] for key in given}
+    return (
+        len(meant) > 1 and meant <= known.keys() and all(known[key] for key in known.keys() - meant)
+    )
 
 
 def make(kind: type, where: str, value: Any) -> Any:
@@ -58,7 +72,7 @@ def make(kind: type, where: str, value: Any) -> Any:
     refuse_unknown(where, table, tuple(f.name for f in fields(kind)))
     for field in fields(kind):
         if not _is_optional(field) and field.name not in table:
-            raise QuantityError(f"{where}.{field.name} is missing")
+            raise UnfitKeys(f"{where}.{field.name} is missing")
         given = table.get(field.name, "")
         if field.type in (str, "str") and not isinstance(given, str):
             raise QuantityError(f"{where}.{field.name} = {given!r}: must be a string")

@@ -13,7 +13,7 @@ from .mesh import Mesh
 from .operating_speeds import Operation
 from .rotor import Rotor
 from .shaft_tables import Materials, sections_between, sections_in_turn
-from .table_reader import a_table, make, number, refuse_unknown, tables_of
+from .table_reader import UnfitKeys, a_table, fits, make, number, refuse_unknown, tables_of
 
 _SHAFT_KEYS = ("nodes", "diameters", "start", "eta_v", "eta_h", "rotating_damping")
 _OWN_KEYS = (
@@ -126,4 +126,9 @@ def _parts(
                 values["node"] = mesh.node(where, values["node"])
         if "material" in values and "material" in names:
             values["material"] = materials.take(f"{where}.material", values["material"])
-        yield make(kind, where, values)
+        try:
+            yield make(kind, where, values)
+        except UnfitKeys as error:
+            others = [f"[[{other.KIND}]]" for other in PARTS if fits(other, values)]
+            hint = f"; the keys given are those of {' or '.join(others)}" if others else ""
+            raise QuantityError(f"{error}{hint}") from error

@@ -133,6 +133,14 @@ def test_a_wrong_file_is_refused_in_one_line_that_names_it(old, new, named):
 WRONG_PARTS = [
     ("[[housing]]\nmass = 1.0\nkx = 1.0\nky = 1.0\ncx = 0\ncy = 0", ["housing[1].name is missing"]),
     ("[[port]]\nnode = 9", ["port[1].node = 9", "from 1 to 8"]),
+    (
+        "[[disc]]\nnode = 2\nmass = 3.0\nIp = 0.1\nId = 0.1",
+        ["disc[4].mass: unknown key", "keys given are those of [[body]]"],
+    ),
+    (
+        "[[bearing]]\nnode = 2\njournal_radius = 1e-2\nclearance = 1e-4\nk = 1e8\nmu = 0.1",
+        ["bearing[3].kx is missing; the keys given are those of [[contact]]"],
+    ),
     ("[[unbalance]]\nnode = 2\namount = -1e-4", ["unbalance[1].amount = -0.0001 kg.m", ">= 0"]),
     (
         '[[contact]]\nnode = 5\nhousing = "bearing[3]"\njournal_radius = 1e-2\n'
