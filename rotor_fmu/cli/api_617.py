@@ -191,7 +191,7 @@ def unbalance(
     else:
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
-    name_films(machine)
+    name_films(machine, speeds)
     writable_folder(out)
     _write_response(result, nodes, out / "unbalance.csv")
     if ends is None:

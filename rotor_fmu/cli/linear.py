@@ -51,7 +51,7 @@ def modes(
     from ..plotting.figure_style import save
 
     result = answers.modes(machine, at, count=count, contacts=contacts)
-    name_films(machine)
+    name_films(machine, [at])
     data = print_answer(result, out, "modes")
     save(mode_shapes_figure(result, result.machine_name, result.shear), out / "modes_3d.png")
     return data
@@ -87,7 +87,7 @@ def campbell(
     result = answers.campbell(
         machine, speeds, count=count, contacts=contacts, harmonic=harmonic or 1.0
     )
-    name_films(machine)
+    name_films(machine, speeds)
     return print_answer(result, out, "campbell", figure=result.figure(ends))
 
 

@@ -1,6 +1,6 @@
 """The machine of a linear analysis, and the answer: printed, and written as numbers and picture."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,9 +24,17 @@ def machine_in_units(file: Path | None, units: str | None) -> Rotor:
     return machine
 
 
-def name_films(machine: Rotor) -> None:
-    """Say of oil films where they are linearized."""
+def name_films(machine: Rotor, speeds: Collection[float]) -> None:
+    """Say of oil films where they are linearized, and of tables which of these speeds [rad/s] lie
+    outside."""
     from ..model.linear.journal_bearing_curves import journal_bearings
+    from ..model.machine.speed_ranges import speed_ranges
+
+    ends = sorted({min(speeds), max(speeds)})
+    for table in speed_ranges(machine):
+        for speed in ends:
+            if not table.holds(speed):
+                typer.echo(table.beyond.format(speed=speed))
 
     films = journal_bearings(machine)
     if names := ", ".join(films):
