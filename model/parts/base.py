@@ -142,7 +142,12 @@ PROBE_OUTPUTS = (
 STEP_WORK = Output(
     "step_work", "J", "energy that entered here over the last communication step", nominal=1e-3
 )
-_MOTIONS = (("x", "m/N", 1e-6), ("y", "m/N", 1e-6), ("vx", "m/N.s", 1e-3), ("vy", "m/N.s", 1e-3))
+_MOTIONS = (
+    ("x", "m/N", 1e-6),
+    ("y", "m/N", 1e-6),
+    ("vx", "m/(N.s)", 1e-3),
+    ("vy", "m/(N.s)", 1e-3),
+)
 PORT_OUTPUTS = remembered(
     STEP_WORK,
     *(

@@ -32,11 +32,12 @@ _SHOWN = {"m": ("um", 1e6), "rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 /
 @cache
 def unit(name: str) -> Unit:
     """Return the unit that is spelled so: SI units with exponents, `.` between factors, one `/`
-    before those that divide: `N.m.s/rad`, `kg/m3`. Raises `KeyError` for another name."""
+    before those that divide, in brackets where they are several: `kg/m3`, `m/(N.s)`. Raises
+    `KeyError` for another name."""
     known = _BASE | _DERIVED
     base: dict[str, int] = {}
     for side, factors in zip((1, -1), name.split("/"), strict=False):
-        for factor in factors.split("."):
+        for factor in factors.strip("()").split("."):
             word = factor if factor == "1" else factor.rstrip("0123456789")
             power = side * int(factor[len(word) :] or 1)
             for of, exponent in known[word].items():

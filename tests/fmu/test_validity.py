@@ -2,6 +2,7 @@
 
 import ast
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -10,6 +11,7 @@ from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
 import fmpy
+import pint
 import pytest
 from fmpy.validation import validate_fmu
 from rotor_fmu.model.machine.toml import rig, rig_toml
@@ -159,8 +161,13 @@ def test_units_are_defined_by_si_exponents_and_shown_in_what_people_read(fmu):
     shown = {name: u.displayUnits[0].name for name, u in defined.items() if u.displayUnits}
     assert shown == {"m": "um", "rad": "deg", "rad/s": "rpm"}
     assert defined["rad/s"].displayUnits[0].factor == pytest.approx(unit("rad/s").display[1])
-    torque = defined["N.m"].baseUnit
-    assert (torque.kg, torque.m, torque.s) == (1, 2, -2)
+    read = pint.UnitRegistry()
+    for name in defined.keys() - {"1"}:
+        spelled = re.sub(r"(?<=[a-z])(\d)", r"**\1", name.replace(".", "*"))
+        base = defined[name].baseUnit
+        expected = read.parse_units(spelled).dimensionality
+        for dimension, exponent in (("mass", base.kg), ("length", base.m), ("time", base.s)):
+            assert exponent == expected.get(f"[{dimension}]", 0), name
 
 
 def dependencies(fmu):
