@@ -124,7 +124,7 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
         d = current()
         small = d.small_word
         heads = (
-            *("what", f"at [{d.speed_unit}]", small, "N1", "N2", "AF"),
+            *("what", f"at [{d.speed_unit}]", small, *_half_power_heads(), "AF"),
             *("required [%]", "actual [%]", "met"),
         )
         scaled = ""
@@ -192,7 +192,8 @@ class CriticalPeaks(Displayed):
     def table(self) -> Table:
         """Return a table with one row for each peak of a node."""
         d = current()
-        heads = ("node", "axis", f"critical [{d.speed_unit}]", d.amplitude_words, "N1", "N2", "AF")
+        critical = f"critical [{d.speed_unit}]"
+        heads = ("node", "axis", critical, d.amplitude_words, *_half_power_heads(), "AF")
         title = "Critical speeds with their amplification factors (API 684)"
         return Table(title, heads, [_peak(c) for c in self.criticals])
 
@@ -214,6 +215,11 @@ def _peak(critical: ProbeCritical) -> tuple[object, ...]:
         *(critical.node, critical.axis, peak.speed * d.speed, peak.amplitude * d.amplitude),
         *(peak.below * d.speed, peak.above * d.speed, peak.amplification),
     )
+
+
+def _half_power_heads() -> tuple[str, str]:
+    unit = current().speed_unit
+    return f"N1 [{unit}]", f"N2 [{unit}]"
 
 
 def _why_none(amplification: float) -> str:
