@@ -3,7 +3,7 @@ plane, and with the correction unbalances (ISO 21940-12)."""
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -34,6 +34,10 @@ _MEASURED = 32  # turns at the end of a run, over which the vibration is measure
 _ROWS = 64  # a turn
 _TRIAL = 0.1  # of the rotor's weight, the force of all trial unbalances together
 _TOLERANCE = 1e-5
+_GROWS = 1e-9  # of its frequency: what grows less is a mode without damping
+
+# Of how many runs are done, and of what the next one is.
+ReportRun = Callable[[int, str], None]
 
 
 class Vibration(NamedTuple):
@@ -149,14 +153,16 @@ def balance(
     *,
     measured: Sequence[int] | None = None,
     trial: float | None = None,
+    report: ReportRun = lambda done, what: None,
 ) -> Balancing:
     """Balance a machine by influence coefficients, from runs in time.
 
     speeds: of balancing [rad/s], above 0; planes: nodes (from 1) of the correction planes;
     measured: nodes (from 1) at which x and y are measured, by default those of the planes; trial:
     unbalance of each plane [kg.m], by default all together pull with a tenth of the rotor's weight
-    at the lowest balancing speed. Raises `InputError` if a speed, a node or the trial unbalance
-    cannot be, `RunFailed` if a run stops before its end.
+    at the lowest balancing speed; report: called before each run. Raises `InputError` if a speed, a
+    node or the trial unbalance cannot be, or the machine is unstable at a speed, `RunFailed` if a
+    run stops before its end.
     """
     nodes = list(planes if measured is None else measured)
     highest = len(rotor.nodes)
@@ -174,11 +180,13 @@ def balance(
         raise InputError(f"trial unbalance = {trial:g} kg.m: must be > 0 and finite")
     if not assemble(rotor).unbalance.any():
         raise InputError("the machine has no unbalance: there is nothing to balance")
-    bench = _Bench(rotor, list(speeds), nodes)
-    initial = bench.vibration({})
-    trials = np.array([bench.vibration({node: complex(trial)}) for node in planes])
+    bench = _Bench(rotor, list(speeds), nodes, report)
+    initial = bench.vibration("as it is", {})
+    trials = np.array(
+        [bench.vibration(f"trial unbalance at node {n}", {n: complex(trial)}) for n in planes]
+    )
     found = correction(initial, trials, np.full(len(planes), complex(trial)))
-    corrected = bench.vibration(dict(zip(planes, found.unbalances, strict=True)))
+    corrected = bench.vibration("corrected", dict(zip(planes, found.unbalances, strict=True)))
     rows = zip(bench.rows(), initial, found.expected, corrected, strict=True)
     result = Balancing(
         planes=tuple(
@@ -203,8 +211,12 @@ def _usual_trial(rotor: Rotor, speed: float, planes: int) -> float:
 class _Bench:
     """A machine that is run at the balancing speeds and measured."""
 
-    def __init__(self, rotor: Rotor, speeds: list[float], nodes: list[int]) -> None:
-        self._speeds, self._nodes = speeds, nodes
+    def __init__(
+        self, rotor: Rotor, speeds: list[float], nodes: list[int], report: ReportRun
+    ) -> None:
+        self._speeds, self._nodes, self._report = speeds, nodes, report
+        self._turns = [_turns(rotor, speed) for speed in speeds]
+        self._done = 0
         sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
         self._contacts = [
@@ -218,17 +230,20 @@ class _Bench:
         """Return node, axis and speed of each measurement."""
         return [(n, axis, s) for s in self._speeds for n in self._nodes for axis in "xy"]
 
-    def vibration(self, unbalances: dict[int, complex]) -> np.ndarray:
-        """Return the vibration with further unbalances [kg.m] by node, in the order of `rows`."""
+    def vibration(self, what: str, unbalances: dict[int, complex]) -> np.ndarray:
+        """Return the vibration with further unbalances [kg.m] by node, in the order of `rows`;
+        what: they are, in words."""
         added = [Unbalance(n, abs(u), float(np.angle(u))) for n, u in unbalances.items()]
         rotor = replace(self._rotor, parts=(*self._rotor.parts, *added))
-        return np.concatenate([self._at(rotor, speed) for speed in self._speeds])
+        result = []
+        for speed, turns in zip(self._speeds, self._turns, strict=True):
+            self._report(self._done, f"{what}, {turns} turns at {speed_with_unit(speed)}")
+            result.append(self._at(rotor, speed, turns))
+            self._done += 1
+        return np.concatenate(result)
 
-    def _at(self, rotor: Rotor, speed: float) -> np.ndarray:
+    def _at(self, rotor: Rotor, speed: float, turns: int) -> np.ndarray:
         turn = 2 * math.pi / speed
-        decay = -float(modes(rotor, speed).eigenvalues.real.max(initial=-math.inf))
-        settling = _SETTLED / decay / turn if decay > 0 else math.inf
-        turns = math.ceil(min(max(settling, _LEAST_TURNS), _MOST_TURNS)) + _MEASURED
         names = [f"measured_{node}.{axis}" for node in self._nodes for axis in "xy"]
         touching = [f"{name}.contact" for name in self._contacts]
         with warnings.catch_warnings():
@@ -248,6 +263,19 @@ class _Bench:
         within = (phi > phi[-1] - 2 * math.pi * _MEASURED).nonzero()[0]
         self.touches |= any(bool((result[name][within] > 0.5).any()) for name in touching)
         return np.array([_once(phi[within], result[name][within]) for name in names])
+
+
+def _turns(rotor: Rotor, speed: float) -> int:
+    """Return in how many turns a machine has settled at a speed [rad/s] and is measured."""
+    roots = modes(rotor, speed).eigenvalues
+    growth = float(roots.real.max(initial=-math.inf))
+    if growth > _GROWS * np.abs(roots).max(initial=0.0):
+        raise InputError(
+            f"balancing speed = {speed:g} rad/s: the machine is unstable there and does not settle "
+            f"(a mode grows by {growth:.3g} 1/s)"
+        )
+    settling = _SETTLED / -growth * speed / (2 * math.pi) if growth < 0 else math.inf
+    return math.ceil(min(max(settling, _LEAST_TURNS), _MOST_TURNS)) + _MEASURED
 
 
 def _once(phi: np.ndarray, signal: np.ndarray) -> complex:

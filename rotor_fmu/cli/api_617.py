@@ -7,10 +7,12 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from rich.console import Console
 
 from ..errors import InputError, writable_folder
 from ..files import unfinished
 from ..output_options import with_output_options
+from ..screen import progress_of
 from ..units import in_si, split
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
 from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
@@ -28,6 +30,7 @@ from .speeds import (
     usual_speeds,
 )
 
+_errors = Console(stderr=True)
 _SPEEDS = 401  # speeds of the response to unbalance
 
 
@@ -280,5 +283,14 @@ def balance(
     amount = None if trial is None else in_si("--trial", trial, "kg.m")
     from ..trial_balancing import balance as balanced
 
-    result = balanced(machine, speeds, plane, measured=node, trial=amount)
+    runs = len(speeds) * (2 + len(plane))
+    with progress_of("balance", runs, _errors, first=0.0) as update:
+        result = balanced(
+            *(machine, speeds, plane),
+            measured=node,
+            trial=amount,
+            report=lambda done, what: update(
+                done, lambda: f"run {done + 1} of {runs}, {what}", False
+            ),
+        )
     return print_answer(result, out, "balance")

@@ -1,6 +1,7 @@
 """Balancing by influence coefficients: the algebra, and runs of the rig without contact."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,9 +38,11 @@ def test_what_two_planes_do_two_planes_take_away():
 
 
 def test_two_trial_runs_of_the_rig_without_contact_leave_less_than_one_percent():
-    rotor = without_contact()
-    result = balance(rotor, [150.0], [4, 6], measured=[4, 6])
+    rotor, runs = without_contact(), []
+    result = balance(rotor, [150.0], [4, 6], measured=[4, 6], report=lambda *run: runs.append(run))
     assert result.residual < 0.01
+    assert [done for done, _ in runs] == [0, 1, 2, 3]
+    assert runs[2][1].startswith("trial unbalance at node 6, ")
     assert not result.touches
     # and the run does what the coefficients say, within the run's own error
     size = max(abs(v.initial) for v in result.vibrations)
@@ -52,6 +55,12 @@ def test_influence_coefficients_from_runs_are_those_of_the_linear_response():
     linear = unbalance_response(rotor, [150.0], unbalances=[(4, 1.0, 0.0)])
     expected = [linear.x[0, 5], linear.y[0, 5]]
     np.testing.assert_allclose(result.influence[:, 0], expected, rtol=1e-3)
+
+
+def test_a_machine_that_does_not_settle_is_refused():
+    rotor = replace(without_contact(), rotating_damping=True)
+    with pytest.raises(InputError, match=r"balancing speed = 300 rad/s: the machine is unstable"):
+        balance(rotor, [300.0], [4])
 
 
 def test_a_contact_that_closes_is_said():
