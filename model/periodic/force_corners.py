@@ -63,7 +63,7 @@ def crossings(
         high = np.append(high, np.column_stack([vertex, one]).ravel())
     cubic = _cubic(g, slope, cell, which)
     share, begins = 0.5 * (low + high), cubic(low)[0] > 0
-    for _ in range(_NEWTON):
+    for _ in range(_NEWTON if len(cell) else 0):
         value, rate = cubic(share)
         is_before = (value > 0) == begins
         low, high = np.where(is_before, share, low), np.where(is_before, high, share)

@@ -17,7 +17,7 @@ def curve():
 def over_friction(curve):
     """The rub of T1 at one speed over the friction, past Hopf's point."""
     start = curve.at(1.4 * OMEGA)[0]
-    over = ("contact[1].mu", 0.02, 0.3)
+    over = ("contact[1].mu", 0.04, 0.25)
     return rf.response(jeffcott(), speed=1.4 * OMEGA, over=over, start=start)
 
 

@@ -58,7 +58,7 @@ def test_a_branch_of_one_point_is_drawn_without_a_warning(isola):
 
 
 def test_a_seed_where_nothing_else_is_says_so():
-    result = rf.response(FAINT_RUB, speed=(60.0, 100.0), seeds=(80.0,))
+    result = rf.response(FAINT_RUB, speed=(75.0, 85.0), seeds=(80.0,))
     assert len(result.branches) == 1
     said = "no further motion was found at the seed speed = "
     assert f"{said}12.732 Hz" in result.notes
@@ -89,7 +89,7 @@ def test_the_integrator_stays_on_a_doubled_period_and_comes_round_in_two_turns(d
     stable = [p for p in doubled.branches[1].points if p.is_stable]
     apart = []
     for point in stable[:: len(stable) // 2]:
-        assert doubled.check(point, 60).distance < 1e-3
+        assert doubled.check(point, 30).distance < 1e-3
         y = doubled.series(point, "disc", 128)[1]
         apart.append(np.abs(y - np.roll(y, 64)).max() / np.ptp(y))
     assert max(apart) > 0.2
@@ -100,7 +100,7 @@ def test_all_motions_at_a_speed_are_those_of_both_periods(doubled):
     assert sorted(p.orbit.turns for p in points)[0] == 1
     assert sorted(p.orbit.turns for p in points)[-1] == 2
     # and the one looked for by its period is the same
-    direct = rf.response(sagging(), speed=(320.0, 330.0), period=2, harmonics=40, seeds=(325.0,))
+    direct = rf.response(sagging(), speed=(324.0, 327.0), period=2, harmonics=40, seeds=(325.0,))
     sizes = [direct.amplitude(p, "disc") for p in direct.at(326.0) if p.is_stable]
     expected = [doubled.amplitude(p, "disc") for p in doubled.at(326.0) if p.is_stable]
     assert min(abs(s / expected[0] - 1) for s in sizes) < 1e-4

@@ -16,7 +16,7 @@ COMMAND = "from rotor_fmu.cli import main; main()"
 
 def test_the_command_writes_curve_and_picture(process, tmp_path):
     given = ("--rotor", str(JEFFCOTT), "--speed", "100:240", "--out", str(tmp_path))
-    done = process("response", *given, "--json")
+    done = process("response", *given, "--step", "0.4", "--json")
     assert done.returncode == 0, done.stderr
     output = json.loads(done.stdout)
     assert output["parameter"] == "speed"
@@ -98,6 +98,6 @@ def test_a_machine_that_nothing_holds_is_refused():
 
 
 def test_a_branch_of_too_few_harmonics_says_so_and_keeps_what_it_has():
-    result = rf.response(rf.load(), speed=(150.0, 160.0), harmonics=12)
+    result = rf.response(rf.load(), speed=(150.0, 160.0), harmonics=12, step=0.3)
     assert any("more than 12 harmonics" in note for note in result.notes)
     assert len(result.points) > 5

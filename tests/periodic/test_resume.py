@@ -16,7 +16,8 @@ from rotor_fmu.periodic.saved_events import FILE, saved_journal
 from .machines import FAINT_RUB, jeffcott, sagging
 from .test_command import COMMAND, JEFFCOTT
 
-OPTIONS = {"speed": (60.0, 240.0)}  # of `curve` and `isola`
+# steps as long as they may be, so that the whole has few points
+OPTIONS = {"speed": (60.0, 240.0), "step": 0.4}
 RUN = ["response", "--rotor", str(JEFFCOTT), "--speed", "60:240", "--step", "0.002"]
 
 
@@ -57,12 +58,18 @@ def stopped(tmp_path_factory):
     """A response stopped again and again, at each count of points, then finished: its folder and
     what each call gave."""
     folder = tmp_path_factory.mktemp("stopped")
-    return folder, {at: called(folder, jeffcott(), at) for at in (1, 2, 30, 31, 90, 177, 0)}
+    return folder, {at: called(folder, jeffcott(), at) for at in (1, 2, 12, 13, 40, 62, 0)}
+
+
+@pytest.fixture(scope="module")
+def curve():
+    """An undisturbed one."""
+    return rf.response(jeffcott(), **OPTIONS)
 
 
 def test_a_stopped_response_goes_on_to_the_points_of_an_undisturbed_one(stopped, curve):
     _, calls = stopped
-    assert len(curve.points) > 177
+    assert len(curve.points) > 62
     for at, result in calls.items():
         assert result.is_stopped == (at > 0)
         assert len(result.points) == (at - 1 if at else len(curve.points))
@@ -86,22 +93,24 @@ def goes_on(folder, machine, whole, stops, **options):
     return equal(called(folder, machine, **options), whole)
 
 
-def test_both_ways_from_a_seed_are_gone_on_with(tmp_path, isola):
+def test_both_ways_from_a_seed_are_gone_on_with(tmp_path):
+    options = {"speed": (90.0, 155.0), "seeds": (130.0,)}
+    isola = rf.response(FAINT_RUB, **OPTIONS | options)
     first = len(isola.branches[0].points)
     assert len(isola.points) > first + 10
-    assert goes_on(tmp_path, FAINT_RUB, isola, (first + 2, first + 10), seeds=(130.0,))
+    assert goes_on(tmp_path, FAINT_RUB, isola, (first + 2, first + 10), **options)
 
 
 def test_a_doubled_period_is_gone_on_with(tmp_path):
-    options = {"speed": (240.0, 300.0), "branches": True, "harmonics": 20}
-    assert goes_on(tmp_path, sagging(), rf.response(sagging(), **options), (30,), **options)
+    options = OPTIONS | {"speed": (245.0, 265.0), "branches": True, "harmonics": 20}
+    assert goes_on(tmp_path, sagging(), rf.response(sagging(), **options), (8,), **options)
 
 
 def test_what_was_saved_of_another_response_is_not_taken_over(tmp_path):
     machine = jeffcott()
     called(tmp_path, machine, 5)
     other = called(tmp_path, machine, speed=(180.0, 240.0))
-    assert equal(other, rf.response(machine, speed=(180.0, 240.0)))
+    assert equal(other, rf.response(machine, **OPTIONS | {"speed": (180.0, 240.0)}))
 
 
 def started(folder):

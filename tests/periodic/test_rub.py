@@ -89,7 +89,7 @@ def test_a_curve_of_folds_that_leaves_the_machine_out_is_refused_in_one_line(cur
 
 
 def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):
-    folds = curve.fold_curve("contact[1].mu", 0.01, 0.1)
+    folds = curve.fold_curve("contact[1].mu", 0.03, 0.07)
     assert folds.ends == ("end of the range", "end of the range")
     for mu, speed in zip(folds.second, folds.first, strict=True):
         # where the two radii meet
@@ -121,6 +121,7 @@ def test_dry_whirl_rolls_as_the_closed_form_says(v):
     assert needed == pytest.approx(2 * 0.05 * omega / (20 * (1 - 1 / r)), rel=5e-3)
 
 
+@pytest.mark.slow
 def test_the_threshold_of_dry_whirl_is_the_closed_forms():
     """Of a clearance that is nothing beside the surface's speed."""
     gap = 1e-9
@@ -138,6 +139,6 @@ def test_the_integrator_stays_on_stable_motions_and_leaves_others(curve):
     stable, unstable, free = sorted(
         curve.at(1.8 * OMEGA), key=lambda p: -curve.amplitude(p, "disc")
     )
-    assert curve.check(stable).distance < 1e-5
-    assert curve.check(free).distance < 1e-5
-    assert not curve.check(unstable, 100).stays
+    assert curve.check(stable, 30).distance < 1e-5
+    assert curve.check(free, 30).distance < 1e-5
+    assert not curve.check(unstable, 30).stays

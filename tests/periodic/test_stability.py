@@ -13,7 +13,7 @@ from .machines import OMEGA, jeffcott
 _GAUSS = np.array([0.5 - math.sqrt(3) / 6, 0.5 + math.sqrt(3) / 6])
 
 
-def shooting(machine, orbit, steps=800):
+def shooting(machine, orbit, steps=256):
     """Multipliers by Magnus' expansion of order 4: exponentials of the whole machine's matrix."""
     M, D, K = machine.matrices(orbit.speed)
     N, b = machine.size, machine.b
@@ -27,24 +27,22 @@ def shooting(machine, orbit, steps=800):
         np.ones(0),
         orbit.speed,
     )
-    inverse = np.linalg.inv(M)
-    passed = np.eye(2 * N)
     h /= orbit.omega
-    for i in range(steps):
-        pair = []
-        for j in (2 * i, 2 * i + 1):
-            stiff, damping = K.copy(), D.copy()
-            for c in range(b // 2):
-                at = slice(2 * c, 2 * c + 2)
-                stiff[at, at] -= along.by_d[j, c]
-                damping[at, at] -= along.by_v[j, c]
-            pair.append(
-                np.block([[np.zeros((N, N)), np.eye(N)], [-inverse @ stiff, -inverse @ damping]])
-            )
-        first, second = pair
-        middle = 0.5 * h * (first + second)
-        middle -= math.sqrt(3) / 12 * h * h * (first @ second - second @ first)
-        passed = scipy.linalg.expm(middle) @ passed
+    stiff, damping = (np.repeat(matrix[None], 2 * steps, axis=0) for matrix in (K, D))
+    for c in range(b // 2):
+        at = slice(2 * c, 2 * c + 2)
+        stiff[:, at, at] -= along.by_d[:, c]
+        damping[:, at, at] -= along.by_v[:, c]
+    of_state = np.zeros((2 * steps, 2 * N, 2 * N))
+    of_state[:, :N, N:] = np.eye(N)
+    of_state[:, N:, :N] = -np.linalg.solve(M, stiff)
+    of_state[:, N:, N:] = -np.linalg.solve(M, damping)
+    first, second = of_state[::2], of_state[1::2]
+    middle = 0.5 * h * (first + second)
+    middle -= math.sqrt(3) / 12 * h * h * (first @ second - second @ first)
+    passed = np.eye(2 * N)
+    for each in scipy.linalg.expm(middle):
+        passed = each @ passed
     return np.linalg.eigvals(passed)
 
 
