@@ -30,10 +30,10 @@ def film(node, **more):
     return table("[journal_bearing]", node=node, length=0.03, **(OF_A_FILM | more))
 
 
-def in_films(e=0.0, **more):
+def in_films(e=0.0, start="", **more):
     """The rotor of `heavy_shaft` between two such films, by default Ocvirk's."""
     more = more or {"short": True}
-    return parse_rotor(heavy_shaft(e) + film(1, **more) + film(3, **more))
+    return parse_rotor(heavy_shaft(e) + film(1, **more) + film(3, **more) + start)
 
 
 def on_dampers(viscosity, young=2.1e13, density=1.0, e=3e-5):

@@ -16,7 +16,7 @@ from .heated import bow, run
 
 _MASS, _DAMPING, _RATIO = 40.0, 0.02, 0.5
 _MU, _SOFT, _RADIUS = 0.1, 1.0, 0.05
-_SLOW = 4e-3  # rate of growth and spiral [1/s]: against some 100 rad/s
+_SLOW = 1.2e-2  # rate of growth and spiral [1/s]: against some 100 rad/s
 _JEFFCOTT = f"""
 gravity = 0.0
 [material]
@@ -181,15 +181,16 @@ def test_a_step_in_stages_grows_it_alike():
     assert rate == pytest.approx(expected, rel=1e-2)
 
 
-def test_a_bow_that_is_no_longer_heated_decays_over_hours():
-    """A clearance out of reach, a decay over 10^6 revolutions: exp(-q t), not a digit of it lost in
-    all the steps."""
-    q, hours = 1e-4, 2.0
+@pytest.mark.parametrize("hours", [0.2, pytest.param(2.0, marks=pytest.mark.slow)])
+def test_a_bow_that_is_no_longer_heated_decays_over_hours(hours):
+    """A clearance out of reach, a decay over thousands of revolutions: exp(-q t), not a digit of it
+    lost in all the steps."""
+    q = 1e-4
     text, _ = _jeffcott(0.8, q)
     sim = run(text.replace("clearance = 1e-10", "clearance = 1.0"), 0.0, 10.0)
     sim.motion.internal_state[1:3] = 1e-5, -2e-5
     sim.advance(1.0, 10.0)
     sim.advance(hours * 3600.0, 10.0)
     expected = complex(1e-5, -2e-5) * math.exp(-q * hours * 3600.0)
-    assert sim.read("solver.steps") > 1e5
+    assert sim.read("solver.steps") > 5e4 * hours
     assert bow(sim) == pytest.approx(expected, rel=1e-8)

@@ -32,7 +32,7 @@ def cases(seeds, of_test, **options):
         yield seed, drawn(random, **options), random
 
 
-@seeds(40, 1000)
+@seeds(20, 1000)
 def test_loads_are_finite_and_a_film_takes_more_than_it_gives(seeds):
     """The power that the journal puts into it, torque times speed less F v, is what is dissipated,
     and never negative."""
@@ -52,7 +52,7 @@ def test_loads_are_finite_and_a_film_takes_more_than_it_gives(seeds):
     assert tried > 40 * len(seeds)
 
 
-@seeds(40, 800)
+@seeds(12, 800)
 def test_a_force_is_mirrored_in_a_mirror_and_turns_with_the_bearing(seeds):
     """Turned the other way and with its pads mirrored; a plain circle stays as it is."""
     for seed, case, random in cases(seeds, 2):
@@ -69,7 +69,7 @@ def test_a_force_is_mirrored_in_a_mirror_and_turns_with_the_bearing(seeds):
             assert abs(turned.force(d * by, v * by) / by - force) <= most, (seed, d, v)
 
 
-@seeds(25, 2000)
+@seeds(8, 2000)
 def test_a_tangent_is_the_derivative_of_the_force(seeds):
     """With the default's elements or more, but where no pressure builds up, which has no
     derivative there. Of several differences the best counts: a rupture that reaches an edge spoils
@@ -106,7 +106,7 @@ def slopes(film, d, v, weights, h):
     return np.transpose(columns)
 
 
-@seeds(12, 600)
+@seeds(4, 600)
 def test_a_force_does_not_jump(seeds):
     """Where a rupture passes a pad's edge or another pad takes over, with the default's elements or
     more."""

@@ -59,8 +59,11 @@ def test_a_film_is_that_of_the_viscosity_that_its_table_has_at_the_speed(shape, 
     assert all(seen[name] == pytest.approx(known[name], rel=1e-9, abs=1e-9) for name in known)
 
 
-@pytest.mark.parametrize("share", [1.0, 0.4])
-@pytest.mark.parametrize("shape", [{}, _PADS], ids=str)
+@pytest.mark.parametrize(
+    ("shape", "share"),
+    [({}, 1.0), ({}, 0.4), (_PADS, 1.0), pytest.param(_PADS, 0.4, marks=pytest.mark.slow)],
+    ids=str,
+)
 def test_the_heat_of_the_film_leaves_with_its_oil(shape, share):
     """At each speed, by the outputs of a film of that constant viscosity."""
     part = _part(**shape, **_OVER_TEMPERATURE, heat_share=share)

@@ -122,8 +122,9 @@ def _states(count, seed):
         yield BearingAlone(part, float(random.choice([0.0, 100.0, -100.0]))), d, v
 
 
-def test_tangent_is_the_derivative_of_the_force():
-    for film, d, v in _states(120, 1):
+@pytest.mark.parametrize("count", [30, pytest.param(120, marks=pytest.mark.slow)])
+def test_tangent_is_the_derivative_of_the_force(count):
+    for film, d, v in _states(count, 1):
         for weights, h in ((BY_D, 1e-10), (BY_V, 3e-7)):
             by_d, by_v = weights.displacement * h, weights.velocity * h
             seen = []

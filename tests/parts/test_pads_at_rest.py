@@ -74,7 +74,9 @@ def test_an_unheld_pad_idles_where_its_film_begins_to_converge_at_its_end():
         assert loads[unheld].max() < 1e-12 * loads.max()
 
 
-@pytest.mark.parametrize("load", [10.0, 400.0, 1e4])
+@pytest.mark.parametrize(
+    "load", [400.0, *(pytest.param(load, marks=pytest.mark.slow) for load in (10.0, 1e4))]
+)
 @pytest.mark.parametrize(
     "given",
     [

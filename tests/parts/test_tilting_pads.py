@@ -103,7 +103,7 @@ def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k, pivot):
     )
     law = StatedLaw(BearingAlone(part, _SPEED))
     tried = 0
-    for d, v, tilts, random in _states(part, 12, 1):
+    for d, v, tilts, random in _states(part, 4, 1):
         columns = [tilts]
         if inertia:
             columns.append(part.clearance * _SPEED * random.normal(size=len(tilts)))
@@ -125,7 +125,7 @@ def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k, pivot):
         assert law.step(d, v, weights, free)[0] == pytest.approx(seen, abs=1e-7 * abs(seen))
         assert law.has_tangent(d, v, weights, free, part.clearance, 2e-5)
         tried += 1
-    assert tried == 12
+    assert tried == 4
 
 
 @pytest.mark.parametrize("pivot", [0.0, 1e9])
@@ -269,7 +269,7 @@ def test_pads_are_stable_far_beyond_the_whip_of_pads_that_stand():
         run = _run(machine, speed, 1e-2)
         rest = _place(run)
         run.advance(1e-3, speed, np.array([100.0 + 0j]))
-        run.advance(0.3, speed, np.array([0j]))
+        run.advance(0.1, speed, np.array([0j]))
         sizes.append(abs(_place(run) - rest))
     assert sizes[1] < 1e-3 * sizes[0]
 
@@ -279,7 +279,7 @@ def test_an_unbalanced_rotor_whirls_as_the_linear_answer_says():
     rotor = _in_pads(e=2e-7)
     linear = unbalance_response(rotor, [400.0])
     run = _run(rotor, 400.0, 1e-4)
-    run.advance(0.3, 400.0)
+    run.advance(0.12, 400.0)
     assert run.read("body[1].x_1x") == pytest.approx(abs(linear.x[0, 1]), rel=1e-2)
     assert run.read("body[1].y_1x") == pytest.approx(abs(linear.y[0, 1]), rel=1e-2)
 
@@ -303,7 +303,7 @@ def test_a_force_at_any_frequency_is_answered_by_pads_that_follow_at_it(inertia,
     size = 1e-4 * film.part.clearance
     scales = n * [size, *([size * speed] if inertia else []), *([size] if pivot else [])]
     K, C = film.coefficients(d)  # of pads that follow at the speed
-    frequencies = np.array([0.2, 0.5, 1.0, 2.0]) * speed
+    frequencies = np.array([0.3, 1.0]) * speed
     answer = frequency_response(rotor, frequencies, 2, [2], speed=speed).receptance[:, 0]
     for w, seen in zip(frequencies, answer, strict=True):
         followed = law.vibration(d, rest, w, size, scales)
@@ -327,10 +327,10 @@ def test_ledger_closes_as_pads_are_rubbed():
 @pytest.mark.parametrize("more", [{}, {"pad_inertia": 1e-3, "pivot_stiffness": 5e8}])
 def test_ledger_closes_as_a_load_presses_a_journal_on_its_pads_at_speed(more):
     run = _run(_in_pads(e=2e-6, k=1e8, roughness=1e-5, **more), 300.0)
-    run.advance(0.02, 300.0)
-    run.advance(0.04, 300.0, np.array([-1e5j]))
+    run.advance(0.002, 300.0)
+    run.advance(0.01, 300.0, np.array([-1e5j]))
     assert run.read("journal_bearing[1].contact") == 1.0
-    run.advance(0.1, 300.0, np.array([0j]))
+    run.advance(0.15, 300.0, np.array([0j]))
     assert run.read("journal_bearing[1].contact") == 0.0
     assert run.read("energy.friction_loss") > 0
     lost = sum(run.read(n) for n in run.names if n.startswith("energy.") and n.endswith("_loss"))
