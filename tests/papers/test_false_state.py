@@ -23,6 +23,7 @@ from ..machines import overhung
 
 H = 5e-4
 STEPS = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)
+SOME_STEPS = [h if h in (1e-3, H) else pytest.param(h, marks=pytest.mark.slow) for h in STEPS]
 SCHEMES = {
     "newmark": newmark(),
     "hht": hht(0.1),
@@ -145,15 +146,15 @@ def test_newmark_sees_a_mass_as_a_mass_at_any_step():
     assert false_state.quarter_phase(still, newmark(), H) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("h", SOME_STEPS[:-1])
 @pytest.mark.parametrize("name", SCHEMES)
-def test_on_the_rig_only_cycles_without_a_free_step_bear_anything_and_last(name):
-    for h in STEPS[:5]:
-        for bears, *_, cycle in lasting_cycles(SCHEMES[name], h):
-            assert "." not in cycle.word or bears < 20.0
+def test_on_the_rig_only_cycles_without_a_free_step_bear_anything_and_last(name, h):
+    for bears, *_, cycle in lasting_cycles(SCHEMES[name], h):
+        assert "." not in cycle.word or bears < 20.0
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.1, 0.2])
-@pytest.mark.parametrize("h", STEPS)
+@pytest.mark.parametrize("h", SOME_STEPS)
 def test_chung_hulbert_up_to_0_2_has_no_cycle_that_bears_two_newtons(rho, h):
     assert all(bears < 2.0 for bears, *_ in lasting_cycles(chung_hulbert(rho), h))
 

@@ -11,9 +11,11 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from papers.ishikawa_koguchi import __main__ as impact_command
+from papers.ishikawa_koguchi import bars_cases
 from papers.ishikawa_koguchi.impact.ratchet import ratchet_toml
 from papers.ishikawa_koguchi.impact.stepping.failures import ImpactError
 from rotor_fmu.errors import InputError, RunFailed
+from rotor_fmu.plotting.figure_style import save
 
 app = typer.Typer(rich_markup_mode=None, add_completion=False)
 app.add_typer(impact_command.app, name="impact")
@@ -37,10 +39,21 @@ def assert_drawn(path):
     assert pixels[..., :3].std() > 0.05
 
 
+DRAWN = ("figure_3.png", "energy.png", "momentum_opening_0.02.png")
+
+
+def drawn_in_part(figure, path):
+    """Of pictures of a kind one is drawn."""
+    return save(figure, path) if path.name in DRAWN else path.touch()
+
+
 @pytest.fixture(scope="module")
 def bars(tmp_path_factory):
+    """On bars of one element across, in which the wave is the same."""
     out = tmp_path_factory.mktemp("bars")
-    status, text = call("bars", "--out", out)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bars_cases, "save", drawn_in_part)
+        status, text = call("bars", "--elements", 40, 1, "--out", out)
     assert status == 0
     return out, text
 
@@ -51,11 +64,11 @@ def test_bars_give_paper_bs_figures_and_a_table_of_errors(bars):
     assert len(rows) == 5 * 2 * 2 + 1
     coarse = next(row for row in rows if row["label"] == "hht=0.5" and row["dt"] == "0.0008")
     assert float(coarse["rms"]) == pytest.approx(0.231, abs=1e-3)
-    for number in range(3, 8):
-        assert_drawn(out / f"figure_{number}.png")
-        assert_drawn(out / f"figure_{number}_opening_0.02.png")
-    assert_drawn(out / "energy.png")
-    assert_drawn(out / "momentum.png")
+    pictures = {*(f"figure_{number}" for number in range(3, 8)), "energy", "momentum"}
+    pictures |= {f"{name}_opening_0.02" for name in pictures}
+    assert {path.stem for path in out.glob("*.png")} == pictures
+    for name in DRAWN:
+        assert_drawn(out / name)
     assert max(map(len, text.splitlines())) < 200
     assert "newmark: does not damp the fastest oscillations" in text
     assert "leaves 3 times faster" in text
@@ -160,7 +173,7 @@ def test_a_ratchet_of_ones_own_is_drawn_and_moves(tmp_path):
 
 @pytest.mark.usefixtures("undrawn")
 def test_the_rotors_bearings_are_tried_with_each_impact_option(tmp_path):
-    arguments = ["--scheme", "moderate-dissipation", "--dt", 1e-3, "--stop", 0.06, "--cap", 500]
+    arguments = ["--scheme", "moderate-dissipation", "--dt", 1e-3, "--stop", 0.03, "--cap", 500]
     status, _ = call("bearings", *arguments, "--out", tmp_path)
     assert status == 0
     rows = rows_of(tmp_path / "bearings.csv")
