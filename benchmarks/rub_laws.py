@@ -16,6 +16,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import typer
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts import LAWS
 from rotor_fmu.model.parts.clearance_contact import CLEARANCE_CONTACT
@@ -49,7 +50,7 @@ def ours() -> list[Friction]:
     for angle in _ANGLES:
         outward = complex(math.cos(math.radians(angle)), math.sin(math.radians(angle)))
         at = (part.clearance + _PRESSED) * outward
-        force = CLEARANCE_CONTACT.force(
+        force = interpreted(CLEARANCE_CONTACT.force)(
             record, np.zeros(0), Kinematics(at, 0j, _OMEGA, _OMEGA, 0.0), np.zeros(0)
         )
         along = force / outward

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.base import BodyElement, Part
 from rotor_fmu.model.parts.unbalance import Unbalance
@@ -47,7 +48,7 @@ def test_a_value_at_its_place_is_the_machine_with_that_value(machine):
         structure = assemble(machine)
         for place in places[name]:
             member(structure, place.member)[place.row][place.field] = changed
-        prepare(structure)
+        interpreted(prepare)(structure)
         assert differences(structure, assemble(machine.with_value(str(name), changed))) == [], name
 
 

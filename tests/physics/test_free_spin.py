@@ -57,7 +57,7 @@ def exact(rotor, duration, speed, torque):
         return np.concatenate([y[2 * n : 4 * n], acceleration.view(float), [a[2 * n], omega]])
 
     start = np.concatenate([sim.motion.q[:-1].view(float), np.zeros(2 * n), [speed, 0.0]])
-    done = solve_ivp(rates, (0, duration), start, "DOP853", rtol=1e-11, atol=1e-13)
+    done = solve_ivp(rates, (0, duration), start, "DOP853", rtol=1e-8, atol=1e-11)
     y = done.y[:, -1]
     return y[: 2 * n].view(complex), y[4 * n], y[4 * n + 1]
 

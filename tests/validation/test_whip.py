@@ -16,7 +16,7 @@ STOP = 5.0
 
 @pytest.mark.parametrize(
     "tolerance",
-    [1e-2, 1e-3, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-4, 1e-5))],
+    [1e-3, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-2, 1e-4, 1e-5))],
 )
 def test_error_control_finds_the_whip_at_every_tolerance(tolerance):
     """CVODE with an independent right-hand side: apart between 3.2 and 3.5 s."""
