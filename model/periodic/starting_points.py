@@ -11,10 +11,10 @@ from ..machine.rotor import Rotor
 from ..message_templates import Message
 from ..settings import choose
 from ..simulation import EquilibriumError, Simulation, StepFailure
-from ..step.laws import relative
 from .balance import HarmonicBalance, Orbit
 from .fourier import amplitudes, basis, projection
 from .linear_structure import CondensedMachine
+from .lyapunov import sample
 from .problem import Machines, Task
 
 _TURNS = (30, 200)
@@ -110,15 +110,10 @@ def _recorded_period(
     start, phase = run.time, math.remainder(speed * run.time, 2 * math.pi)
     d = np.empty((n, machine.laws.count), complex)
     states = np.empty((n, len(run.motion.internal_state)))
-    interfaces = [
-        i
-        for i, is_nonlinear in zip(run.structure.interfaces, machine.is_nonlinear, strict=True)
-        if is_nonlinear
-    ]
     for t in range(n):
         run.advance(start + period * t / n, speed)
-        d[t] = [relative(i, run.motion.q) for i in interfaces]
-        states[t] = run.motion.internal_state
+        _, displacements, _, states[t] = sample(run)
+        d[t] = displacements[machine.is_nonlinear]
     angles = 2 * math.pi * np.arange(n) / n + phase / turns
     value, _ = basis(min(H, n // 3), angles)
     P = projection(value)
