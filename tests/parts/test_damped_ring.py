@@ -102,6 +102,7 @@ def test_the_other_stable_orbit_is_reached_from_below_the_fold():
     assert _ring(run.read) == pytest.approx(orbits(above)[2], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_all_orbits_and_the_fold_by_harmonic_balance():
     text = machine("linear_bearing", gravity=0.0, young=2.1e15, density=1e-3)
     curve = rf.response(parse_rotor(text), speed=(124.0, 146.0))

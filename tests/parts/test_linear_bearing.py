@@ -6,6 +6,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts import LAWS
 from rotor_fmu.model.parts.law import Kinematics, Weights
@@ -79,7 +80,7 @@ def test_a_table_is_scipys_pchip_and_constant_beyond_its_ends():
     part = machine.parts[1]
     for speed in (-50.0, 0.0, 37.0, 100.0, 140.0, 399.0, 400.0, 1e4):
         at = min(max(speed, 0.0), 400.0)
-        k, l, c, e = coefficients(record, tables, speed)  # noqa: E741
+        k, l, c, e = interpreted(coefficients)(record, tables, speed)  # noqa: E741
         K, C = part.matrices(speed)
         assert K[0, 0] == pytest.approx(PchipInterpolator(part.speed, part.kxx)(at), rel=1e-13)
         for (p, q), matrix in (((k, l), K), ((c, e), C)):
@@ -91,13 +92,12 @@ def test_a_table_is_scipys_pchip_and_constant_beyond_its_ends():
 def test_the_tangent_is_the_derivative_of_the_force():
     records, tables = laws_of(parse_rotor(FLEXIBLE + TABLE))
     d, v, none = 3e-5 - 1e-5j, 0.01 + 0.02j, np.zeros(0)
-    f, p, q = LINEAR_BEARING.tangent(
+    force, tangent = (interpreted(f) for f in (LINEAR_BEARING.force, LINEAR_BEARING.tangent))
+    f, p, q = tangent(
         records[0], tables, Kinematics(d, v, 130.0, 0.0, 0.0), Weights(2.0, 7.0, 0.0), none, none
     )
     for z in (1e-6 + 0j, 1e-6j):
-        moved = LINEAR_BEARING.force(
-            records[0], tables, Kinematics(d + 2 * z, v + 7 * z, 130.0, 0.0, 0.0), none
-        )
+        moved = force(records[0], tables, Kinematics(d + 2 * z, v + 7 * z, 130.0, 0.0, 0.0), none)
         assert moved - f == pytest.approx(p * z + q * z.conjugate(), rel=1e-9)
 
 

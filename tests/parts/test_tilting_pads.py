@@ -76,7 +76,7 @@ def test_position_and_reduced_coefficients_against_a_grid(shape, S, y, K_grid, C
 def _borne(law, d, v):
     """Size of what each pad bears as it was put last [N]."""
     at, balance = (
-        (bearing_of(law.record), law.tables, law.alone._moving(d, v)),
+        (interpreted(bearing_of)(law.record), law.tables, law.alone._moving(d, v)),
         interpreted(pad_balance),
     )
     return np.array([abs(balance(*at, i).force) for i in range(len(law.alone.part.pads))])
@@ -324,7 +324,10 @@ def test_ledger_closes_as_pads_are_rubbed():
     assert abs(run.read("energy.residual")) < 1e-4 * lost
 
 
-@pytest.mark.parametrize("more", [{}, {"pad_inertia": 1e-3, "pivot_stiffness": 5e8}])
+@pytest.mark.parametrize(
+    "more",
+    [{}, pytest.param({"pad_inertia": 1e-3, "pivot_stiffness": 5e8}, marks=pytest.mark.slow)],
+)
 def test_ledger_closes_as_a_load_presses_a_journal_on_its_pads_at_speed(more):
     run = _run(_in_pads(e=2e-6, k=1e8, roughness=1e-5, **more), 300.0)
     run.advance(0.002, 300.0)

@@ -242,7 +242,7 @@ KINDS = {
 
 
 def entries(*parts):
-    sim = run(overhung(others=parts), choose("robust", h=2e-5), 0.05, speed=200.0)
+    sim = run(overhung(others=parts), choose("robust", h=2e-5), 0.025, speed=200.0, stops=1)
     return {n.removeprefix("energy."): sim.read(n) for n in sim.names if n.startswith("energy.")}
 
 
