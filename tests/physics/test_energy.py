@@ -3,6 +3,7 @@
 import itertools
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -241,6 +242,7 @@ KINDS = {
 }
 
 
+@cache
 def entries(*parts):
     sim = run(overhung(others=parts), choose("robust", h=2e-5), 0.025, speed=200.0, stops=1)
     return {n.removeprefix("energy."): sim.read(n) for n in sim.names if n.startswith("energy.")}

@@ -193,7 +193,10 @@ def worn(wear, angle=math.pi / 2, both=True):
     return RIG.with_parts(Bearing, first, last if both else LAST)
 
 
-@pytest.mark.parametrize("wear", [1.1e-4, 1.3e-4, 2e-4, 1e-3])
+@pytest.mark.parametrize(
+    "wear",
+    [1.1e-4, 1e-3, *(pytest.param(wear, marks=pytest.mark.slow) for wear in (1.3e-4, 2e-4))],
+)
 @pytest.mark.parametrize("both", [True, False], ids=["both", "one"])
 def test_a_bore_worn_opposite_the_load_holds_the_journal_beside_the_hump(wear, both):
     """s = c + w (1 + cos(psi - pi / 2)) / 2: the lowest point of the bore is where the cosine of

@@ -155,7 +155,7 @@ def swept(q, rate):
     """Speed, amplitude and time of a mode of frequency 1 and amplification q that is swept through
     by `rate`, by integration of its envelope."""
     zeta = 0.5 / q
-    span = max(20 * zeta, 12 * math.sqrt(abs(rate)))
+    span = max(10 * zeta, 12 * math.sqrt(abs(rate)))
     begin = 1 - math.copysign(span, rate)
 
     def slope(t, y):
