@@ -93,6 +93,7 @@ def goes_on(folder, machine, whole, stops, **options):
     return equal(called(folder, machine, **options), whole)
 
 
+@pytest.mark.slow
 def test_both_ways_from_a_seed_are_gone_on_with(tmp_path):
     options = {"speed": (90.0, 155.0), "seeds": (130.0,)}
     isola = rf.response(FAINT_RUB, **OPTIONS | options)
