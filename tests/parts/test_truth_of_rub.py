@@ -116,8 +116,9 @@ def rub(orbit):
 @pytest.mark.parametrize(
     ("omega", "radius"),
     [
-        (0.9, 1.039376), (1.0, 1.109153), (1.2, 1.296981), (1.4, 1.580638), (1.8, 2.777077),
-        (2.0, 3.598968),
+        (0.9, 1.039376), pytest.param(1.0, 1.109153, marks=pytest.mark.slow), (1.2, 1.296981),
+        pytest.param(1.4, 1.580638, marks=pytest.mark.slow),
+        pytest.param(1.8, 2.777077, marks=pytest.mark.slow), (2.0, 3.598968),
     ],
 )  # fmt: skip
 def test_the_full_annular_rub_has_the_radius_of_the_closed_form(rub, omega, radius):
@@ -127,7 +128,11 @@ def test_the_full_annular_rub_has_the_radius_of_the_closed_form(rub, omega, radi
 
 
 @pytest.mark.parametrize(
-    ("omega", "radius", "larger"), [(1.4, 1.007200, 1.580638), (1.8, 1.416169, 2.777077)]
+    ("omega", "radius", "larger"),
+    [
+        (1.4, 1.007200, 1.580638),
+        pytest.param(1.8, 1.416169, 2.777077, marks=pytest.mark.slow),
+    ],
 )
 @pytest.mark.parametrize("share", [0.995, 1.005])
 def test_the_unstable_rub_parts_whirl_without_and_with_contact(rub, omega, radius, larger, share):
@@ -183,7 +188,7 @@ def backward(orbit):
     return whirl
 
 
-@pytest.mark.parametrize("v", [2.0, 4.0, 8.0])
+@pytest.mark.parametrize("v", [2.0, *(pytest.param(v, marks=pytest.mark.slow) for v in (4.0, 8.0))])
 def test_rolling_has_the_whirl_and_radius_of_the_closed_form(backward, v):
     omega, r = rolling(v)
     result = backward(v, omega, 1.001 * r, 0.1)
