@@ -28,6 +28,7 @@ def name_films(machine: Rotor, speeds: Collection[float]) -> None:
     """Say of oil films where they are linearized, and of tables which of these speeds [rad/s] lie
     outside."""
     from ..model.linear.journal_bearing_curves import journal_bearings
+    from ..model.linear.linear_machine import LinearMachine
     from ..model.machine.speed_ranges import speed_ranges
 
     ends = sorted({min(speeds), max(speeds)})
@@ -38,7 +39,10 @@ def name_films(machine: Rotor, speeds: Collection[float]) -> None:
 
     films = journal_bearings(machine)
     if names := ", ".join(films):
-        typer.echo(f"oil films, each linearized where its journal rests at that speed: {names}")
+        where = "where its journal rests at that speed"
+        if not any(speeds) and not LinearMachine(machine).holds_at(0.0):
+            where = "in the middle of its clearance, since at standstill it carries nothing"
+        typer.echo(f"oil films, each linearized {where}: {names}")
     if names := ", ".join(name for name, part in films.items() if part.tilting):
         typer.echo(f"their pads that tilt follow a vibration at the frequency of rotation: {names}")
 

@@ -215,6 +215,9 @@ def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, t
 def test_the_linear_commands_name_the_films(command):
     said = command("modes", "--rotor", str(OIL_FILM), "--speed", "400")
     assert "where its journal rests at that speed: journal_bearing[1], journal_bearing[2]" in said
+    assert "in the middle of its clearance, since at standstill it carries nothing: journal" in (
+        command("modes", "--rotor", str(OIL_FILM))
+    )
 
 
 def test_a_machine_that_oil_films_hold_is_at_rest_at_its_rated_speed():
