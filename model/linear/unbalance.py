@@ -6,8 +6,9 @@ equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y:
     (K + i Omega D - Omega^2 M) u = f,   u(t) = Re(u exp(i Omega t))
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -121,37 +122,41 @@ class SteadyWhirl:
         for node, amount, phase in unbalances or ():
             pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
         self._pull = np.column_stack([pull, -1j * pull]).ravel()
-        self._known: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+        self._known: dict[float, tuple[np.ndarray, Callable[[], np.ndarray]]] = {}
 
-    def at(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the complex amplitudes of x, y of every dof [m, rad] and the loads on the supports
-        in x and y [N] at a speed [rad/s]."""
-        speed = float(speed)
+    def at(self, speed: float) -> np.ndarray:
+        """Return the complex amplitudes of x and y of every dof at a speed [rad/s], shape (size, 2)
+        [m, rad]."""
+        return self._solved(float(speed))[0]
+
+    def loads(self, speed: float) -> np.ndarray:
+        """Return the complex loads on the supports in x and y at a speed [rad/s] in N."""
+        return self._solved(float(speed))[1]()
+
+    def _solved(self, speed: float) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
         if speed not in self._known:
-            self._known[speed] = self._solved(speed)
+            self._known[speed] = self._solve(speed)
         return self._known[speed]
 
-    def _solved(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    def _solve(self, speed: float) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
+        """Return the motion at a speed, and what computes the loads: few ask for them, and they
+        take longer."""
         check_speed(speed)
         machine = self.machine
         if speed == 0.0:  # nothing pulls, even on journals that no film carries yet
-            return np.zeros(len(self._pull), complex), _nothing(machine)
+            return np.zeros((len(self._pull) // 2, 2), complex), partial(_nothing, machine)
         linear = machine.at(speed)
         force = speed**2 * self._pull
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
-        return machine.expand @ u, machine.loads(linear, u, pull, force, speed)
+        loads = partial(machine.loads, linear, u, pull, force, speed)
+        return (machine.expand @ u).reshape(-1, 2), loads
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
         """Return the response at speeds [rad/s]."""
         machine = self.machine
         size = machine.across.shape[1] // 2
-        result, bears = [], []
-        for speed in speeds:
-            moved, loads = self.at(speed)
-            result.append(moved)
-            bears.append(loads)
-        whole = np.array(result).reshape(-1, size, 2)
-        load = np.array(bears).reshape(len(whole), -1, 2)
+        whole = np.array([self.at(speed) for speed in speeds]).reshape(-1, size, 2)
+        load = np.array([self.loads(speed) for speed in speeds]).reshape(len(whole), -1, 2)
         n = 2 * len(machine.nodes)
         return UnbalanceResponse(
             speeds=np.array(speeds, float),

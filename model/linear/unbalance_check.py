@@ -218,7 +218,7 @@ class _Response:
 
     def axis(self, node: int, axis: int, speed: float) -> float:
         """Return the amplitude of a node in x or y [m]."""
-        motion = np.abs(self.whirl.at(speed)[0].reshape(-1, 2))
+        motion = np.abs(self.whirl.at(speed))
         result = float(motion[2 * (node - 1), axis])
         return result if result > _ROUNDING * motion[::2].max() else 0.0
 

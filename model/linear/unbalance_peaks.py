@@ -45,17 +45,13 @@ def with_peaks_of(sizes: Sequence[Callable[[float], float]], speeds: np.ndarray)
 
 def major_of(whirl: SteadyWhirl, node: int, speed: float) -> float:
     """Return the major semi-axis of a node (from 1) at a speed [rad/s] in m."""
-    return float(semi_axes(*_moved(whirl, speed)[2 * (node - 1)])[0])
+    return float(semi_axes(*whirl.at(speed)[2 * (node - 1)])[0])
 
 
 def distance_of(whirl: SteadyWhirl, dof: int, end: int, speed: float) -> float:
     """Return the major semi-axis of the distance of two dofs at a speed [rad/s] in m."""
-    moved = _moved(whirl, speed)
+    moved = whirl.at(speed)
     return float(semi_axes(*(moved[dof] - moved[end]))[0])
-
-
-def _moved(whirl: SteadyWhirl, speed: float) -> np.ndarray:
-    return whirl.at(speed)[0].reshape(-1, 2)
 
 
 def response_with_peaks(

@@ -176,7 +176,7 @@ def rub_check(
 
 def _size(whirl: SteadyWhirl, probe: ProbeElement, speed: float) -> float:
     """Return the major semi-axis of a part whose motion is an output [m]."""
-    moved, at = whirl.at(speed)[0].reshape(-1, 2), 2 * (probe.node - 1)
+    moved, at = whirl.at(speed), 2 * (probe.node - 1)
     return float(semi_axes(*(moved[at] + probe.offset * moved[at + 1]))[0])
 
 
