@@ -10,9 +10,10 @@ from ..errors import InputError
 from ..model.machine.rotor import Rotor
 
 if TYPE_CHECKING:
-    from ..linear.acceptance import CriticalMap, StabilityLevel1, StabilityLevel2, UnbalanceCheck
+    from ..linear.acceptance import CriticalMap, UnbalanceCheck
     from ..linear.answers import Campbell, Modes, Static, UnbalanceResponse
     from ..linear.frequency_answers import FrequencyResponse
+    from ..linear.stability_answers import StabilityLevel1, StabilityLevel2
 
 # the analyses are imported when they are called: they need SciPy, which runs do without
 
@@ -220,7 +221,7 @@ class LinearAnalyses:
         InputError
             If the level is neither 1 nor 2.
         """
-        from ..linear.acceptance import level_1, level_2
+        from ..linear.stability_answers import level_1, level_2
 
         if level not in (1, 2):
             raise InputError(f"level = {level}: must be 1 or 2")

@@ -101,12 +101,12 @@ def stability(
     machine = machine_in_units(rotor, units)
     speed = rated_speed(rated, machine)
     couplings = cross_couplings(machine, speed, stage, cross_coupling)
-    from ..linear import acceptance
+    from ..linear import stability_answers
 
-    result: acceptance.StabilityLevel1 | acceptance.StabilityLevel2
+    result: stability_answers.StabilityLevel1 | stability_answers.StabilityLevel2
     if level == 1:
         check_nodes(machine, "--node", () if node is None else (node,))
-        result = acceptance.level_1(
+        result = stability_answers.level_1(
             machine, speed, node=node, anticipated=couplings or 0.0, contacts=contacts
         )
     else:
@@ -114,7 +114,9 @@ def stability(
             raise InputError(
                 f"--node {node}: is of level 1; at level 2 each cross coupling has its own node"
             )
-        result = acceptance.level_2(machine, speed, cross_couplings=couplings, contacts=contacts)
+        result = stability_answers.level_2(
+            machine, speed, cross_couplings=couplings, contacts=contacts
+        )
     return print_answer(result, out, "stability")
 
 

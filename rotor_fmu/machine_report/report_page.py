@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..display import current, range_with_unit, shown_speed
-from ..linear import acceptance, answers
+from ..linear import acceptance, answers, stability_answers
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
 from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
@@ -77,8 +77,8 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
         rotor, low, high, probes, unbalances=unbalances, clearances=asked.clearances
     )
     scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
-    level_1 = acceptance.level_1(rotor, high, anticipated=asked.couplings or 0.0)
-    level_2 = acceptance.level_2(rotor, high, cross_couplings=asked.couplings)
+    level_1 = stability_answers.level_1(rotor, high, anticipated=asked.couplings or 0.0)
+    level_2 = stability_answers.level_2(rotor, high, cross_couplings=asked.couplings)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0))
     conclusions = _conclusions(check, level_1, level_2, rub)
     sections = {
@@ -191,7 +191,7 @@ def _contact(rub: RubCheck) -> list[str]:
     return result
 
 
-def _stability(level_2: acceptance.StabilityLevel2) -> str:
+def _stability(level_2: stability_answers.StabilityLevel2) -> str:
     log_dec = level_2.cases[-1].log_dec
     if not math.isfinite(log_dec):
         return "Stability: with all that acts a motion grows without oscillating."
@@ -201,8 +201,8 @@ def _stability(level_2: acceptance.StabilityLevel2) -> str:
 
 def _conclusions(
     check: acceptance.UnbalanceCheck,
-    level_1: acceptance.StabilityLevel1,
-    level_2: acceptance.StabilityLevel2,
+    level_1: stability_answers.StabilityLevel1,
+    level_2: stability_answers.StabilityLevel2,
     rub: RubCheck,
 ) -> tuple[str, ...]:
     """Return what the report says, in a line each."""

@@ -22,7 +22,7 @@ from rotor_fmu.display import (
     shown_speed,
 )
 from rotor_fmu.errors import InputError
-from rotor_fmu.linear import acceptance, answers, bearing_answers
+from rotor_fmu.linear import acceptance, answers, bearing_answers, stability_answers
 from rotor_fmu.linear.displayed import _shear
 from rotor_fmu.linear.frequency_answers import frequency_response
 from rotor_fmu.linear.linear_plots import deflection
@@ -110,8 +110,8 @@ def of_rig():
     """Answers of every kind that the rig has."""
     return [
         acceptance.critical_map(rig(), [1e6, 1e7, 1e9], count=2),
-        acceptance.level_1(rig(), 100.0, node=4, anticipated=1e5, stiffness=[0.0, 1e5]),
-        acceptance.level_2(rig(), 100.0, cross_couplings={4: 1e5}),
+        stability_answers.level_1(rig(), 100.0, node=4, anticipated=1e5, stiffness=[0.0, 1e5]),
+        stability_answers.level_2(rig(), 100.0, cross_couplings={4: 1e5}),
         acceptance.critical_peaks(rig(), 400.0, [4]),
         acceptance.unbalance_check(rig(), 100.0, 200.0, [4]),
         answers.modes(rig(), 100.0, count=2),

@@ -12,7 +12,7 @@ from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.linear import acceptance, answers
+from rotor_fmu.linear import answers, stability_answers
 from tests.dense import dense_matrices
 from tests.linear.api_617 import CLOSE, ROOT, ROSS, RPM, SHAFT, support
 from tests.validation.test_ross import machine
@@ -370,14 +370,17 @@ def test_the_tables_name_growth_without_oscillation_and_a_missing_stage():
     rotor = pulled()
     tables = (
         answers.modes(rotor, 300.0).table(),
-        acceptance.level_1(rotor, 300.0, node=4).table(),
-        acceptance.level_2(rotor, 300.0).table(),
+        stability_answers.level_1(rotor, 300.0, node=4).table(),
+        stability_answers.level_2(rotor, 300.0).table(),
     )
     for table in tables:
         assert "UNSTABLE: a motion grows without oscillating" in table.title
     assert "no stage and no cross coupling was given: QA is 0" in tables[1].title
-    for result in (acceptance.level_1(rotor, 300.0, node=4), acceptance.level_2(rotor, 300.0)):
+    for result in (
+        stability_answers.level_1(rotor, 300.0, node=4),
+        stability_answers.level_2(rotor, 300.0),
+    ):
         result.figure().canvas.draw()
-    given = acceptance.level_1(pulled(k=-1e6), 300.0, node=4, anticipated=1e3).table().title
+    given = stability_answers.level_1(pulled(k=-1e6), 300.0, node=4, anticipated=1e3).table().title
     assert "UNSTABLE" not in given
     assert "no stage" not in given
