@@ -6,13 +6,11 @@ for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4).
 
 import cmath
 import math
-import re
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from itertools import accumulate
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from ..message_templates import fill_template
 from ..parts.base import (
@@ -41,6 +39,7 @@ from ..quantities import (
     quantity,
     switch,
 )
+from .names import IDENTIFIER, Name, check_names, spelled
 from .operating_speeds import Operation
 
 AnyPart = TypeVar("AnyPart", bound=Part)
@@ -52,39 +51,12 @@ HYSTERETIC_AT_REST = (
 )
 
 
-_IDENTIFIER = re.compile(r"([A-Za-z_][A-Za-z0-9_]{0,63})?")  # in C; empty: made from the name
 _VERTICAL = 1e-5  # rad of the vertical: pi / 2 with the digits that are usually given
-# What no part may be called: headings of other names, and names that stand for themselves.
-_TAKEN = (
-    *("shaft", "solver", "energy"),
-    *("time", "speed", "speed_rate", "speed_continuation", "tau_drive", "w_start", "gravity"),
-    *("phi", "w", "a", "tau", "tau_load", "J", "tau_wave", "tau_impedance", "step_work", "limit"),
-    *("dphi_ddrive", "dw_ddrive", "dtau_ddrive", "dtau_load_ddrive"),
-)
 
 
 def _is_base(element: Element) -> bool:
     """Return whether the element is a port on the foundation instead of a node."""
     return isinstance(element, PortElement) and element.node == BASE
-
-
-class Name(NamedTuple):
-    """The name of a machine's quantity: the kind of part, its number from 1 (0 if a machine has
-    only one), the quantity. It is formatted for output and never parsed."""
-
-    kind: str
-    number: int
-    quantity: str
-
-    def __str__(self) -> str:
-        if not self.kind:
-            return self.quantity
-        return f"{spelled(self.kind, self.number)}.{self.quantity}"
-
-
-def spelled(kind: str, index: int) -> str:
-    """Return a part's name: `bearing[1]`, `coupling`."""
-    return f"{kind}[{index}]" if index else kind
 
 
 # The quantities of the machine itself, and the heading under which they stand.
@@ -142,13 +114,13 @@ class Rotor:
         self._check_shaft()
         if not isinstance(self.name, str) or not self.name.isprintable():
             raise QuantityError(f"name = {self.name!r}: must be text without control characters")
-        if not isinstance(self.identifier, str) or not _IDENTIFIER.fullmatch(self.identifier):
+        if not isinstance(self.identifier, str) or not IDENTIFIER.fullmatch(self.identifier):
             raise QuantityError(
                 f"identifier = {self.identifier!r}: must be a word of letters, digits and _ that "
                 "does not begin with a digit"
             )
         self._check_singles()
-        self._check_labels()
+        check_names(self.parts)
         housings = {GROUND: "the ground"}
         for where, part in self.named_parts():
             part.check(where)
@@ -202,27 +174,6 @@ class Rotor:
         for kind in {type(part) for part in self.parts if part.IS_SINGLE}:
             if len(self.of_kind(kind)) > 1:
                 raise QuantityError(f"{kind.KIND}: {len(self.of_kind(kind))} given, 1 may be")
-
-    def _check_labels(self) -> None:
-        kinds = {part.KIND for part in self.parts}
-        counts: Counter[str] = Counter()
-        seen: dict[str, str] = {}
-        for part in self.parts:
-            label = part.label
-            counts[part.KIND] += 1
-            if not label:
-                continue
-            where = spelled(part.KIND, counts[part.KIND])
-            if not isinstance(label, str) or not _IDENTIFIER.fullmatch(label):
-                raise QuantityError(
-                    f"{where}.name = {label!r}: must be a word of letters a to z, digits and _"
-                )
-            if label in _TAKEN or label in kinds:
-                of = "a part type" if label in kinds else "variables"
-                raise QuantityError(f"{where}.name = {label}: is reserved, as the name of {of}")
-            if label in seen:
-                raise QuantityError(f"{where}.name = {label}: {seen[label]} has this name already")
-            seen[label] = where
 
     def _check_housings(self, housings: set[str]) -> None:
         interfaces = self.elements_of_kind(InterfaceElement)

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from ..machine.rotor import OWN, Name, Rotor
+from ..machine.names import Name
+from ..machine.rotor import OWN, Rotor
 from ..parts import LAWS
 from ..parts.base import (
     Element,

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from ..kernels.functions import angle, modulus
 from ..kernels.jit import jit, jit_inlined
-from ..machine.rotor import Name, Rotor
+from ..machine.names import Name
+from ..machine.rotor import Rotor
 from ..parts.base import (
     MOUNT_OUTPUTS,
     PORT_OUTPUTS,

@@ -15,7 +15,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.jit import jit, jit_not_inlined
-from ..machine.rotor import Name, Rotor
+from ..machine.names import Name
+from ..machine.rotor import Rotor
 from ..parts.base import VELOCITY_OUTPUTS, ProbeElement
 from ..step.excitation import at_place
 from .observe import Observed, energies_at, observe, observed

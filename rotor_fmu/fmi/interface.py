@@ -3,7 +3,8 @@ documents are made."""
 
 from dataclasses import replace
 
-from ..model.machine.rotor import Name, Rotor
+from ..model.machine.names import Name
+from ..model.machine.rotor import Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import BASE, PortElement
 from ..model.quantities import ANY, Quantity
