@@ -226,6 +226,7 @@ FLOATING_RING_BEARING = Law(
     stores=STORES,
     losses=LOSSES,
     states=tuple(0.0 for _ in STATE),
+    state_units=lambda part: ("m", "m", "m/s", "m/s", "rad/s"),
     table=lambda part: np.concatenate(
         [np.zeros(len(WEIGHT)), *2 * [film_table([whole_circle()], part.points)]]
     ),

@@ -46,6 +46,7 @@ from .tilting_pads import (
     set_pads_at_rest,
     states_of_pad,
     tilts_of,
+    units_of_pad,
 )
 
 _PRELOAD = Rule(0.0, False, "must be from 0 to 0.99", most=0.99)
@@ -183,6 +184,7 @@ TILTING_PADS = replace(
         interpreted(states_of_pad)(part) * len(part.pads),
         (*OUTPUTS, *tilts_of(part)),
     ),
+    state_units=units_of_pad,
 )
 
 

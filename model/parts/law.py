@@ -134,6 +134,8 @@ class Law:
     of_part : callable, optional
         How many states a part has, all 0 at the start, and its outputs, where they depend on it:
         those of the law, then more.
+    state_units : callable
+        Units of the states of a part, m, m/s or rad/s, from the first on over and over.
     bow : int, optional
         Place among its states of the bow of the shaft at its node [m], in x and y of a frame that
         turns with the rotor.
@@ -168,6 +170,7 @@ class Law:
     vibrate: Callable[..., Any] | None = None
     states: tuple[float, ...] = ()
     of_part: Callable[[Any], tuple[int, tuple[Output, ...]]] | None = None
+    state_units: Callable[[Any], tuple[str, ...]] = lambda part: ("m",)
     bow: int | None = None
     has_wall: bool = False
     turns: bool = False

@@ -86,6 +86,12 @@ def states_of_pad(part):
     return 1 + inertial + (1 if part.pivot_stiffness > 0.0 else 0)
 
 
+def units_of_pad(part: Any) -> tuple[str, ...]:
+    """Return the units of the states of a pad."""
+    rate = ("m/s",) if part.pad_inertia > 0.0 else ()
+    return "m", *rate, *(("m",) if part.pivot_stiffness > 0.0 else ())
+
+
 @jit
 def _mass(part):
     """Return J / R^2 of a pad [kg]."""

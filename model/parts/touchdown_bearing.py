@@ -199,6 +199,7 @@ TOUCHDOWN_BEARING = Law(
     stores=(*STORES, Output("races", "J", "kinetic energy of the races", nominal=1.0)),
     losses=LOSSES,
     states=tuple(0.0 for _ in _STATE),
+    state_units=lambda part: ("rad/s", "m"),
     has_wall=True,
     turns=True,
 )

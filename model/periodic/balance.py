@@ -69,7 +69,9 @@ class HarmonicBalance:
     machine_at: gives the machine at a value of the parameter; reference: value of the parameter at
     which the equations are scaled; speed [rad/s]: used if it is not the parameter; turns:
     revolutions in a period; is_autonomous: omega is unknown, and only constant loads act;
-    length_scale: unit of displacements [m], by default the smallest clearance of the interfaces.
+    state_scale: units of the laws' internal states, by default their sizes in a motion as large as
+    each interface's length; length_scale: unit of displacements [m], by default the smallest
+    clearance of the interfaces.
     """
 
     tolerance, damped_beyond = TOLERANCE, 0.0
@@ -97,7 +99,9 @@ class HarmonicBalance:
         self.length_scale = length_scale or float(np.min(machine.laws.length, initial=np.inf))
         if not math.isfinite(self.length_scale):
             self.length_scale = float(machine.structure.numbers[0].clearance)
-        self.state_scale = np.ones(self.s) if state_scale is None else state_scale
+        if state_scale is None:
+            state_scale = machine.laws.state_scales(abs(self.speed_at(reference)))
+        self.state_scale = state_scale
         n = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES_A_HARMONIC * H)))
         self._samples = n
         self.phase_reference: np.ndarray | None = None

@@ -3,6 +3,7 @@
 This is the only place from which the package calls the laws; the tangents are those of the kernels.
 """
 
+import itertools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -86,6 +87,19 @@ class LawsAlongMotion:
     def journal_radius(self, j: int) -> float:
         """Return the radius of the journal in wall j [m]."""
         return float(self._part(j).journal_radius)
+
+    def state_scales(self, frequency: float) -> np.ndarray:
+        """Return sizes of the internal states in a motion as large as the length of each interface,
+        at a frequency [rad/s], shape (s,)."""
+        result = np.empty(self.states)
+        for j in range(self.count):
+            states = np.flatnonzero(self.owner == j)
+            length = self.length[j]
+            sizes = {"m": length, "m/s": length * frequency, "rad/s": frequency}
+            units = LAWS[self._interfaces[j].law].state_units(self._part(j)) if len(states) else ()
+            for state, unit in zip(states, itertools.cycle(units), strict=False):
+                result[state] = sizes[unit]
+        return result
 
     def wall_force(self, j: int, r: float) -> float:
         """Return the inward force of wall j on a journal on a circle of radius r about its centre

@@ -145,6 +145,7 @@ def folds_over(
             turns=fold.orbit.turns,
             is_autonomous=task.is_whirl,
             omega=fold.orbit.omega,
+            state_scale=base.state_scale,
             length_scale=base.length_scale,
         )
         problem.row_scale = base.row_scale

@@ -1,0 +1,67 @@
+"""The equations of a machine are the same in other lengths and times, also those of laws whose
+states are lengths, velocities or speeds of rotation."""
+
+import numpy as np
+import pytest
+
+import rotor_fmu as rf
+
+FILM = "length = {l:g}\nviscosity = {eta:g}\nroughness = {r:g}\nclearance = {s:g}\n"
+RUB = "clearance = {s:g}\nmu = 0.1\nk = {k:g}\nc = {c:g}\ndelta_c = {r:g}\nv_s = {v:g}\n"
+PARTS = {
+    "sticking": f"[[contact]]\n{RUB}k_t = {{k:g}}\nc_t = {{c:g}}\n",
+    "race": f"[[touchdown_bearing]]\n{RUB}k_t = {{k:g}}\nc_t = {{c:g}}\n"
+    "race_inertia = {j:g}\nrace_damping = {d:g}\n",
+    "ring": f"[[floating_ring_bearing]]\n{FILM}outer_radius = {{R2:g}}\nouter_length = {{l:g}}\n"
+    "outer_clearance = {s2:g}\nouter_viscosity = {eta:g}\nring_mass = 0.03\nring_inertia = {j:g}\n",
+    "pads": f"[[journal_bearing]]\n{FILM}tilting = true\npads = [0.5, 2.6, 4.7]\narc = 1.5\n"
+    "pad_inertia = {j:g}\npivot_stiffness = {k:g}\n",
+}
+
+
+def equations(part, m, s):
+    """The equations of a disc and a part, in lengths of m and times of s."""
+    from rotor_fmu.model.periodic.balance import HarmonicBalance, Parameter
+    from rotor_fmu.model.periodic.linear_structure import CondensedMachine
+
+    sizes = {"l": 0.012 * m, "eta": 0.02 / (m * s), "r": 2e-7 * m, "s": 3e-5 * m, "s2": 6e-5 * m}
+    sizes |= {"k": 1e6 / s**2, "c": 100 / s, "v": 1e-3 * m / s, "j": 6e-6 * m**2}
+    sizes |= {"d": 1e-4 * m**2 / s, "R2": 0.016 * m}
+    text = f"""
+[material]
+young = {2.1e11 / (m * s**2)}
+density = {7800 / m**3}
+[shaft]
+nodes = [0.0, {0.15 * m}, {0.5 * m}]
+diameters = [{0.02 * m}, {0.02 * m}]
+[[disc]]
+node = 2
+diameter = {0.2 * m}
+width = {0.02 * m}
+e = {8e-5 * m}
+[[support]]
+node = 1
+stiffness = {1e6 / s**2}
+[[support]]
+node = 3
+stiffness = {1e6 / s**2}
+{PARTS[part].format(**sizes)}
+node = 3
+journal_radius = {0.012 * m}
+"""
+    machine = CondensedMachine(rf.parse(text).rotor)
+    return HarmonicBalance(lambda _: machine, Parameter("speed", 100 / s), 250 / s, 3)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_equations_are_the_same_in_other_lengths_and_times(part):
+    m, s = 1e-2, 1e-1
+    first, second = equations(part, 1.0, 1.0), equations(part, m, s)
+    x = 0.05 * np.random.default_rng(3).standard_normal(first.size)
+    x[first.b] = x[2 * first.b + 1] = 1.2 if part in ("sticking", "race") else 0.3
+    (residual, jacobian), (seen, slope) = (
+        first.linearized(x, 250.0),
+        second.linearized(x, 250.0 / s),
+    )
+    assert seen == pytest.approx(residual, rel=1e-6, abs=1e-8 * np.abs(residual).max())
+    assert slope == pytest.approx(jacobian, rel=1e-3, abs=1e-4 * np.abs(jacobian).max())
