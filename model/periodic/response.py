@@ -2,6 +2,7 @@
 the range and from seeds."""
 
 import math
+from contextlib import suppress
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from .branch import Branch, solution
 from .branch_switching import follow_switched
 from .checkpoint import EventLog, Starts
 from .continuation import LOST, BranchSearch, ReportPoint, follow, follow_all, is_known, start_at
+from .harmonic_count import with_enough_harmonics
 from .method_switch import PeriodicEquations
 from .problem import SPEED, Machines, Note, PeriodicError, Response, Task, check, machines_of
 from .self_excited import growing_whirls, rolling_whirls
@@ -142,13 +144,34 @@ def _whirl_starts(search: BranchSearch) -> Starts:
                 x = arclength.solve(problem, start, value)
             except NotConverged:
                 continue
-            orbit = problem.split(x, value)
-            known = search.result.branches
-            if _is_forward_whirl(problem, orbit) and not is_known(
-                known, orbit, value, is_whirl=True
-            ):
-                yield start_at(problem, x, value, 0.0)
+            if _is_forward_whirl(problem, problem.split(x, value)):
+                new = _if_new(search, problem, x, value)
+                if new is not None:
+                    yield start_at(*new, value, 0.0)
     return []
+
+
+def _if_new(
+    search: BranchSearch, problem: PeriodicEquations, x: np.ndarray, value: float
+) -> tuple[PeriodicEquations, np.ndarray] | None:
+    """Return the equations of a motion and its unknowns, or None where a branch passes through it.
+    With too few harmonics a motion may be far from itself: it is compared with as many as the
+    branches have."""
+    branches, task = search.result.branches, search.result.task
+
+    def passes() -> bool:
+        return is_known(branches, problem.split(x, value), value, is_whirl=task.is_whirl)
+
+    if passes():
+        return None
+    if branches and isinstance(problem, HarmonicBalance):
+        point = arclength.with_tangent(problem, x, value, 1.0)
+        with suppress(NotConverged):
+            problem, point = with_enough_harmonics(problem, point, task.accuracy, True)
+            x = point.x
+            if passes():
+                return None
+    return problem, x
 
 
 def _is_forward_whirl(problem: HarmonicBalance, orbit: Orbit) -> bool:
@@ -191,10 +214,11 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
                 x = arclength.solve(problem, problem.join(guess), value)
             except NotConverged:
                 continue
-        orbit, is_found = problem.split(x, value), True
-        if not is_known(result.branches, orbit, value):
+        is_found = True
+        new = _if_new(search, problem, x, value)
+        if new is not None:
             is_new = True
-            yield start_at(problem, x, value, direction)
+            yield start_at(*new, value, direction)
         if not is_seed:
             break
     if not is_found:

@@ -135,3 +135,64 @@ def test_a_branch_that_is_not_finished_says_so_in_note_table_and_picture():
     assert why in found.table().title
     labels = [text.get_text() for text in found.figure().axes[0].get_legend().get_texts()]
     assert "the curve is unfinished" in labels
+
+
+WORN = """
+gravity = 9.81
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.15, 0.3, 0.5]
+diameters = [0.02, 0.02, 0.02]
+eta_v = 2e-5
+[[disc]]
+node = 2
+diameter = 0.2
+width = 0.02
+e = 8e-5
+[[support]]
+node = 1
+stiffness = 1e6
+damping = 300.0
+[[support]]
+node = 4
+stiffness = 1e6
+damping = 300.0
+[[seal]]
+node = 2
+kxx = 2e5
+kyy = 2e5
+kxy = 4e4
+kyx = -4e4
+cxx = 100.0
+cyy = 100.0
+cxy = 10.0
+cyx = -10.0
+[[contact]]
+node = 3
+journal_radius = 0.012
+clearance = 1e-4
+mu = 0.2
+k = 1e8
+exponent = 1.5
+wear = 3e-5
+mu_rise = 0.1
+v_stribeck = 0.02
+housing = "stator"
+[[housing]]
+name = "stator"
+mass = 2.0
+mass_ratio = 1.5
+kx = 1e6
+ky = 2e6
+cx = 50.0
+cy = 60.0
+"""
+
+
+def test_a_branch_is_followed_once_although_few_harmonics_are_another_motion_at_its_end():
+    """In a worn bore the three harmonics of a start are 3 % off the motion with enough."""
+    result = rf.response(rf.parse(WORN), speed=(150.0, 420.0))
+    assert len(result.branches) == 1
+    assert len(result.at(300.0)) == 1
