@@ -106,10 +106,9 @@ def question(
     if parameters:
         check_names(rotor, parameters)
         rotor = rotor.with_values({n: float(v) for n, v in parameters.items()})
-    if not 1 <= period <= 16:
-        raise InputError(f"period = {period}: must be an integer from 1 to 16")
-    if not 1 <= harmonics <= 500:
-        raise InputError(f"harmonics = {harmonics}: must be an integer from 1 to 500")
+    for of, count, most in (("period", period, 16), ("harmonics", harmonics, 500)):
+        if not (isinstance(count, (int, np.integer)) and 1 <= count <= most):
+            raise InputError(f"{of} = {count}: must be an integer from 1 to {most}")
     if not 0 < share < 1:
         raise InputError(f"share = {share:g}: must be above 0 and below 1")
     if not 1e-4 <= step <= 10:
@@ -117,12 +116,14 @@ def question(
     held, ends = 0.0, speed
     name = SPEED
     if over is not None:
+        if len(over) != 3:
+            raise InputError(f"over = {over}: must be a name, FROM and TO")
         name = over[0]
-        if not isinstance(speed, (int, float)):
+        if not isinstance(speed, (int, float, np.number)):
             raise InputError("speed: must be one speed where another parameter is varied")
         check_names(rotor, {name: 0.0})
         held, ends = float(speed), (float(over[1]), float(over[2]))
-    if not isinstance(ends, tuple) or len(ends) != 2:
+    if not isinstance(ends, (tuple, list, np.ndarray)) or len(ends) != 2:
         raise InputError(f"speed = {speed}: must be FROM and TO")
     low, high = (float(end) for end in ends)
     known = {str(n): of.unit for n, of, _ in rotor.parameters()} | {SPEED: "rad/s"}

@@ -1,0 +1,35 @@
+"""What Python may ask of a response, and what is refused in one line."""
+
+import numpy as np
+import pytest
+
+import rotor_fmu as rf
+
+from .machines import FAINT_RUB
+
+
+@pytest.mark.parametrize(
+    ("options", "refusal"),
+    [
+        ({"speed": 100.0}, "speed = 100.0: must be FROM and TO"),
+        ({"period": 2.5}, "period = 2.5: must be an integer from 1 to 16"),
+        ({"harmonics": 5.5}, "harmonics = 5.5: must be an integer from 1 to 500"),
+        ({"harmonics": "few"}, "harmonics = few: must be an integer from 1 to 500"),
+        ({"speed": 60.0, "over": ("contact[1].mu", 0.1)}, "over = .*: must be a name, FROM and TO"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused_in_one_line(options, refusal):
+    with pytest.raises(rf.InputError, match=refusal) as refused:
+        rf.response(FAINT_RUB, **{"speed": (60.0, 65.0), **options})
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("speed", [[60.0, 65.0], np.array([60.0, 65.0])])
+def test_a_range_is_any_pair_of_numbers(speed):
+    points = rf.response(FAINT_RUB, speed=speed, harmonics=np.int64(3)).points
+    assert (points[0].value, points[-1].value) == (60.0, 65.0)
+
+
+def test_one_speed_is_any_number():
+    result = rf.response(FAINT_RUB, speed=np.int64(60), over=("contact[1].mu", 0.0, 0.1))
+    assert result.parameter == "contact[1].mu"
