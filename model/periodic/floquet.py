@@ -99,6 +99,9 @@ def multipliers(machine: CondensedMachine, orbit: Orbit, steps: int = 0) -> Mult
     part = tangents_along(machine, path, np.linspace(0.0, period, steps + 1))
     modes, mean = modes_along(machine, path, [part])
     values, vectors = np.linalg.eig(transition_matrix(modes, mean, part))
+    for _ in range(_idle_states(machine, part)):
+        own = np.argmin(np.abs(values - 1.0))
+        values, vectors = np.delete(values, own), np.delete(vectors, own, axis=1)
     return Multipliers(*_sorted(values, modes.shapes @ vectors))
 
 
@@ -108,6 +111,15 @@ class PathSegment(NamedTuple):
 
     h: np.ndarray
     tangent: np.ndarray
+
+
+def _idle_states(machine: CondensedMachine, part: PathSegment) -> int:
+    """Return the number of states that stay what they are and act on nothing, such as the
+    elongation of a spring that a part does without: each has a multiplier of exactly 1."""
+    b = machine.b
+    rates, by_states = part.tangent[:, :, b:], part.tangent[..., 2 * b :]
+    acts = rates.any(axis=(0, 1, 3)) | by_states.any(axis=(0, 1, 2))
+    return int(np.count_nonzero(~acts))
 
 
 def tangents_along(machine: CondensedMachine, path: MotionPath, times: np.ndarray) -> PathSegment:

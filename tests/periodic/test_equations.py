@@ -70,3 +70,18 @@ def test_a_race_turns_as_fast_as_friction_and_drag_let_it():
     assert result.amplitude(rubbing, "disc") > 1e-3
     assert result.check(rubbing, 30).stays == rubbing.is_stable
     assert 0 < rubbing.orbit.states[0, 0] < 120.0
+
+
+def test_a_state_that_a_part_does_without_has_no_multiplier():
+    """A race that slides throughout has the multipliers it has with a spring to stick."""
+    largest = []
+    for spring in ("", "k_t = 1e6\nc_t = 100.0\n"):
+        text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS["race"] + spring + MORE)
+        result = rf.response(
+            rf.parse(text.replace("v_s = 0.5", "v_s = 1e-4")), speed=(119.0, 121.0)
+        )
+        rubbing = max(result.at(120.0), key=lambda p: result.amplitude(p, "disc"))
+        assert result.amplitude(rubbing, "disc") > 1e-3
+        largest.append(np.abs(rubbing.multipliers[:3]))
+    assert largest[0] == pytest.approx(largest[1], rel=1e-3)
+    assert largest[0].max() < 0.999
