@@ -23,6 +23,7 @@ from .result import Result
 Signal = float | tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray]
 _PER_TURN = 64
 _ROWS = 16384
+_NUMBERS = (int, float, np.number)
 
 
 def simulate(
@@ -109,6 +110,7 @@ def simulate(
 
 def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | None) -> Record:
     """Return what is recorded, of the arguments of `simulate`."""
+    _check_number("per_turn", per_turn)
     if per_turn is not None and not 0 < per_turn < math.inf:
         raise InputError(f"per_turn = {per_turn}: must be > 0 and finite, or None for every step")
     angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
@@ -135,6 +137,8 @@ def plan(
     step: float | None,
 ) -> Job:
     """Return the run that the arguments of `simulate` mean, checked."""
+    for name, value in (("stop", stop), ("step", step)):
+        _check_number(name, value)
     table = interface(machine.rotor)
     signals = _signals(table, {"speed": speed, **(loads or {})}, stop)
     stop = float(signals.t[-1]) if stop is None else float(stop)
@@ -154,6 +158,11 @@ def plan(
         return make_job(machine.toml, machine.rotor, values, signals, stop, step)
     except ValueError as error:
         raise InputError(str(error).removeprefix("--set ")) from error
+
+
+def _check_number(name: str, value: object) -> None:
+    if value is not None and not isinstance(value, _NUMBERS):
+        raise InputError(f"{name} = {value!r}: must be a number")
 
 
 def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float | None) -> Signals:
@@ -178,7 +187,7 @@ def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float
 
 def _course(name: str, value: Signal) -> tuple[np.ndarray, np.ndarray]:
     """Return the times [s] and values of an input."""
-    if isinstance(value, (int, float, np.number)):
+    if isinstance(value, _NUMBERS):
         t, values = np.zeros(1), np.array([float(value)])
     else:
         try:

@@ -192,6 +192,8 @@ def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
         ({"stop": 1.0, "parameters": {"speed": 1}}, "speed is an input"),
         ({"stop": 1.0, "record": ["disc[3].z"]}, "the nearest name is"),
         ({"stop": 1.0, "per_turn": 0}, "per_turn = 0: must be > 0"),
+        ({"stop": "1 s"}, "stop = '1 s': must be a number"),
+        ({"stop": 1.0, "per_turn": "64"}, "per_turn = '64': must be a number"),
         ({"stop": 1.0, "step": 2.0}, "step = 2.0 s: must be > 0 and at most stop = 1 s"),
         ({"speed": ([0, 0], [1, 2])}, "speed: its times must increase"),
         ({"speed": ([0, 1], [1])}, "speed: 2 times and 1 values: must be as many"),
