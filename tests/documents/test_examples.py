@@ -155,6 +155,7 @@ def test_a_hot_spot_spirals_outwards_below_the_critical_speed_and_inwards_above(
 # --- oil film ---
 
 
+@pytest.mark.slow
 def test_a_rotor_in_oil_films_whirls_past_its_threshold_and_stays_at_its_natural_frequency():
     example = script("oil_film", "oil_film.py")
     history = example["run"](low=800.0, high=1000.0, seconds=2.0)

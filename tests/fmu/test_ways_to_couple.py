@@ -54,6 +54,7 @@ def test_a_line_is_stable_at_every_step_and_loses_next_to_nothing(folder, h):
     assert run.lost < 1e-4
 
 
+@pytest.mark.slow
 def test_the_comparison_holds_every_way_against_one_run_of_all(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(compare, "STEPS", (SHORT, LONG))
     monkeypatch.setattr(compare, "TOLERANCES", (1e-5,))
@@ -112,6 +113,7 @@ def test_one_newton_iteration_nears_the_monolithic_run_with_its_step(folder, ref
     assert errors[1] < 0.5 * errors[0] < 5e-4
 
 
+@pytest.mark.slow
 @needs("libcosimpy", "pip install libcosimpy")
 def test_libcosims_ecco_has_a_fifth_of_the_error_of_as_many_fixed_steps(folder, tmp_path):
     """Of a motor that is switched on, whose shaft rings for a while."""

@@ -65,6 +65,7 @@ def kernel(tmp_path):
     return Kernel(tmp_path)
 
 
+@pytest.mark.slow
 def test_what_one_process_compiles_the_next_finds_until_a_kernel_changes(kernel):
     assert kernel.run() == (COMPILED, "")
     assert kernel.run() == (CACHED, "")

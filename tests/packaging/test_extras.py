@@ -137,6 +137,7 @@ def test_without_what_draws_the_page_a_run_leaves_the_rest_and_says_so(tmp_path)
     assert len(asked.stderr.splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_without_what_limits_threads_the_linear_answers_are_there(tmp_path):
     done = without("threadpoolctl", "modes", "--speed", "100", "--out", tmp_path)
     assert done.returncode == 0, done.stderr

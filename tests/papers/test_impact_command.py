@@ -58,6 +58,7 @@ def bars(tmp_path_factory):
     return out, text
 
 
+@pytest.mark.slow
 def test_bars_give_paper_bs_figures_and_a_table_of_errors(bars):
     out, text = bars
     rows = rows_of(out / "bars.csv")
@@ -153,6 +154,7 @@ def test_what_cannot_be_is_refused_before_anything_is_written(arguments, message
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_a_ratchet_of_ones_own_is_drawn_and_moves(tmp_path):
     geometry = tmp_path / "small.toml"
     text = ratchet_toml().replace("[20, 4]", "[10, 2]").replace("torque = 2.0", "torque = 8.0")

@@ -95,6 +95,7 @@ def test_the_integrator_stays_on_a_doubled_period_and_comes_round_in_two_turns(d
     assert max(apart) > 0.2
 
 
+@pytest.mark.slow
 def test_all_motions_at_a_speed_are_those_of_both_periods(doubled):
     points = doubled.at(330.0)
     assert sorted(p.orbit.turns for p in points)[0] == 1
