@@ -21,7 +21,7 @@ from .machines import CLEARANCE, OMEGA, sagging
 from .test_resume import called, equal
 
 SPEED = 245.0
-LIFTING = {"speed": (183.65, 185.5)}  # of the rig
+LIFTING = {"speed": (183.65, 185.5), "step": 0.1}  # of the rig
 
 
 @pytest.fixture(scope="module")
