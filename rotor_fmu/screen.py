@@ -41,8 +41,10 @@ def text_table(
 
 
 @contextmanager
-def progress_of(label: str, total: float, console: Console, first: float) -> Iterator[Update]:
-    """A bar with a text on a terminal; elsewhere a line every now and then, after `first` [s]."""
+def progress_of(label: str, total: float, first: float) -> Iterator[Update]:
+    """A bar with a text on a terminal; elsewhere a line every now and then, after `first` [s]; on
+    standard error."""
+    console = Console(stderr=True)
     every = _BAR_EVERY if console.is_terminal else _LINE_EVERY
     due = time.monotonic() + (0.0 if console.is_terminal else first)
 

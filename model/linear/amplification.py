@@ -14,7 +14,7 @@ continuous speed for one above it (API 617, 7th edition, part 1, 2.6.2), is none
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -113,28 +113,16 @@ def peaks(response: Callable[[float], float], speeds: Sequence[float] | np.ndarr
     """
     at = np.asarray(speeds, dtype=float)
     values = np.array([response(speed) for speed in at])
-    return [
-        _peak(response, at, values, i)
-        for i in inner_peaks(values)
-        if _rise(values, i) > _FLAT * values[i]
-    ]
+    return [_peak(response, at, values, i) for i in inner_peaks(values)]
 
 
 def inner_peaks(values: np.ndarray) -> list[int]:
-    """Return the places of values that are higher than their neighbours."""
-    inner = (values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:])
-    return (np.flatnonzero(inner) + 1).tolist()
+    """Return the places of values that are higher than their neighbours, and rise by more than
+    rounding above the lowest on either side."""
+    from scipy.signal import find_peaks  # which takes longer than most analyses
 
-
-def _rise(values: np.ndarray, i: int) -> float:
-    """Return by how much the i-th of values rises above the higher of the lowest on either side, as
-    far as none there is higher than it."""
-
-    def lowest(side: np.ndarray) -> float:
-        higher = np.flatnonzero(side > values[i])
-        return float(side[: higher[0] if len(higher) else None].min())
-
-    return float(values[i]) - max(lowest(values[:i][::-1]), lowest(values[i + 1 :]))
+    at, rises = find_peaks(values, prominence=0.0)
+    return at[rises["prominences"] > _FLAT * values[at]].tolist()
 
 
 def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[float, float]:
@@ -182,6 +170,23 @@ def _peak(response: Callable[[float], float], at: np.ndarray, values: np.ndarray
     return Peak(speed, largest, fallen(range(i - 1, -1, -1)), fallen(range(i + 1, len(at))))
 
 
+def with_modes(at: np.ndarray, modes: Iterable[tuple[float, float]]) -> np.ndarray:
+    """Return ascending frequencies with those `about` modes, given by frequency [rad/s] and damping
+    ratio, that lie between the first and the last."""
+    result = np.unique(np.concatenate([at, *(about(*mode) for mode in modes)]))
+    return result[(result >= at.min()) & (result <= at.max())]
+
+
+def with_tops(sizes: Iterable[Callable[[float], float]], at: np.ndarray) -> np.ndarray:
+    """Return ascending frequencies [rad/s] with those of the peaks of sizes between them."""
+    found = [
+        top(size, at, i)[0]
+        for size in sizes
+        for i in inner_peaks(np.array([size(frequency) for frequency in at]))
+    ]
+    return np.unique(np.append(at, found))
+
+
 def with_peaks(
     answer: Callable[[float], np.ndarray], frequencies: np.ndarray, poles: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -198,19 +203,13 @@ def with_peaks(
         return known[w]
 
     low, high = frequencies.min(), frequencies.max()
-    near = [about(pole.imag, pole.real / pole.imag) for pole in poles if low < pole.imag < high]
-    at = np.unique(np.concatenate([frequencies, *near]))
-    at = at[(at >= low) & (at <= high)]
+    inside = (pole for pole in poles if low < pole.imag < high)
+    at = with_modes(frequencies, ((pole.imag, pole.real / pole.imag) for pole in inside))
     size = np.abs([answered(w).ravel() for w in at])
     seen = size.max(axis=0) > _ROUNDING * size.max()
 
     def size_of(column: int, w: float) -> float:
         return float(abs(answered(w).ravel()[column]))
 
-    found = [
-        top(partial(size_of, column), at, i)[0]
-        for column in np.flatnonzero(seen).tolist()
-        for i in inner_peaks(size[:, column])
-    ]
-    at = np.unique(np.append(at, found))
+    at = with_tops((partial(size_of, column) for column in np.flatnonzero(seen).tolist()), at)
     return at, np.array([answered(w) for w in at])

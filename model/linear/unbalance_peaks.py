@@ -2,13 +2,13 @@
 one is narrower than the distance of speeds spaced evenly."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 
 from ..machine.rotor import Rotor
-from .amplification import about, inner_peaks, top
+from .amplification import with_modes, with_tops
 from .campbell import campbell
 from .orbit import semi_axes
 from .static import check_node, lowest_speed
@@ -29,18 +29,8 @@ def with_criticals(
     first = lowest_speed(rotor, high, contacts) if low == 0.0 else low
     diagram = np.linspace(min(first, _BEYOND * first), max(high, _BEYOND * high), _POINTS)
     found = campbell(rotor, diagram, count=_MODES, contacts=contacts).critical
-    near = [about(c.speed, c.log_dec / (2 * math.pi)) for c in found]
-    return np.unique(np.concatenate([at, *(s[(s >= first) & (s <= high)] for s in near)]))
-
-
-def with_peaks_of(sizes: Sequence[Callable[[float], float]], speeds: np.ndarray) -> np.ndarray:
-    """Return ascending speeds [rad/s] with those of the peaks of sizes between them."""
-    found = [
-        top(size, speeds, i)[0]
-        for size in sizes
-        for i in inner_peaks(np.array([size(speed) for speed in speeds]))
-    ]
-    return np.unique(np.append(speeds, found))
+    result = with_modes(at, ((c.speed, c.log_dec / (2 * math.pi)) for c in found))
+    return result[(result >= first) | np.isin(result, at)]
 
 
 def major_of(whirl: SteadyWhirl, node: int, speed: float) -> float:
@@ -69,4 +59,4 @@ def response_with_peaks(
     close = with_criticals(rotor, speeds, contacts)
     shown = nodes or whirl.response(close).nodes()
     sizes = [partial(major_of, whirl, check_node(whirl.machine, node)) for node in shown]
-    return whirl.response(with_peaks_of(sizes, close))
+    return whirl.response(with_tops(sizes, close))

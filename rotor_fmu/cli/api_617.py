@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 
 from ..errors import InputError, writable_folder
 from ..files import unfinished
@@ -16,7 +15,7 @@ from ..screen import progress_of
 from ..units import in_si, split
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
 from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
-from .show_result import machine_in_units, name_films, print_answer
+from .show_result import machine_in_units, print_answer, say_where_linearized
 from .speeds import (
     OperatingRange,
     Range,
@@ -30,7 +29,6 @@ from .speeds import (
     usual_speeds,
 )
 
-_errors = Console(stderr=True)
 _SPEEDS = 401  # speeds of the response to unbalance
 
 
@@ -196,7 +194,7 @@ def unbalance(
     else:
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
-    name_films(machine, speeds)
+    say_where_linearized(machine, speeds)
     writable_folder(out)
     _write_response(result, nodes, out / "unbalance.csv")
     if ends is None:
@@ -286,7 +284,7 @@ def balance(
     from ..trial_balancing import balance as balanced
 
     runs = len(speeds) * (2 + len(plane))
-    with progress_of("balance", runs, _errors, first=0.0) as update:
+    with progress_of("balance", runs, first=0.0) as update:
         result = balanced(
             *(machine, speeds, plane),
             measured=node,

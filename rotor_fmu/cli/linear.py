@@ -11,7 +11,7 @@ import typer
 from ..errors import InputError
 from ..output_options import with_output_options
 from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
-from .show_result import machine_in_units, name_films, print_answer
+from .show_result import machine_in_units, print_answer, say_where_linearized
 from .speeds import (
     One,
     OperatingRange,
@@ -51,7 +51,7 @@ def modes(
     from ..plotting.figure_style import save
 
     result = answers.modes(machine, at, count=count, contacts=contacts)
-    name_films(machine, [at])
+    say_where_linearized(machine, [at])
     data = print_answer(result, out, "modes")
     save(mode_shapes_figure(result, result.machine_name, result.shear), out / "modes_3d.png")
     return data
@@ -87,7 +87,7 @@ def campbell(
     result = answers.campbell(
         machine, speeds, count=count, contacts=contacts, harmonic=harmonic or 1.0
     )
-    name_films(machine, speeds)
+    say_where_linearized(machine, speeds)
     return print_answer(result, out, "campbell", figure=result.figure(ends))
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
 from ..display import Shown, choose, current
 from ..errors import InputError, writable_folder
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from ..model.periodic.branch import Solution
     from ..periodic.result import ResponseResult
 
-_errors = Console(stderr=True)
 _CHECKED = 8  # points that are taken into time
 
 
@@ -189,7 +187,7 @@ def _progress(
     """Show how much of the range, so long, is covered, and where the curve is; before: points of an
     earlier call; axis: how its values are shown."""
     count, low, high = 0, math.inf, -math.inf
-    with progress_of("response", length, _errors, first=2.0) as update:
+    with progress_of("response", length, first=2.0) as update:
 
         def tell(label: str, point: "Solution") -> None:
             """Take one more point."""

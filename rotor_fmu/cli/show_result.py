@@ -24,7 +24,7 @@ def machine_in_units(file: Path | None, units: str | None) -> Rotor:
     return machine
 
 
-def name_films(machine: Rotor, speeds: Collection[float]) -> None:
+def say_where_linearized(machine: Rotor, speeds: Collection[float]) -> None:
     """Say of oil films where they are linearized, and of tables which of these speeds [rad/s] lie
     outside."""
     from ..model.linear.journal_bearing_curves import journal_bearings

@@ -27,8 +27,6 @@ from ..studies.runner import Progress, run_study
 from ..studies.study import Study
 from .shared import Units
 
-_errors = Console(stderr=True)
-
 
 @with_output_options
 def study(
@@ -137,7 +135,7 @@ class _RunRate:
 def _progress_bar(definition: Study) -> Iterator[Callable[[Progress], None]]:
     """Show progress with rate and time left."""
     rate = _RunRate()
-    with progress_of(definition.name, len(definition.design), _errors, first=0.0) as update:
+    with progress_of(definition.name, len(definition.design), first=0.0) as update:
 
         def report(progress: Progress) -> None:
             done = progress.before + progress.now

@@ -16,10 +16,11 @@ from ..api.result import Result
 from ..api.simulate import simulate
 from ..display import current
 from ..linear.answers import static
+from ..model.linear.amplification import with_tops
 from ..model.linear.linear_machine import OPEN
 from ..model.linear.orbit import semi_axes
 from ..model.linear.unbalance import SteadyWhirl
-from ..model.linear.unbalance_peaks import distance_of, with_criticals, with_peaks_of
+from ..model.linear.unbalance_peaks import distance_of, with_criticals
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import InterfaceElement, Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
@@ -161,7 +162,7 @@ def rub_check(
     probes = {
         name: partial(_size, whirl, of) for name, of in machine.elements_of_kind(ProbeElement)
     }
-    speeds = with_peaks_of(list(probes.values()), close)
+    speeds = with_tops(list(probes.values()), close)
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
     place = max(seen, key=lambda name: seen[name].max()) if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
@@ -209,7 +210,7 @@ def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray) -> list[Clos
             at_rest -= complex(rest.housing_x[k], rest.housing_y[k])
         sag = abs(at_rest)
         distance = partial(distance_of, whirl, 2 * (node - 1), end)
-        peaked = with_peaks_of([distance], speeds)
+        peaked = with_tops([distance], speeds)
         free = gap - sag - np.array([distance(speed) for speed in peaked])
         if (free <= 0).any():
             closed = np.flatnonzero(free <= 0)[[0, -1]]

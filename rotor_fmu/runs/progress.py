@@ -21,11 +21,9 @@ def shown(label: str, stop: float, step: float, settings: Settings) -> Iterator[
     stop, step: end of the run and communication step [s]; settings: of the run.
     """
     # no run without progress needs a screen
-    from rich.console import Console
-
     from ..screen import progress_of
 
-    with progress_of(label, stop, Console(stderr=True), first=10.0) as update:
+    with progress_of(label, stop, first=10.0) as update:
 
         def report(t: float, observe: Callable[[], Mapping[str, float]]) -> None:
             update(t, lambda: f"{t:.4g} of {stop:g} s, {steps(observe(), step, settings)}", False)
