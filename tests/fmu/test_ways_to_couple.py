@@ -117,7 +117,7 @@ def test_one_newton_iteration_nears_the_monolithic_run_with_its_step(folder, ref
 @needs("libcosimpy", "pip install libcosimpy")
 def test_libcosims_ecco_has_a_fifth_of_the_error_of_as_many_fixed_steps(folder, tmp_path):
     """Of a motor that is switched on, whose shaft rings for a while."""
-    stop, every = 0.9, ways.FINE
+    stop, every = 1.8, ways.FINE
     expected = ways.couple(folder, ways.monolithic, SHORT, stop, every).w
     given = {"torque": ways.TORQUE, "J": ways.J_MOTOR, "k": ways.STIFFNESS}
     given |= {"c": ways.DAMPING, "w_start": ways.START}

@@ -60,13 +60,14 @@ def test_a_short_film_is_the_pi_film(e):
     assert expected / scale == pytest.approx(closed, rel=1e-9)
 
 
+@pytest.mark.parametrize("count", [2, pytest.param(6, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("supply", [0.0, 2e5, 3e6])
 @pytest.mark.parametrize("shape", _SHAPES)
-def test_its_tangent_and_its_load_in_two_dimensions(shape, supply):
+def test_its_tangent_and_its_load_in_two_dimensions(shape, supply, count):
     part = _bearing(**_SHAPES[shape], supply_pressure=supply)
     part.check("journal_bearing")
     alone, random = BearingAlone(part, _SPEED), np.random.default_rng(5)
-    for _ in range(2):
+    for _ in range(count):
         d = 0.7 * _C * math.sqrt(random.random()) * np.exp(2j * math.pi * random.random())
         v = 20 * _C * complex(*random.normal(size=2))
         for weights, h in ((Weights(1.0, 0.0, 0.0), 1e-9), (Weights(0.0, 1.0, 0.0), 1e-5)):

@@ -135,10 +135,11 @@ def _record(part):
     return np.array([row], ROLLING_BEARING.dtype).view(np.recarray)[0]
 
 
-def test_the_tangent_is_the_derivative_of_the_force():
+@pytest.mark.parametrize("count", [60, pytest.param(300, marks=pytest.mark.slow)])
+def test_the_tangent_is_the_derivative_of_the_force(count):
     record, rng = _record(_IN_BALLS), np.random.default_rng(1)
     force, tangent = (interpreted(f) for f in (ROLLING_BEARING.force, ROLLING_BEARING.tangent))
-    for _ in range(60):
+    for _ in range(count):
         d, v, speed, states = _drawn(rng)
         for weights, size in ((Weights(1.0, 0.0, 0.0), 1e-11), (Weights(0.0, 1.0, 0.0), 1e-8)):
             here = Kinematics(d, v, speed, speed, 0.0)

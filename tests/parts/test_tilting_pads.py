@@ -91,9 +91,10 @@ def _states(part, count, seed):
         yield d, v, c * random.uniform(-0.5, 0.5, len(part.pads)), random
 
 
+@pytest.mark.parametrize("count", [4, pytest.param(12, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("inertia", [0.0, 2e-3])
 @pytest.mark.parametrize(("k", "pivot"), [(0.0, 0.0), (1e8, 0.0), (1e8, 3e8)])
-def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k, pivot):
+def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k, pivot, count):
     part = _part(
         *(_ON_PAD,),
         pad_inertia=inertia,
@@ -103,7 +104,7 @@ def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k, pivot):
     )
     law = StatedLaw(BearingAlone(part, _SPEED))
     tried = 0
-    for d, v, tilts, random in _states(part, 4, 1):
+    for d, v, tilts, random in _states(part, count, 1):
         columns = [tilts]
         if inertia:
             columns.append(part.clearance * _SPEED * random.normal(size=len(tilts)))
@@ -125,7 +126,7 @@ def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k, pivot):
         assert law.step(d, v, weights, free)[0] == pytest.approx(seen, abs=1e-7 * abs(seen))
         assert law.has_tangent(d, v, weights, free, part.clearance, 2e-5)
         tried += 1
-    assert tried == 4
+    assert tried == count
 
 
 @pytest.mark.parametrize("pivot", [0.0, 1e9])
@@ -251,7 +252,8 @@ def test_without_gravity_pads_without_preload_are_said_to_lack_stiffness_not_to_
     assert "at least 2" not in said
 
 
-def test_pads_are_stable_far_beyond_the_whip_of_pads_that_stand():
+@pytest.mark.parametrize("seconds", [0.1, pytest.param(0.3, marks=pytest.mark.slow)])
+def test_pads_are_stable_far_beyond_the_whip_of_pads_that_stand(seconds):
     standing = {"pads": [0.785398163, 2.35619449, 3.926990817, 5.497787144], "arc": 1.4}
     stands = "".join(
         table("[journal_bearing]", node=n, length=0.05, **OF_A_FILM, **standing, preload=0.3)
@@ -269,7 +271,7 @@ def test_pads_are_stable_far_beyond_the_whip_of_pads_that_stand():
         run = _run(machine, speed, 1e-2)
         rest = _place(run)
         run.advance(1e-3, speed, np.array([100.0 + 0j]))
-        run.advance(0.1, speed, np.array([0j]))
+        run.advance(seconds, speed, np.array([0j]))
         sizes.append(abs(_place(run) - rest))
     assert sizes[1] < 1e-3 * sizes[0]
 
@@ -284,8 +286,11 @@ def test_an_unbalanced_rotor_whirls_as_the_linear_answer_says():
     assert run.read("body[1].y_1x") == pytest.approx(abs(linear.y[0, 1]), rel=1e-2)
 
 
+@pytest.mark.parametrize(
+    "shares", [[0.5, 1.0], pytest.param([0.2, 0.5, 1.0, 2.0], marks=pytest.mark.slow)], ids=len
+)
 @pytest.mark.parametrize(("inertia", "pivot"), [(0.0, 0.0), (2e-3, 0.0), (2e-3, 5e8)])
-def test_a_force_at_any_frequency_is_answered_by_pads_that_follow_at_it(inertia, pivot):
+def test_a_force_at_any_frequency_is_answered_by_pads_that_follow_at_it(inertia, pivot, shares):
     """A rigid rotor amid two bearings, whose pads' states are unknowns of their own beside x and y,
     linearized by differences."""
     pads = {"pad_inertia": inertia, "pivot_stiffness": pivot}
@@ -303,7 +308,7 @@ def test_a_force_at_any_frequency_is_answered_by_pads_that_follow_at_it(inertia,
     size = 1e-4 * film.part.clearance
     scales = n * [size, *([size * speed] if inertia else []), *([size] if pivot else [])]
     K, C = film.coefficients(d)  # of pads that follow at the speed
-    frequencies = np.array([0.3, 1.0]) * speed
+    frequencies = np.array(shares) * speed
     answer = frequency_response(rotor, frequencies, 2, [2], speed=speed).receptance[:, 0]
     for w, seen in zip(frequencies, answer, strict=True):
         followed = law.vibration(d, rest, w, size, scales)

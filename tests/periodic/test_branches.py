@@ -85,11 +85,12 @@ def test_a_branch_of_twice_the_period_begins_at_each_period_doubling(doubled):
     assert not any(p.is_stable for p in between)
 
 
-def test_the_integrator_stays_on_a_doubled_period_and_comes_round_in_two_turns(doubled):
+@pytest.mark.parametrize("turns", [30, pytest.param(60, marks=pytest.mark.slow)])
+def test_the_integrator_stays_on_a_doubled_period_and_comes_round_in_two_turns(doubled, turns):
     stable = [p for p in doubled.branches[1].points if p.is_stable]
     apart = []
     for point in stable[:: len(stable) // 2]:
-        assert doubled.check(point, 30).distance < 1e-3
+        assert doubled.check(point, turns).distance < 1e-3
         y = doubled.series(point, "disc", 128)[1]
         apart.append(np.abs(y - np.roll(y, 64)).max() / np.ptp(y))
     assert max(apart) > 0.2

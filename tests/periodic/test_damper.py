@@ -60,7 +60,8 @@ def test_every_orbit_is_one_of_the_closed_form(curve, speed):
         assert abs(left_of(e, speed)) < 1e-4 * abs(slope)
 
 
-def test_stable_orbits_stay_in_time_and_the_unstable_one_is_left(curve):
+@pytest.mark.parametrize("turns", [30, pytest.param(100, marks=pytest.mark.slow)])
+def test_stable_orbits_stay_in_time_and_the_unstable_one_is_left(curve, turns):
     for _, point in orbits(curve, 2.0):
-        seen = curve.check(point, turns=30)
+        seen = curve.check(point, turns=turns)
         assert seen.stays == point.is_stable

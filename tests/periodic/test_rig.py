@@ -20,7 +20,10 @@ def curve():
     return rf.response(rf.load(), speed=LAST)
 
 
-@pytest.mark.parametrize("ends", [LAST, pytest.param((140.0, 155.0), marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "ends",
+    [LAST, *(pytest.param(e, marks=pytest.mark.slow) for e in ((140.0, 155.0), (100.0, 160.0)))],
+)
 def test_a_curve_ends_at_the_end_of_its_range_and_is_there_once(curve, ends):
     """Also where the last point takes more harmonics than the one before, as at 155 rad/s."""
     result = curve if ends == LAST else rf.response(rf.load(), speed=ends)

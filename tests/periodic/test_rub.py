@@ -88,8 +88,11 @@ def test_a_curve_of_folds_that_leaves_the_machine_out_is_refused_in_one_line(cur
         curve.fold_curve("contact[1].mu", 0.1, 0.2)
 
 
-def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):
-    folds = curve.fold_curve("contact[1].mu", 0.03, 0.07)
+@pytest.mark.parametrize(
+    ("least", "most"), [(0.03, 0.07), pytest.param(0.01, 0.1, marks=pytest.mark.slow)]
+)
+def test_jumps_over_friction_lie_where_the_closed_form_folds(curve, least, most):
+    folds = curve.fold_curve("contact[1].mu", least, most)
     assert folds.ends == ("end of the range", "end of the range")
     for mu, speed in zip(folds.second, folds.first, strict=True):
         # where the two radii meet
@@ -135,10 +138,11 @@ def test_the_threshold_of_dry_whirl_is_the_closed_forms():
     assert fold == pytest.approx(2 * 0.05 * math.sqrt(21) / 20, rel=1e-5)
 
 
-def test_the_integrator_stays_on_stable_motions_and_leaves_others(curve):
+@pytest.mark.parametrize("turns", [30, pytest.param(100, marks=pytest.mark.slow)])
+def test_the_integrator_stays_on_stable_motions_and_leaves_others(curve, turns):
     stable, unstable, free = sorted(
         curve.at(1.8 * OMEGA), key=lambda p: -curve.amplitude(p, "disc")
     )
-    assert curve.check(stable, 30).distance < 1e-5
-    assert curve.check(free, 30).distance < 1e-5
-    assert not curve.check(unstable, 30).stays
+    assert curve.check(stable, turns).distance < 1e-5
+    assert curve.check(free, turns).distance < 1e-5
+    assert not curve.check(unstable, turns).stays

@@ -243,16 +243,17 @@ KINDS = {
 
 
 @cache
-def entries(*parts):
-    sim = run(overhung(others=parts), choose("robust", h=2e-5), 0.025, speed=200.0, stops=1)
+def entries(seconds, *parts):
+    sim = run(overhung(others=parts), choose("robust", h=2e-5), seconds, speed=200.0, stops=1)
     return {n.removeprefix("energy."): sim.read(n) for n in sim.names if n.startswith("energy.")}
 
 
+@pytest.mark.parametrize("seconds", [0.025, pytest.param(0.05, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("kind", "other"), list(itertools.permutations(KINDS, 2)))
-def test_an_entry_is_its_own_whatever_stands_beside_it(kind, other):
+def test_an_entry_is_its_own_whatever_stands_beside_it(kind, other, seconds):
     part, names, _ = KINDS[kind]
     beside, *alike = KINDS[other][2]
-    result, expected = entries(part, beside), entries(part, *alike)
+    result, expected = (entries(seconds, *parts) for parts in ((part, beside), (part, *alike)))
     for name in names:
         assert abs(result[name]) > 0
         assert result[name] == pytest.approx(expected[name], rel=1e-5)
