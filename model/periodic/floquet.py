@@ -157,15 +157,15 @@ def _step_ends(machine: CondensedMachine, path: MotionPath, times: np.ndarray) -
     """Return the ends of the steps: the given evenly spaced times, and the times at which a force
     has a corner."""
     laws, h = machine.laws, times[1] - times[0]
-    if not len(laws.levels[0]):
+    if not len(laws.corner_owner):
         return times
-    gap = laws.gaps(path.at(np.concatenate([[times[0] - h], times, [times[-1] + h]]))[0])
 
-    def gap_at(cell: np.ndarray, share: np.ndarray) -> np.ndarray:
-        """Return the gaps between the times."""
-        return laws.gaps(path.at(times[cell] + h * share)[0])
+    def gaps(at: np.ndarray) -> np.ndarray:
+        """Return the distances from corners at times."""
+        return laws.corner_gaps(*path.at(at)[:2])
 
-    cell, share, _ = crossings(laws, gap, gap_at)
+    beyond = np.concatenate([[times[0] - h], times, [times[-1] + h]])
+    cell, share, _ = crossings(laws, gaps(beyond), lambda c, x: gaps(times[c] + h * x))
     return np.unique(np.concatenate([times, times[cell] + h * share]))
 
 

@@ -1,8 +1,9 @@
 """Corners of the forces along an orbit, and the corrections that they need in the Fourier sums.
 
-A contact force has a corner where the contact begins, and where its damping acts in full; its
-tangents jump there. With g sampled at intervals h, and its jumps [g], [g'] at t_c, theta h after a
-sample, the Euler-Maclaurin formula is
+A contact force has a corner where the contact begins, where its damping acts in full, and where the
+damping of a journal that leaves has used up the elastic force; its tangents jump there. With g
+sampled at intervals h, and its jumps [g], [g'] at t_c, theta h after a sample, the Euler-Maclaurin
+formula is
 
     integral of g e = sum of g e h - h B1 [g e] + h^2/2 B2 [(g e)'] - h^3/6 B3 [(g e)'']
 
@@ -25,12 +26,12 @@ _SIDES = np.append(-_SIDE[::-1], _SIDE)  # on both sides
 _LIMITS = np.linalg.inv(np.vander(_SIDE, increasing=True)) * [[1.0], [1.0], [2.0]]
 _NEAR = 0.02  # in samples, or in distances to the next corner
 _LEAST = 1e-5  # of that distance, in samples
-_NEWTON, _EXACT = 6, 2  # iterations on the interpolated gap; on the gap itself
+_NEWTON, _EXACT = 6, 3  # iterations on the interpolated gap; on the gap itself
 
 
 class Crossings(NamedTuple):
-    """Crossings of a gap through a level: the sample before, the fraction of the interval, and the
-    interface, shape (n,) each."""
+    """Where forces have corners: the sample before, the fraction of the interval, the interface,
+    shape (n,) each."""
 
     cell: np.ndarray
     share: np.ndarray
@@ -40,13 +41,11 @@ class Crossings(NamedTuple):
 def crossings(
     laws: LawsAlongMotion, gap: np.ndarray, gap_at: Callable[[np.ndarray, np.ndarray], np.ndarray]
 ) -> Crossings:
-    """Return where the gaps of walls cross the levels at which forces have corners, between the
-    samples 1 and n + 1 of n + 3 evenly spaced ones; gap: shape (n + 3, m); gap_at: all gaps at
-    intervals and fractions of them."""
-    owner, level = laws.levels
-    g = gap[:, owner] - level
-    slope = 0.5 * (g[2:] - g[:-2])
-    g = g[1:-1]
+    """Return where forces have corners between the samples 1 and n + 1 of n + 3 evenly spaced ones;
+    gap: their distances from corners (`LawsAlongMotion.corner_gaps`), shape (n + 3, corners);
+    gap_at: those at intervals and fractions of them."""
+    slope = 0.5 * (gap[2:] - gap[:-2])
+    g = gap[1:-1]
     changes = (g[:-1] > 0) != (g[1:] > 0)
     cell, which = np.nonzero(changes)
     low, high = np.zeros(len(cell)), np.ones(len(cell))
@@ -71,11 +70,11 @@ def crossings(
             near = share - value / rate
         share = np.where((near > low) & (near < high), near, 0.5 * (low + high))
     for _ in range(_EXACT if len(cell) else 0):
-        value = gap_at(cell, share)[np.arange(len(cell)), owner[which]] - level[which]
+        value = gap_at(cell, share)[np.arange(len(cell)), which]
         with np.errstate(divide="ignore", invalid="ignore"):
             near = share - value / cubic(share)[1]
         share = np.where(np.isfinite(near), np.clip(near, 0.0, 1.0), share)
-    return Crossings(cell, share, owner[which])
+    return Crossings(cell, share, laws.corner_owner[which])
 
 
 def _cubic(g, slope, cell, which):
@@ -110,14 +109,15 @@ class SampledOrbit:
     ) -> None:
         self.n, self.owner, self._laws = n, np.zeros(0, int), laws
         self.d, self.v, self.states = sampled(d, n), omega * sampled(rate, n), sampled(states, n)
-        if not len(laws.levels[0]):
+        if not len(laws.corner_owner):
             return
         H, h = len(d) // 2, 2 * np.pi / n
-        gap = laws.gaps(self.d)
+        gap = laws.corner_gaps(self.d, self.v)
 
         def gap_at(cell, share):
-            """Return the gaps between samples."""
-            return laws.gaps(basis(H, h * (cell + share))[0] @ d)
+            """Return the distances from corners between samples."""
+            value, slope = basis(H, h * (cell + share))
+            return laws.corner_gaps(value @ d, omega * (slope @ d))
 
         cyclic = np.concatenate([gap[-1:], gap, gap[:2]])
         cell, self._share, self.owner = crossings(laws, cyclic, gap_at)

@@ -81,7 +81,12 @@ class LawsAlongMotion:
         self.starts = starts_of(interfaces)
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)
-        self.levels = self._corner_levels()
+        walls = [self._part(j) for j in range(self.count) if self.has_wall[j]]
+        self._damped = [part for part in walls if part.c > 0]
+        # of each corner of a force its interface
+        owners = np.flatnonzero(self.has_wall)
+        is_damped = np.array([part.c > 0 for part in walls], bool)
+        self.corner_owner = np.concatenate([owners, owners[is_damped]])
         self._sampled: dict[int, _SampleBlock] = {}
 
     def journal_radius(self, j: int) -> float:
@@ -113,16 +118,6 @@ class LawsAlongMotion:
         interface = self._interfaces[j]
         return self._laws[interface.law][interface.row]
 
-    def _corner_levels(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return interfaces, and their gaps at which the wall force has a corner [m], shape (n,)
-        each: where it begins, and where its damping acts in full."""
-        corners: list[tuple[int, float]] = []
-        for j in np.flatnonzero(self.has_wall).tolist():
-            part = self._part(j)
-            corners += [(j, 0.0), (j, -part.delta_c)] if part.c > 0 else [(j, 0.0)]
-        owners, levels = zip(*corners, strict=True) if corners else ((), ())
-        return np.array(owners, int), np.array(levels, float)
-
     def block_of_steps(self, **sizes: int) -> tuple[np.ndarray, entry_points.OrbitData]:
         """Return a block for steps of three points, and its arrays."""
         sizes |= {"interfaces": self.count, "samples": 3, "states": self.states}
@@ -147,6 +142,29 @@ class LawsAlongMotion:
         at.samples.d[...] = _complex(d)
         at.find_gaps()
         return at.samples.gap.T.copy()
+
+    def corner_gaps(self, d: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return how far wall forces are from their corners [m], shape (n, corners); d, v: x and y
+        in turn, shape (n, 2 m) [m], [m/s].
+
+        The first corner of each wall is the onset of its force. The second is where its damping
+        acts in full, or, where the journal leaves faster than the elastic force can push, where
+        that is used up: the force ends while the gap is still closed.
+        """
+        gap = self.gaps(d)
+        result = gap[:, self.corner_owner]
+        if not self._damped:
+            return result
+        owners = self.corner_owner[-len(self._damped) :]
+        moved = _STEP * self.length / np.maximum(np.abs(v[:, ::2] + 1j * v[:, 1::2]).max(0), 1e-300)
+        way = np.repeat(moved, 2) * v
+        rate = (self.gaps(d - way) - self.gaps(d + way)) / (2 * moved)
+        for i, (j, part) in enumerate(zip(owners, self._damped, strict=True), -len(owners)):
+            delta = -gap[:, j]
+            slope = part.k * np.maximum(delta, part.delta_c) ** (part.exponent - 1.0)
+            left = delta + part.c * rate[:, j] / slope
+            result[:, i] = -np.minimum(delta - part.delta_c, left)
+        return result
 
     def forces(self, d: np.ndarray, v: np.ndarray, states: np.ndarray, speed: float) -> Forces:
         """Return forces and rates; d, v: shape (n, 2 m) [m], [m/s]; states: shape (n, s)."""

@@ -99,12 +99,14 @@ def _cells(force: np.ndarray, ends: np.ndarray) -> np.ndarray:
 
 def _corners(machine: CondensedMachine, y: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Return where forces have corners, as fractions of the period."""
-    if not len(machine.laws.levels[0]):
+    if not len(machine.laws.corner_owner):
         return np.zeros(0)
 
     def gap(at: np.ndarray) -> np.ndarray:
-        """Return the gaps at fractions of the period."""
-        return machine.laws.gaps(interpolated(y[..., : machine.b], ends, at % 1.0) @ machine.B.T)
+        """Return the distances from corners at fractions of the period."""
+        b, B = machine.b, machine.B
+        motion = interpolated(y[..., : 2 * b], ends, at % 1.0)
+        return machine.laws.corner_gaps(motion[:, :b] @ B.T, motion[:, b:] @ B.T)
 
     n = _CORNER_SAMPLES
     found = crossings(

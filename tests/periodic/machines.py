@@ -12,7 +12,7 @@ OMEGA, CLEARANCE, RADIUS = 100.0, 1e-3, 0.05
 ZETA, BETA, MU, E = 0.1, 4.0, 0.05, 0.5  # of T1
 
 
-def jeffcott(zeta=ZETA, beta=BETA, mu=MU, e=E, gap=CLEARANCE, v_s=1e-5):
+def jeffcott(zeta=ZETA, beta=BETA, mu=MU, e=E, gap=CLEARANCE, v_s=1e-5, c=0.0):
     """A rigid disc of 1 kg in a stator, natural frequency OMEGA."""
     return rf.parse(
         rigid(
@@ -24,7 +24,7 @@ journal_radius = {RADIUS}
 clearance = {gap}
 mu = {mu}
 k = {beta * OMEGA**2}
-c = 0.0
+c = {c}
 v_s = {v_s}
 [[sensor]]
 node = 2
@@ -41,7 +41,7 @@ FAINT = 0.195  # eccentricity in clearances whose whirl, e / (2 zeta) at most, t
 FAINT_RUB = jeffcott(e=FAINT, mu=0.0)
 
 
-def sagging():
+def sagging(c=0.0):
     """A Jeffcott rotor whose weight nearly closes the clearance: half of each turn it rubs."""
     return rf.parse(
         rigid(
@@ -54,7 +54,7 @@ journal_radius = 0.05
 clearance = {CLEARANCE}
 mu = 0.0
 k = {4 * OMEGA**2}
-c = 0.0
+c = {c}
 [[sensor]]
 node = 2
 name = "disc"

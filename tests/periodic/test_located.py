@@ -4,6 +4,7 @@ bifurcations that are located by these."""
 import numpy as np
 import pytest
 import scipy.integrate
+import scipy.optimize
 from rotor_fmu.model.periodic.floquet import multipliers
 from rotor_fmu.model.periodic.force_corners import SampledOrbit
 from rotor_fmu.model.periodic.fourier import derivative
@@ -14,33 +15,51 @@ import rotor_fmu as rf
 from .machines import BETA, CLEARANCE, OMEGA, jeffcott, sagging
 
 STIFFNESS = BETA * OMEGA**2  # of the contact
+DELTA_C = 2e-7  # of its damping
 
 
+@pytest.mark.parametrize("c", [0.0, 50.0])
 @pytest.mark.parametrize("offset", [0.0, 0.2, 0.37])
-def test_coefficients_of_a_force_with_corners_are_its_integrals(offset):
+def test_coefficients_of_a_force_with_corners_are_its_integrals(offset, c):
     """Of a journal that goes to and fro through its clearance, wherever a corner lies between two
-    samples."""
-    laws = CondensedMachine(jeffcott(mu=0.0).rotor).laws
-    n, H, amplitude = 256, 10, 1.5 * CLEARANCE
+    samples; with damping the wall lets go of it before the gap opens."""
+    laws = CondensedMachine(jeffcott(mu=0.0, c=c).rotor).laws
+    n, H, amplitude = 512, 10, 1.5 * CLEARANCE
     phase = offset * 2 * np.pi / n
     d = np.zeros((2 * H + 1, 2))
     d[1:3, 0] = amplitude * np.cos(phase), amplitude * np.sin(phase)
     at = SampledOrbit(laws, d, np.zeros((2 * H + 1, 0)), 100.0, n, derivative(d))
     seen = at.spectrum(laws.forces(at.d, at.v, at.states, 100.0).force[:, 0], H)
-    edge = np.arccos(CLEARANCE / amplitude)
+    edge, full = (np.arccos((CLEARANCE + depth) / amplitude) for depth in (0.0, DELTA_C))
 
-    def press(t, k):
-        return (amplitude * np.cos(t) - CLEARANCE) * np.cos(k * t)
+    def press(t):
+        delta, rate = amplitude * np.cos(t) - CLEARANCE, -100.0 * amplitude * np.sin(t)
+        return STIFFNESS * delta + c * min(1.0, delta / DELTA_C) * rate
 
+    last = scipy.optimize.brentq(press, 0.0, full, xtol=1e-14) if press(full) < 0 else edge
     for k in range(H + 1):
-        half = scipy.integrate.quad(press, 0.0, edge, (k,), epsabs=1e-18)[0]
-        expected = -STIFFNESS * (2 / np.pi) * half * (k % 2) * np.exp(-1j * k * phase)
-        assert abs(seen[k] - expected) < 1e-7 * STIFFNESS * amplitude
+        whole = sum(
+            scipy.integrate.quad(
+                lambda t, k=k: press(t) * np.exp(-1j * k * t), a, b, epsabs=1e-10, complex_func=True
+            )[0]
+            for a, b in [(-edge, -full), (-full, last)]
+        )
+        expected = -(1 / np.pi) * whole * (k % 2) * np.exp(-1j * k * phase)
+        assert abs(seen[k] - expected) < 2e-7 * STIFFNESS * amplitude
 
 
 def test_multipliers_do_not_depend_on_the_steps_although_a_contact_opens_and_closes(doubled):
-    machine = CondensedMachine(sagging().rotor)
-    for point in doubled.branches[0].points[::4]:
+    of_doubled = CondensedMachine(sagging().rotor), doubled.branches[0].points[::4]
+    assert_same_multipliers(*of_doubled)
+
+
+def test_nor_where_a_damped_contact_lets_go_before_it_opens():
+    found = rf.response(sagging(c=20.0), speed=(240.0, 280.0), harmonics=40)
+    assert_same_multipliers(CondensedMachine(sagging(c=20.0).rotor), found.points[::2])
+
+
+def assert_same_multipliers(machine, points):
+    for point in points:
         few, many = (
             np.sort(np.abs(multipliers(machine, point.orbit, steps).values)) for steps in (0, 1000)
         )
