@@ -9,7 +9,7 @@ branch passes through.
 import math
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from scipy.optimize import brentq
@@ -32,6 +32,7 @@ BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
 )
 CLOSED = "the branch is closed"
 UNFINISHED = "unfinished: "
+NO_MOTION = np.zeros((0, 0))
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _VERTICAL = 0.05  # a smaller component of the tangent along the parameter: a fold is near
 _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier
@@ -59,26 +60,22 @@ class Solution(NamedTuple):
 
 
 class Bifurcation(NamedTuple):
-    """A bifurcation: its kind, value of the parameter, orbit, multiplier that crosses the unit
-    circle (nan at grazing, where it jumps, and where multipliers are not computed), and the index
-    of the branch point before it."""
+    """A bifurcation: its kind, value of the parameter, orbit and motion as of a `Solution`,
+    multiplier that crosses the unit circle (nan at grazing, where it jumps, and where multipliers
+    are not computed), and the index of the branch point before it."""
 
     kind: str
     value: float
     orbit: Orbit
+    motion: np.ndarray
     multiplier: complex
     behind: int
-
-    def is_pair_of(self, other: "Bifurcation") -> bool:
-        """Return whether both belong to one complex pair of multipliers."""
-        apart = abs(abs(self.multiplier.imag) - abs(other.multiplier.imag))
-        return self.kind == other.kind == TORUS and apart < 1e-3
 
 
 @dataclass
 class Branch:
-    """The points in their order along the curve, the bifurcations, and why the branch ends at
-    either side."""
+    """The points and the bifurcations, each in their order along the curve, and why the branch ends
+    at either side."""
 
     points: list[Solution] = field(default_factory=list)
     bifurcations: list[Bifurcation] = field(default_factory=list)
@@ -92,13 +89,16 @@ def solution(problem: PeriodicEquations, point: CurvePoint, accuracy: Accuracy) 
     if accuracy.has_stability:
         result = stability_multipliers(problem, point, orbit)
     stable = bool(len(result) == 0 or np.abs(result[0]) <= 1.0 + _UNIT)
-    share, none = last_share(orbit.b), np.zeros((0, 0))
-    made = Solution(point.value, orbit, none, result, stable, share, point.corrections)
+    share = last_share(orbit.b)
+    made = Solution(point.value, orbit, NO_MOTION, result, stable, share, point.corrections)
     return with_motion(problem, made)
 
 
-def with_motion(problem: PeriodicEquations, result: Solution) -> Solution:
-    """Return the solution with the amplitudes of all dofs, which follow from its orbit."""
+_M = TypeVar("_M", Solution, Bifurcation)
+
+
+def with_motion(problem: PeriodicEquations, result: _M) -> _M:
+    """Return the result with the amplitudes of all dofs, which follow from its orbit."""
     orbit = result.orbit
     parts = problem.dynamic_stiffness(result.value, orbit.omega)
     machine = problem.machine_at(result.value)
@@ -141,6 +141,37 @@ class TracedPoint(NamedTuple):
     solution: Solution
     bifurcations: list[Bifurcation]
     state: TracerState
+
+
+class _Located(NamedTuple):
+    """A bifurcation located on a step: its kind, where, the multiplier that crosses, and whether
+    what is 0 there is smooth."""
+
+    kind: str
+    point: CurvePoint
+    multiplier: complex
+    is_smooth: bool
+
+    def is_one_with(self, other: "_Located") -> bool:
+        """Return whether both are one bifurcation: of a complex pair of multipliers, or of several
+        that jump."""
+        apart = abs(abs(self.multiplier.imag) - abs(other.multiplier.imag))
+        is_pair = self.kind == other.kind == TORUS and apart < 1e-3
+        return is_pair or self.kind == other.kind == GRAZING
+
+
+def _bifurcation(problem: PeriodicEquations, located: _Located) -> Bifurcation:
+    """Return a bifurcation with its motion; what is behind it, its branch knows."""
+    point = located.point
+    orbit = problem.split(point.x, point.value)
+    made = Bifurcation(located.kind, point.value, orbit, NO_MOTION, located.multiplier, -1)
+    return with_motion(problem, made)
+
+
+def _distance(problem: PeriodicEquations, a: CurvePoint, b: CurvePoint) -> float:
+    """Return the distance of two points, with the parameter over its scale."""
+    along = (b.value - a.value) / problem.parameter.scale
+    return math.hypot(float(np.linalg.norm(b.x - a.x)), along)
 
 
 class Tracer:
@@ -233,13 +264,7 @@ class Tracer:
     ) -> bool:
         if len(start.x) != len(point.x) or len(before.x) != len(point.x):
             return False
-        scale = problem.parameter.scale
-        step = math.hypot(
-            float(np.linalg.norm(point.x - before.x)), (point.value - before.value) / scale
-        )
-        distance = math.hypot(
-            float(np.linalg.norm(point.x - start.x)), (point.value - start.value) / scale
-        )
+        step, distance = (_distance(problem, a, point) for a in (before, start))
         same = float(start.tangent @ point.tangent + start.tangent_value * point.tangent_value)
         return 0 < distance < _NEAR_START * step and same > 0.9 and before.x is not start.x
 
@@ -251,30 +276,30 @@ class Tracer:
         last: Solution,
         now: Solution,
     ) -> list[Bifurcation]:
-        """Return the bifurcations between two points."""
-        result = []
+        """Return the bifurcations between two points, in their order along the curve."""
+        located = list[_Located]()
         turns = before.tangent_value * after.tangent_value < 0
         if turns:
-            located = self._locate_fold(problem, before, after)
-            result.append(located)
-        if not self.accuracy.has_stability:
-            return result
-        few, many = sorted(int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now))
+            located.append(self._locate_fold(problem, before, after))
+        few = many = 0
+        if self.accuracy.has_stability:
+            few, many = sorted(int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now))
         for k in range(few + 1, many + 1):
-            crossed, is_smooth = self._locate_crossing(problem, before, after, k)
+            crossed = self._locate_crossing(problem, before, after, k)
+            if crossed is None or any(crossed.is_one_with(each) for each in located):
+                continue
             # where the curve turns in a corner multipliers jump
-            is_at_one = crossed and (
-                crossed.kind == BRANCHING or (problem.is_autonomous and _is_one(crossed.multiplier))
+            is_at_one = crossed.kind == BRANCHING or (
+                problem.is_autonomous and _is_one(crossed.multiplier)
             )
-            is_of_turn = turns and (not is_smooth or is_at_one)
-            is_new = crossed is not None and not is_of_turn
-            if crossed is not None and is_new and not any(crossed.is_pair_of(b) for b in result):
-                result.append(crossed)
-        return result
+            if not turns or (crossed.is_smooth and not is_at_one):
+                located.append(crossed)
+        located.sort(key=lambda each: _distance(problem, before, each.point))
+        return [_bifurcation(problem, each) for each in located]
 
     def _locate_fold(
         self, problem: PeriodicEquations, before: CurvePoint, after: CurvePoint
-    ) -> Bifurcation:
+    ) -> _Located:
         """Return the fold, where the tangent has no component along the parameter."""
         point, is_smooth = self._locate_root(
             problem,
@@ -284,21 +309,19 @@ class Tracer:
             before.tangent_value,
             after.tangent_value,
         )
-        kind = FOLD if is_smooth else GRAZING
         multiplier = complex(math.nan)
         if is_smooth and self.accuracy.has_stability:
             values = self._multipliers(problem, point)
             multiplier = complex(values[np.argmin(np.abs(values - 1.0))])
-        return Bifurcation(kind, point.value, problem.split(point.x, point.value), multiplier, -1)
+        return _Located(FOLD if is_smooth else GRAZING, point, multiplier, is_smooth)
 
     def _multipliers(self, problem: PeriodicEquations, point: CurvePoint) -> np.ndarray:
         return stability_multipliers(problem, point, problem.split(point.x, point.value))
 
     def _locate_crossing(
         self, problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, k: int
-    ) -> tuple[Bifurcation | None, bool]:
-        """Return where the k-th largest multiplier crosses the unit circle, and whether it crosses
-        smoothly."""
+    ) -> _Located | None:
+        """Return where the k-th largest multiplier crosses the unit circle, or None."""
 
         def size(point: CurvePoint) -> float:
             value = self._multipliers(problem, point)[k - 1]
@@ -306,16 +329,17 @@ class Tracer:
 
         first, second = size(before), size(after)
         if first * second >= 0:
-            return None, True
+            return None
         point, is_smooth = self._locate_root(problem, before, after, size, first, second)
         value = complex(self._multipliers(problem, point)[k - 1])
         real = abs(value.imag) < 1e-6 * abs(value)
         kind = TORUS if not real else DOUBLING if value.real < 0 else BRANCHING
         steepest = max(abs(before.tangent_value), abs(after.tangent_value))
         if kind == BRANCHING and abs(point.tangent_value) < _VERTICAL * steepest:
-            return None, True  # a fold, in this step or beside it
-        orbit = problem.split(point.x, point.value)
-        return Bifurcation(kind, point.value, orbit, value, -1), is_smooth
+            return None  # a fold, in this step or beside it
+        if kind == BRANCHING and not is_smooth:
+            return _Located(GRAZING, point, complex(math.nan), is_smooth)
+        return _Located(kind, point, value, is_smooth)
 
     def _locate_root(
         self,

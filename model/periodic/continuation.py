@@ -4,6 +4,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -165,8 +166,10 @@ def _traced_points(
         if traced.state.H:
             first, last, skipped = first or traced, traced, 0
         skipped += 1
-        problem = tracer.balance.modified(traced.solution.orbit.H, reference=traced.state.reference)
-        yield traced._replace(solution=with_motion(problem, traced.solution))
+        equations = partial(tracer.balance.modified, reference=traced.state.reference)
+        solution = with_motion(equations(traced.solution.orbit.H), traced.solution)
+        bifurcations = [with_motion(equations(b.orbit.H), b) for b in traced.bifurcations]
+        yield TracedPoint(solution, bifurcations, traced.state)
     if search.log.next_is(EndEvent):
         return
     if first is None or last is None:

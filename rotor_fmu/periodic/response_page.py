@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..display import current
+from ..model.periodic.branch import Bifurcation, Solution
 from ..report.packed import COARSE, packed
 from ..report.report_tables import notices_html, table
 from ..report.run_page import page, template
@@ -18,12 +19,11 @@ _MOST_VALUES = 3_000_000  # of all orbits
 
 def response_page(result: "ResponseResult", name: str) -> str:
     """Return the page as HTML; name: of the machine."""
-    from .result import UNITS
+    from .result import UNITS, vertices
 
-    points, axis = result.points, result.axis
+    lines, axis = [vertices(branch) for branch in result.branches], result.axis
+    points = [vertex.motion for line in lines for vertex in line]
     places = list(result.probes)
-    branch = [i for i, b in enumerate(result.branches) for _ in b.points]
-    sizes = [np.abs(p.multipliers[0]) if len(p.multipliers) else np.nan for p in points]
     turns = max((p.orbit.turns for p in points), default=1)
     samples = _SAMPLES * turns
     while samples > 32 and 2 * samples * len(points) * len(places) > _MOST_VALUES:
@@ -33,20 +33,16 @@ def response_page(result: "ResponseResult", name: str) -> str:
         "unit": axis.unit,
         "small": current().small_unit,
         "value": packed(np.array([p.value for p in points]) * axis.factor),
-        "branch": branch,
-        "stable": [int(p.is_stable) for p in points],
-        "multiplier": packed(np.array(sizes)),
+        "branch": [i for i, line in enumerate(lines) for _ in line],
+        "stable": [int(vertex.is_stable) for line in lines for vertex in line],
+        "kind": [p.kind if isinstance(p, Bifurcation) else "" for p in points],
+        "multiplier": packed(np.array([_largest(p) for p in points])),
         "harmonics": [p.orbit.H for p in points],
         "turns": [p.orbit.turns for p in points],
         "omega": packed(np.array([p.orbit.omega for p in points])),
         "samples": samples,
         "quantities": {q: _shown(unit)[1] for q, unit in UNITS.items()},
-        "places": [_place(result, place, samples) for place in places],
-        "bifurcations": [
-            {"kind": b.kind, "value": b.value * axis.factor, "point": _before(result, i, b.behind)}
-            for i, each in enumerate(result.branches)
-            for b in each.bifurcations
-        ],
+        "places": [_place(result, place, points, samples) for place in places],
     }
     found = result.table()
     body = template("response.html").substitute(
@@ -60,18 +56,24 @@ def _shown(unit: str) -> tuple[float, str]:
     return (current().small, current().small_unit) if unit == "m" else (180.0 / np.pi, "deg")
 
 
-def _before(result: "ResponseResult", branch: int, behind: int) -> int:
-    """Return the point behind which a bifurcation lies, among those of all branches."""
-    return sum(len(b.points) for b in result.branches[:branch]) + max(0, behind)
+def _largest(point: Solution | Bifurcation) -> float:
+    """Return the size of the largest multiplier, or of the one that crosses the unit circle."""
+    if isinstance(point, Bifurcation):
+        return abs(point.multiplier)
+    return float(np.abs(point.multipliers[0])) if len(point.multipliers) else np.nan
 
 
-def _place(result: "ResponseResult", place: str, samples: int) -> dict[str, Any]:
+def _place(
+    result: "ResponseResult", place: str, points: list[Solution | Bifurcation], samples: int
+) -> dict[str, Any]:
     """Return the curves of a place and its orbits, one after another."""
     from .result import UNITS
 
+    values = [result.quantities(point, place) for point in points]
     curves = {
-        q: packed(_shown(unit)[0] * result.curve(place, q).value) for q, unit in UNITS.items()
+        q: packed(_shown(unit)[0] * np.array([each[q] for each in values]))
+        for q, unit in UNITS.items()
     }
-    orbits = [result.series(point, place, samples) for point in result.points]
+    orbits = [result.series(point, place, samples) for point in points]
     x, y = np.array(orbits).reshape(-1, 2, samples).transpose(1, 0, 2) * current().small
     return {"name": place, "curves": curves, "x": packed(x, COARSE), "y": packed(y, COARSE)}

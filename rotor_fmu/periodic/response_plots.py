@@ -26,17 +26,14 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
     axis, small = result.axis, current().small
     handles = []
     for name, color in zip(names, _COLORS, strict=False):
-        curve = result.curve(name)
-        for i in range(1, len(result.branches) + 1):
-            mine = curve.branch == i
-            at, value = curve.parameter[mine] * axis.factor, curve.value[mine] * small
-            for piece, is_stable in pieces(curve.stable[mine].tolist()):
+        for branch in result.branches:
+            for motions, is_stable in pieces(branch):
+                at = [m.value * axis.factor for m in motions]
+                value = [result.amplitude(m, name) * small for m in motions]
                 style, width = ("-", 1.8) if is_stable else (DASHED, 1.2)
-                axes.plot(at[piece], value[piece], color=color, ls=style, lw=width)
-            branch = result.branches[i - 1]
+                axes.plot(at, value, color=color, ls=style, lw=width)
             for b in branch.bifurcations:
-                near = branch.points[max(0, b.behind)]
-                y = result.amplitude(near, name) * small
+                y = result.amplitude(b, name) * small
                 axes.plot(b.value * axis.factor, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
             for end, why in zip((0, -1), branch.ends, strict=True):
                 if why.startswith((LOST, UNFINISHED)) and branch.points:

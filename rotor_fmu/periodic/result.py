@@ -1,6 +1,5 @@
 """What `rf.response` returns: branches with their curves, orbits, bifurcations and pictures."""
 
-import itertools
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
@@ -15,7 +14,7 @@ from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
 from ..model.parts.base import ProbeElement
 from ..model.periodic.arclength import NotConverged
-from ..model.periodic.branch import FOLD, Bifurcation, Solution
+from ..model.periodic.branch import FOLD, Bifurcation, Branch, Solution
 from ..model.periodic.folds import FoldCurve
 from ..model.periodic.problem import Note, Response
 from ..model.periodic.queries import folds_over, motions_at, persists_in_time
@@ -65,6 +64,13 @@ class SectionLine(NamedTuple):
 
     parameter: np.ndarray
     value: np.ndarray
+    is_stable: bool
+
+
+class Vertex(NamedTuple):
+    """A point of a branch or a bifurcation, and whether the motions that follow it are stable."""
+
+    motion: Solution | Bifurcation
     is_stable: bool
 
 
@@ -139,7 +145,7 @@ class ResponseResult:
             raise InputError(f"{name}: no such place; the nearest is {near}")
         check_one_of(f"{name}.{quantity}", quantity, QUANTITIES)
         rows = [
-            (p.value, self._quantities(p, name)[quantity], p.is_stable, i)
+            (p.value, self.quantities(p, name)[quantity], p.is_stable, i)
             for i, branch in enumerate(self.branches, 1)
             for p in branch.points
         ]
@@ -166,14 +172,10 @@ class ResponseResult:
         lines = []
         for branch in self.branches:
             turns = branch.points[0].orbit.turns if branch.points else 0
-            values = np.array(
-                [self.series(p, name, turns)["xy".index(side)] for p in branch.points]
-            )
-            over = np.array([p.value for p in branch.points])
-            for piece, is_stable in pieces([p.is_stable for p in branch.points]):
-                lines += [
-                    SectionLine(over[piece], values[piece, k], is_stable) for k in range(turns)
-                ]
+            for motions, is_stable in pieces(branch):
+                over = np.array([m.value for m in motions])
+                values = [self.series(m, name, turns)["xy".index(side)] for m in motions]
+                lines += [SectionLine(over, line, is_stable) for line in np.array(values).T]
         return lines
 
     def at(self, value: float) -> list[Solution]:
@@ -184,9 +186,26 @@ class ResponseResult:
         """Start the integrator on a motion: whether it stays there for so many turns."""
         return persists_in_time(self._found, point, turns)
 
-    def amplitude(self, point: Solution, name: str, quantity: str = "r_amp") -> float:
+    def amplitude(self, point: Solution | Bifurcation, name: str, quantity: str = "r_amp") -> float:
         """A quantity of a probe, as `curve` has them, of a motion [m, rad]."""
-        return self._quantities(point, name)[quantity]
+        return self.quantities(point, name)[quantity]
+
+    def quantities(self, point: Solution | Bifurcation, name: str) -> dict[str, float]:
+        """Return all quantities of a probe, as `curve` has them, of a motion [m, rad]."""
+        X = self._amplitudes(point, name)
+        samples = 64 * 2 ** math.ceil(math.log2(max(1, len(X) / 8)))
+        x, y = self.series(point, name, samples)
+        mean = X[0].real
+        once = X[point.orbit.turns] if len(X) > point.orbit.turns else np.zeros(2, complex)
+        values = (
+            np.hypot(x - mean[0], y - mean[1]).max(),
+            np.ptp(x) / 2,
+            np.ptp(y) / 2,
+            *np.abs(once),
+            *np.angle(once),
+            *mean,
+        )
+        return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}
 
     def fold_curve(self, name: str, low: float, high: float, i: int = 0) -> FoldCurve:
         """Where the i-th smooth fold lies over another parameter: the map of jumps.
@@ -221,7 +240,7 @@ class ResponseResult:
                     "omega": p.orbit.omega,
                 }
                 for name in self.probes:
-                    row |= {f"{name}.{q}": v for q, v in self._quantities(p, name).items()}
+                    row |= {f"{name}.{q}": v for q, v in self.quantities(p, name).items()}
                 rows.append(row)
         return pd.DataFrame(rows)
 
@@ -264,7 +283,7 @@ class ResponseResult:
                     "stable": [p.is_stable for p in branch.points],
                     "harmonics": [p.orbit.H for p in branch.points],
                     "r_amp": {
-                        name: [self._quantities(p, name)["r_amp"] for p in branch.points]
+                        name: [self.quantities(p, name)["r_amp"] for p in branch.points]
                         for name in self.probes
                     },
                 }
@@ -273,7 +292,9 @@ class ResponseResult:
             "notes": self.notes,
         }
 
-    def series(self, point: Solution, name: str, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    def series(
+        self, point: Solution | Bifurcation, name: str, samples: int
+    ) -> tuple[np.ndarray, np.ndarray]:
         """x and y of a place over a period of a motion, from the keyphasor's mark on, each of shape
         (samples,) [m]."""
         X = self._amplitudes(point, name)
@@ -282,38 +303,39 @@ class ResponseResult:
         result = (np.exp(1j * np.outer(angle, k)) @ X).real
         return result[:, 0], result[:, 1]
 
-    def _amplitudes(self, point: Solution, name: str) -> np.ndarray:
+    def _amplitudes(self, point: Solution | Bifurcation, name: str) -> np.ndarray:
         dof, slope, offset = self.probes[name]
         at = np.array([0, 1])
         return point.motion[:, 2 * dof + at] + offset * point.motion[:, 2 * slope + at]
-
-    def _quantities(self, point: Solution, name: str) -> dict[str, float]:
-        X = self._amplitudes(point, name)
-        samples = 64 * 2 ** math.ceil(math.log2(max(1, len(X) / 8)))
-        x, y = self.series(point, name, samples)
-        mean = X[0].real
-        once = X[point.orbit.turns] if len(X) > point.orbit.turns else np.zeros(2, complex)
-        values = (
-            np.hypot(x - mean[0], y - mean[1]).max(),
-            np.ptp(x) / 2,
-            np.ptp(y) / 2,
-            *np.abs(once),
-            *np.angle(once),
-            *mean,
-        )
-        return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}
 
     def _repr_png_(self) -> bytes:
         return png(self.figure())
 
 
-def pieces(stable: Sequence[bool]) -> list[tuple[slice, bool]]:
-    """Return the stretches of points that are all stable or all not, each up to the first point of
-    the next one, and which."""
-    cuts = [0, *(i for i in range(1, len(stable)) if stable[i] != stable[i - 1]), len(stable)]
-    return [
-        (slice(a, min(b + 1, len(stable))), stable[a]) for a, b in itertools.pairwise(cuts) if a < b
-    ]
+def vertices(branch: Branch) -> list[Vertex]:
+    """Return the points of a branch with the bifurcations between them, in their order."""
+    result = list[Vertex]()
+    for i, point in enumerate(branch.points):
+        passed = [b for b in branch.bifurcations if b.behind == i - 1]
+        if passed:
+            both = result[-1].is_stable and point.is_stable
+            result += [Vertex(b, both) for b in passed[:-1]]
+            result.append(Vertex(passed[-1], point.is_stable))
+        result.append(Vertex(point, point.is_stable))
+    return result
+
+
+def pieces(branch: Branch) -> list[tuple[list[Solution | Bifurcation], bool]]:
+    """Return the stretches of a branch that are all stable or all not, each up to the first motion
+    of the next one, and which."""
+    result = list[tuple[list[Solution | Bifurcation], bool]]()
+    for motion, is_stable in vertices(branch):
+        if not result or result[-1][1] != is_stable:
+            if result:
+                result[-1][0].append(motion)
+            result.append(([], is_stable))
+        result[-1][0].append(motion)
+    return result
 
 
 def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:

@@ -18,7 +18,7 @@ from ..files import only_call
 from ..model.message_templates import Message
 from ..model.periodic.arclength import CurvePoint
 from ..model.periodic.balance import Orbit
-from ..model.periodic.branch import Bifurcation, Solution, TracedPoint, TracerState
+from ..model.periodic.branch import NO_MOTION, Bifurcation, Solution, TracedPoint, TracerState
 from ..model.periodic.checkpoint import BranchStart, EndEvent, Event, EventLog, StartEvent
 from ..model.periodic.problem import Note
 
@@ -87,8 +87,8 @@ def _encoded(thing: Any) -> Any:
         return {"note": thing.__getnewargs__()}
     if isinstance(thing, Message):
         return {"message": [str(thing), thing.code]}
-    if isinstance(thing, Solution):  # the motion of all dofs follows from the orbit
-        thing = thing._replace(motion=np.zeros((0, 0)))
+    if isinstance(thing, (Solution, Bifurcation)):  # the motion follows from the orbit
+        thing = thing._replace(motion=NO_MOTION)
     if isinstance(thing, tuple) and type(thing).__name__ in _KINDS:
         return {type(thing).__name__: [_encoded(field) for field in thing]}
     if isinstance(thing, np.ndarray):

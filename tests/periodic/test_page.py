@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic.branch import FOLD, Bifurcation
 
 from rotor_fmu.display import choose, restored
 from rotor_fmu.periodic.response_page import response_page
+from rotor_fmu.periodic.result import vertices
 
 from ..documents.browser import NASTY, Page
 from .machines import CLEARANCE, OMEGA, rub
@@ -33,10 +35,24 @@ def test_picture_table_and_page_are_in_the_units_chosen(curve):
     assert '"unit":"rpm","small":"mil"' in html
 
 
+def test_marks_lie_on_the_curve_which_changes_from_full_to_dashed_at_them(curve, over_friction):
+    for found in (curve, over_friction):
+        lines = found.figure().axes[0].lines
+        drawn = [np.column_stack(line.get_data()) for line in lines]
+        marks = {tuple(at[0]) for at in drawn if len(at) == 1}
+        curves = [at for at in drawn if len(at) > 1]
+        on_curves = {tuple(at) for line in curves for at in line}
+        assert len(marks) >= len(found.bifurcations) > 0
+        assert marks <= on_curves
+        ends = [tuple(line[0]) for line in curves], [tuple(line[-1]) for line in curves]
+        assert set(ends[0]) & set(ends[1]) <= marks
+
+
 def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, curve, tmp_path):
     path = tmp_path / "response.html"
     path.write_text(response_page(curve, "Jeffcott"), encoding="utf-8")
     page = Page(silent, path)
+    points = [vertex.motion for branch in curve.branches for vertex in vertices(branch)]
     assert page.run("return curves.place.name") == "disc"
     omega = 1.8
     for sign, words in ((1, "stable"), (-1, "unstable")):
@@ -46,17 +62,20 @@ def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, curve, tmp_pat
         assert f", {words}, " in said
         x, y = page.run("return [curves.path.data.x, curves.path.data.y]")
         i = page.run("return curves.row")
-        at = curve.points[i]
+        at = points[i]
         assert abs(at.value - omega * OMEGA) < 0.03 * omega * OMEGA
         expected = 1e6 * curve.amplitude(at, "disc")
         assert np.hypot(x, y) == pytest.approx(np.full(len(x), expected), rel=1e-3)
     # a motion of the mouse itself
     page.click_at("curves.chart", 1.2 * OMEGA * HERTZ, 1e6 * CLEARANCE * rub(1.2))
-    assert abs(curve.points[page.run("return curves.row")].value - 1.2 * OMEGA) < 0.1 * OMEGA
+    assert abs(points[page.run("return curves.row")].value - 1.2 * OMEGA) < 0.1 * OMEGA
     page.find("after").click()
     before = page.run("return curves.row")
     page.find("before").click()
     assert page.run("return curves.row") == before - 1
+    (fold,) = [i for i, at in enumerate(points) if isinstance(at, Bifurcation) and at.kind == FOLD]
+    page.run("curves.pick(arguments[0])", fold)
+    assert ", fold, " in page.text("reading")
     page.set("quantity", "x_1x", "change")
     assert "disc.x_1x" in page.text("reading")
 

@@ -53,7 +53,7 @@ class ResponseCurves {
 
   // Every branch in two lines, broken where the other one goes on; both have the point between.
   draw() {
-    const { value, branch, stable, bifurcations } = this.response;
+    const { value, branch, stable, kind } = this.response;
     const y = this.values;
     this.lines.forEach((pair, b) => pair.forEach((source, k) => {
       const wanted = k === 0 ? 1 : 0;
@@ -70,10 +70,9 @@ class ResponseCurves {
       }
       source.data = line;
     }));
+    const marked = [...kind.keys()].filter((i) => kind[i] !== "");
     this.marks.data = {
-      x: bifurcations.map((each) => each.value),
-      y: bifurcations.map((each) => y[each.point]),
-      kind: bifurcations.map((each) => each.kind),
+      x: marked.map((i) => value[i]), y: marked.map((i) => y[i]), kind: marked.map((i) => kind[i]),
     };
     const unit = this.response.quantities[field("quantity").value];
     this.chart.plot.left[0].axis_label = verbatim(`${this.place.name}.${field("quantity").value} [${unit}]`);
@@ -118,7 +117,7 @@ class ResponseCurves {
     const text = [
       `${response.parameter} ${shown(value)}${unit(response.unit)}`,
       `${this.place.name}.${quantity} ${shown(y)} ${response.quantities[quantity]}`,
-      response.stable[i] ? "stable" : "unstable",
+      response.kind[i] || (response.stable[i] ? "stable" : "unstable"),
       `largest multiplier ${shown(response.multiplier[i])}`,
       `${response.harmonics[i]} harmonics`,
       `branch ${response.branch[i] + 1}`,
