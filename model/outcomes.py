@@ -11,7 +11,7 @@ from .kernels.jit import jit
 from .kernels.kernel import interpreted
 from .message_templates import MOST_ARGUMENTS, fill_template
 from .settings.resolver import radius_at_infinity
-from .stability.matrices import OPEN, REST
+from .stability.matrices import OPEN, REST, is_seat
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.survey_block import WHIRL
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
@@ -142,13 +142,16 @@ def _describe_whirl(whirl, arguments, at):
 
 @jit
 def unstable(run, arguments):
-    """Return the message about the whirl of the machine itself, its contacts open or as they carry
-    it, that grows fastest at the present speed, if a survey found one."""
-    survey = run.survey
+    """Return the message about the whirl of the machine itself, its contacts open or, unless it has
+    been lifted off them, as they carry it, that grows fastest at the present speed, if a survey
+    found one."""
+    survey, lies = run.survey, False
+    for j in range(len(run.memory.seats)):
+        lies = lies or (is_seat(run.memory.seats, j) and run.motion.force[j] != 0.0)
     for i in range(survey.counted[0]):
         whirl = survey.whirls[i]
         is_present = whirl[WHIRL.speed] == run.memory.record[0].surveyed_at
-        is_its_own = whirl[WHIRL.case] == OPEN or whirl[WHIRL.case] == REST
+        is_its_own = whirl[WHIRL.case] == OPEN or (lies and whirl[WHIRL.case] == REST)
         if is_its_own and is_present:
             _describe_whirl(whirl, arguments, 0)
             return messages.UNSTABLE

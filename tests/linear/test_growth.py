@@ -181,6 +181,12 @@ def test_a_run_that_comes_back_below_the_threshold_takes_long_steps_again():
     assert record["h_in_the_open"][0] == math.inf
 
 
+def damped_rig() -> Rotor:
+    """The rig, its shaft's damping turning with it."""
+    turning = rig_toml().replace("rotating_damping = false", "rotating_damping = true")
+    return parse_rotor(turning.replace("\nc = 100.0", "\nc = 0.0"))
+
+
 def roots_on_contacts(sim: Simulation, speed: float) -> np.ndarray:
     """Eigenvalues of a machine that lies on its contacts, about its rest: dense matrices, and the
     wall's force -k (|d| - clearance) (1 + i mu) d / |d| by differences."""
@@ -212,10 +218,8 @@ def roots_on_contacts(sim: Simulation, speed: float) -> np.ndarray:
 )
 def test_a_machine_that_lies_on_its_contacts_is_as_stable_as_it_lies(speed, is_unstable):
     """Not as it would fly, when its free precession would grow from the first revolution on."""
-    turning = rig_toml().replace("rotating_damping = false", "rotating_damping = true")
-    rotor = parse_rotor(turning.replace("\nc = 100.0", "\nc = 0.0"))
     said = []
-    sim = Simulation(rotor, speed=speed, warn=said.append)
+    sim = Simulation(damped_rig(), speed=speed, warn=said.append)
     assert (sim.motion.force != 0).all()
     roots = roots_on_contacts(sim, abs(speed))
     fastest = roots[np.argmax(roots.real / abs(roots))]
@@ -228,3 +232,16 @@ def test_a_machine_that_lies_on_its_contacts_is_as_stable_as_it_lies(speed, is_u
         assert min(abs(w.root - expected) for w in at_rest) < 1e-3 * abs(expected)
         assert message.startswith("unstable: with the contacts as they carry the machine at rest a")
         assert f"({expected.imag:.3g}" in message
+
+
+@pytest.mark.parametrize("lift", [0.0, 600.0])
+def test_one_that_is_lifted_off_them_is_not_judged_as_it_lay(lift):
+    """As by magnetic bearings, which are another FMU's."""
+    said = []
+    sim = Simulation(damped_rig(), speed=100.0, warn=said.append)
+    loads = np.zeros(len(sim.structure.load_dof), complex)
+    loads[: len(sim.rotor.discs)] = 1j * lift / len(sim.rotor.discs)
+    for i in range(1, 5):
+        sim.advance(5e-4 * i, 100.0 + 75.0 * i, loads, rate=1.5e5)
+    assert (sim.motion.force == 0).all() == (lift > 0)
+    assert [m.startswith("unstable") for m in said] == [True] * (lift == 0)
