@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import rotor_fmu as rf
-from rotor_fmu.plotting.figure_style import BLUE, new_figure, save
+from rotor_fmu.plotting.figure_style import save
 
 HERE = Path(__file__).resolve().parent
 
@@ -20,12 +20,7 @@ def draw(folder: Path) -> None:
     save(rub.figure(["disc"]), folder / "jeffcott.png")
 
     folds = rub.fold_curve("contact[1].mu", 0.005, 0.12)
-    figure, axes = new_figure(6.4, 4.0)
-    axes.plot(folds.second, folds.first, color=BLUE, lw=1.8)
-    axes.fill_between(folds.second, folds.first, folds.first.max(), color=BLUE, alpha=0.12)
-    axes.annotate("no rub above", (0.07, 203.5))
-    axes.set(xlabel="contact[1].mu [1]", ylabel="speed of the upper jump [rad/s]")
-    save(figure, folder / "jumps.png")
+    save(rub.fold_figure("contact[1].mu", folds), folder / "jumps.png")
 
     rig = rf.response(rf.load(), speed=(100.0, 400.0))
     save(rig.figure(), folder / "rig.png")

@@ -95,12 +95,13 @@ def fold_curve(
     low: float,
     high: float,
     steps: ContinuationSteps,
+    report: Callable[[float], object],
 ) -> FoldCurve:
     """Return the curve of folds over [low, high] of the second parameter, through the fold at
     `start`.
 
-    problem_at: the equations at a value of the second parameter. Raises `NotConverged` if the first
-    fold does not solve the equations.
+    problem_at: the equations at a value of the second parameter; report: is called with that of
+    each fold. Raises `NotConverged` if the first fold does not solve the equations.
     """
     scale = high - low
     equations = _Folds(problem_at, scale)
@@ -116,6 +117,7 @@ def fold_curve(
             for near, _ in arclength.trace(equations, point, scale, low, high, steps):
                 result.append((near.value, near.x[-1] * problem.parameter.scale))
                 equations.border(near.x, near.value)
+                report(near.value)
         except NotConverged:
             end = "lost: Newton's method does not converge with the shortest step"
         sides.append(result)

@@ -1,6 +1,8 @@
 """Evaluations of a response: its motions at a value, whether they persist in time, and its folds
 over a second parameter."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..machine.rotor import Rotor
@@ -109,9 +111,15 @@ def check_second(rotor: Rotor, name: str, low: float, high: float) -> None:
 
 
 def folds_over(
-    result: Response, fold: Bifurcation, name: str, low: float, high: float
+    result: Response,
+    fold: Bifurcation,
+    name: str,
+    low: float,
+    high: float,
+    report: Callable[[float], object] = lambda _: None,
 ) -> FoldCurve:
-    """Return the curve of folds through one of a response, over a second parameter.
+    """Return the curve of folds through one of a response, over a second parameter; report: see
+    `fold_curve`.
 
     Raises `PeriodicError` if the machine's own value of it lies outside the range, or the
     bifurcation is no smooth fold.
@@ -153,4 +161,4 @@ def folds_over(
             problem.fix_phase(problem.join(fold.orbit))
         return problem
 
-    return fold_curve(problem_at, fold.orbit, start, low, high, task.steps)
+    return fold_curve(problem_at, fold.orbit, start, low, high, task.steps, report)

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from ..model.periodic.branch import Solution
     from ..periodic.result import ResponseResult
 
+# Of a curve, a value on it, and what is said behind these.
+_AddPoint = Callable[[str, float, str], None]
 _CHECKED = 8  # points that are taken into time
 
 
@@ -127,7 +129,7 @@ def response(
     summary = dict(result.summary)
     if not result.is_stopped:
         if second is not None:
-            summary["folds"] = _folds(result, *second)
+            summary["folds"] = _folds(result, *second, current().of_si(of[second[0]]), out)
         if check:
             summary["check"] = _checked(result)
     _show(result, machine.name, summary, out)
@@ -146,7 +148,12 @@ def _found(
     from ..periodic.saved_events import saved_journal
 
     length = task.task.high - task.task.low
-    with saved_journal(out, toml, asked) as saved, _progress(length, saved.before, axis) as tell:
+    with saved_journal(out, toml, asked) as saved, _progress(length, saved.before, axis) as add:
+
+        def tell(label: str, point: "Solution") -> None:
+            """Take one more point of a branch."""
+            add(label, point.value, f", {point.orbit.H} harmonics")
+
         if waits_for_compiler():
             print(
                 "response: compiling the laws of all parts, once on this machine", file=sys.stderr
@@ -181,24 +188,21 @@ def write_response(
 
 
 @contextmanager
-def _progress(
-    length: float, before: int, axis: Shown
-) -> "Iterator[Callable[[str, Solution], None]]":
+def _progress(length: float, before: int, axis: Shown) -> Iterator[_AddPoint]:
     """Show how much of the range, so long, is covered, and where the curve is; before: points of an
     earlier call; axis: how its values are shown."""
     count, low, high = 0, math.inf, -math.inf
     with progress_of("response", length, first=2.0) as update:
 
-        def tell(label: str, point: "Solution") -> None:
+        def add(label: str, value: float, more: str) -> None:
             """Take one more point."""
             nonlocal count, low, high
-            count, low, high = count + 1, min(low, point.value), max(high, point.value)
+            count, low, high = count + 1, min(low, value), max(high, value)
             if count > before:
-                value = axis.text(point.value)
-                text = f"{label}: {count} points, at {value}, {point.orbit.H} harmonics"
+                text = f"{label}: {count} points, at {axis.text(value)}{more}"
                 update(high - low, lambda: text, False)
 
-        yield tell
+        yield add
 
 
 def _usual(machine: Rotor, over: str | None) -> str:
@@ -235,14 +239,23 @@ def _second(
     return name, low, high
 
 
-def _folds(result: "ResponseResult", name: str, low: float, high: float) -> dict[str, Any]:
-    """Return where the first fold lies over the quantity of `--fold-over`; where there is none, say
-    so: the curve itself is an answer."""
+def _folds(
+    result: "ResponseResult", name: str, low: float, high: float, axis: Shown, out: Path
+) -> dict[str, Any]:
+    """Return where the first fold lies over the quantity of `--fold-over`, and draw it; where there
+    is none, say so: the curve itself is an answer. axis: how the quantity is shown."""
+    from ..plotting.figure_style import save
+
     try:
-        folds = result.fold_curve(name, low, high)
+        with _progress(high - low, 0, axis) as add:
+            folds = result.fold_curve(name, low, high, tell=lambda value: add("folds", value, ""))
     except InputError as error:
         typer.echo(f"--fold-over {name}: {error}")
         return {"second": [], "first": [], "name": name, "ends": []}
+    first, last = (axis.text(end) for end in (folds.second[0], folds.second[-1]))
+    ends = " to ".join(folds.ends)
+    typer.echo(f"Folds over {name}: {len(folds.second)} points from {first} to {last}, {ends}")
+    save(result.fold_figure(name, folds), out / "response_folds.png")
     return {
         "second": folds.second.tolist(),
         "first": folds.first.tolist(),

@@ -10,10 +10,12 @@ from ..display import current
 from ..linear.linear_plots import titled
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS, UNFINISHED
 from ..model.periodic.continuation import LOST
-from ..plotting.figure_style import COLORS, DASHED, GREY, SKY, entitle, new_figure
+from ..model.periodic.folds import FoldCurve
+from ..plotting.figure_style import BLUE, COLORS, DASHED, GREY, SKY, entitle, new_figure
 from .result import ResponseResult, pieces
 
 _COLORS = (*COLORS[:4], SKY)
+_LOST_THERE = f"the curve is {LOST.rstrip(': ')}"
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
 
@@ -59,4 +61,22 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
     axes.set_xlabel(f"{result.parameter} [{axis.unit}]")
     axes.set_ylabel(f"Largest distance from the mean [{current().small_unit}]")
     entitle(axes, titled(result.machine, f"periodic motions over {result.parameter}"))
+    return figure
+
+
+def fold_figure(result: ResponseResult, name: str, unit: str, folds: FoldCurve) -> Figure:
+    """The parameter at a fold over another one, of a name and SI unit; a cross where the curve is
+    lost inside the range."""
+    across, up = current().of_si(unit), result.axis
+    figure, axes = new_figure(6.4, 4.0)
+    x, y = folds.second * across.factor, folds.first * up.factor
+    axes.plot(x, y, color=BLUE, lw=1.8)
+    for end, why in zip((0, -1), folds.ends, strict=True):
+        if why.startswith(LOST):
+            axes.plot(x[end], y[end], "x", color=BLUE, ms=7, label=_LOST_THERE)
+    if axes.lines[1:]:
+        axes.legend(handles=axes.lines[1:2], frameon=False, fontsize=8)
+    axes.set_xlabel(f"{name} [{across.unit}]")
+    axes.set_ylabel(f"{result.parameter} of the fold [{up.unit}]")
+    entitle(axes, titled(result.machine, f"fold of the response over {name}"))
     return figure

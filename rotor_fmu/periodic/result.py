@@ -1,7 +1,7 @@
 """What `rf.response` returns: branches with their curves, orbits, bifurcations and pictures."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -207,10 +207,19 @@ class ResponseResult:
         )
         return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}
 
-    def fold_curve(self, name: str, low: float, high: float, i: int = 0) -> FoldCurve:
+    def fold_curve(
+        self,
+        name: str,
+        low: float,
+        high: float,
+        i: int = 0,
+        *,
+        tell: Callable[[float], object] = lambda _: None,
+    ) -> FoldCurve:
         """Where the i-th smooth fold lies over another parameter: the map of jumps.
 
-        Raises `InputError` where there is no such fold or parameter.
+        tell: is called with the parameter's value at each of its points. Raises `InputError` where
+        there is no such fold or parameter.
         """
         folds = [b for b in self.bifurcations if b.kind == FOLD]
         if not folds:
@@ -219,7 +228,7 @@ class ResponseResult:
             raise InputError(f"i = {i}: must be from 0 to {len(folds) - 1}, a fold of the curve")
         check_names(self._found.rotor, {name: 0.0})
         try:
-            return folds_over(self._found, folds[i], name, low, high)
+            return folds_over(self._found, folds[i], name, low, high, tell)
         except NotConverged as error:
             raise InputError(f"{name}: no curve of folds begins there: {error}") from error
 
@@ -249,6 +258,13 @@ class ResponseResult:
         from .response_plots import response_figure
 
         return response_figure(self, names)
+
+    def fold_figure(self, name: str, folds: FoldCurve) -> "Figure":
+        """The map of jumps: the parameter at the fold over another one, `name`."""
+        from .response_plots import fold_figure
+
+        units = {str(known): about.unit for known, about, _ in self._found.rotor.parameters()}
+        return fold_figure(self, name, units[name], folds)
 
     def table(self) -> Table:
         """A row a bifurcation, and the ends of the branches."""

@@ -1,6 +1,7 @@
 """`rotor-fmu response` and `rf.response` with what cannot be, and what they write."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,19 @@ def test_that_the_laws_are_compiled_first_is_said(process, monkeypatch, compiles
     assert done.returncode == 0
     said = "response: compiling the laws of all parts, once on this machine"
     assert (said in done.stderr.splitlines()) == compiles
+
+
+def test_a_curve_of_folds_is_drawn_and_said(process, tmp_path):
+    given = ("--rotor", str(JEFFCOTT), "--speed", "100:240", "--step", "0.4")
+    second = ("--fold-over", "contact[1].mu=0.04:0.06")
+    done = process("response", *given, *second, "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    said = r"Folds over contact\[1\].mu: \d+ points from 0.04 to 0.06, end of the range to end of"
+    assert re.search(said, done.stdout)
+    assert (tmp_path / "response_folds.png").stat().st_size > 10_000
+    found = json.loads((tmp_path / "response.json").read_text())["folds"]
+    assert found["second"][0] == 0.04
+    assert found["first"] == sorted(found["first"], reverse=True)
 
 
 def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process, tmp_path):

@@ -168,8 +168,12 @@ def test_the_command_shows_how_far_it_is(capsys, monkeypatch):
             return cls.now
 
     monkeypatch.setattr(screen, "time", Clock)
-    with periodic._progress(180.0, before=3, axis=Display().of_si("rad/s")) as tell:
-        rf.response(jeffcott(), speed=(60.0, 110.0), tell=tell)
+    with periodic._progress(180.0, before=3, axis=Display().of_si("rad/s")) as add:
+        rf.response(
+            jeffcott(),
+            speed=(60.0, 110.0),
+            tell=lambda label, point: add(label, point.value, f", {point.orbit.H} harmonics"),
+        )
     said = capsys.readouterr().err.splitlines()
     assert len(said) > 3
     for line in said:
