@@ -198,19 +198,34 @@ def test_messages_come_by_category_and_only_where_logging_is_on(fmu):
         (True, None, [ERROR]),
         (True, [b"logStatusWarning"], []),
         (True, [b"logStatusError"], [ERROR]),
+        (False, [b"logStatusError"], [ERROR]),
     ):
         received.clear()
         machine = fmpy.instantiate_fmu(
             folder, description, "CoSimulation", logger=listen, debug_logging=is_on
         )
         if categories:
-            machine.fmi2SetDebugLogging(machine.component, 0, 0, None)
             names = (ctypes.c_char_p * len(categories))(*categories)
             machine.fmi2SetDebugLogging(machine.component, 1, len(categories), names)
         with pytest.raises(fmpy.fmi1.FMICallException):
             machine.doStep(0.0, H)
         assert [status for status, _, _ in received] == expected
+        machine.fmi2SetDebugLogging(machine.component, 0, 0, None)
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            machine.doStep(0.0, H)
+        assert [status for status, _, _ in received] == expected
         machine.freeInstance()
+
+
+def test_a_category_that_is_unknown_is_named(library, capfd):
+    m = library.instantiate()
+    for names, words in (
+        ((ctypes.c_char_p * 1)(b"logEvents"), "logEvents: no category has that name"),
+        (None, "NULL: no category has that name"),
+    ):
+        assert library.c.fmi2SetDebugLogging(m, 1, ctypes.c_size_t(1), names) == ERROR
+        assert words in capfd.readouterr().err
+    library.c.fmi2FreeInstance(m)
 
 
 def _run(machine):

@@ -46,8 +46,12 @@ void fmi2FreeInstance(fmi2Component c)
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
                                const fmi2String categories[])
 {
+    unsigned chosen;
     NEEDED(c);
-    return choose_categories(c, on, count, categories);
+    if (read_categories(c, count, categories, &chosen))
+        return fmi2Error;
+    M->categories = on ? chosen : 0; /* only the ones that are named */
+    return fmi2OK;
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,

@@ -66,8 +66,13 @@ void fmi3FreeInstance(fmi3Instance c)
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count,
                                const fmi3String categories[])
 {
+    Instance *m = c;
+    unsigned chosen;
     NEEDED(c);
-    return choose_categories(c, on, count, categories);
+    if (read_categories(m, count, categories, &chosen))
+        return fmi3Error;
+    m->categories = on ? m->categories | chosen : m->categories & ~chosen;
+    return fmi3OK;
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance,

@@ -121,7 +121,8 @@ Instance *create_of_table(const char *name, const void *table, size_t size, int 
                           const Skin *skin, void *host, void *environment);
 void destroy(Instance *);
 void begin_anew(Instance *);
-Status choose_categories(Instance *, int is_on, size_t count, const char *const *names);
+/* All of them where no names are given. */
+Status read_categories(Instance *, size_t count, const char *const *names, unsigned *chosen);
 Status refuse(Instance *, const char *format, ...);
 
 Status set_up(Instance *, double start, int has_stop, double stop, int has_tolerance,
