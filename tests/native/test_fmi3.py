@@ -44,7 +44,7 @@ class Library:
         self.resources = f"{folder}/resources/".encode()
         self.token = fmpy.read_model_description(str(folder)).guid.encode()
         self.heard = []
-        self._log = Log(lambda _, status, category, text: self._hear(status, category, text))
+        self.log = Log(lambda _, status, category, text: self._hear(status, category, text))
 
     def _hear(self, status, category, text):
         self.heard.append((status, category.decode(), text.decode()))
@@ -57,7 +57,7 @@ class Library:
             token or self.token,
             resources or self.resources,
             *(False, is_logging, has_events, may_return),
-            *(None, ctypes.c_size_t(0), None, self._log, None),
+            *(None, ctypes.c_size_t(0), None, self.log, None),
         )
         return result and ctypes.c_void_p(result)
 
@@ -87,6 +87,10 @@ def test_a_stranger_is_not_instantiated(library):
     assert "the GUID is not this FMU's" in library.heard[-1][2]
     assert not library.instantiate(resources=b"/nowhere/")
     assert "/nowhere/machine.table: cannot be read" in library.heard[-1][2]
+    common = b"rotor", library.token, library.resources, False, True, None, library.log
+    for kind, more in (("ModelExchange", ()), ("ScheduledExecution", (None, None, None))):
+        assert not getattr(library.c, f"fmi3Instantiate{kind}")(*common, *more)
+        assert library.heard.pop()[2] == "instantiate: the FMU is for co-simulation alone"
 
 
 def test_calls_out_of_order_are_refused_with_a_sentence(library):

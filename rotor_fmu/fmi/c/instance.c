@@ -61,12 +61,14 @@ static Instance *furnished(Instance *m)
 }
 
 Instance *create(const char *name, const char *guid, const char *resources, int is_logging,
-                 const Skin *skin, void *host, void *environment)
+                 const Skin *skin, void *host, void *environment, const char *unfit)
 {
     char why[LONGEST] = "out of memory";
     Instance *m = named(name, is_logging, skin, host, environment);
     if (!m)
         return NULL;
+    if (unfit)
+        return refused(m, unfit);
     m->file = read_table(resources, why, sizeof why);
     m->table = m->file;
     if (!m->table)

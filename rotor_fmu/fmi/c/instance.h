@@ -113,9 +113,11 @@ struct Instance {
 enum { CATEGORY_COUNT = 6 };
 extern const char *const CATEGORIES[CATEGORY_COUNT];
 
-/* NULL, with the reason told, for what cannot be instantiated. `host` is called by the skin. */
+#define OTHER_KIND "instantiate: the FMU is for co-simulation alone"
+/* NULL, with the reason told, for what cannot be instantiated: `unfit` is one that the skin has, or
+   NULL. `host` is called by the skin. */
 Instance *create(const char *name, const char *guid, const char *resources, int is_logging,
-                 const Skin *skin, void *host, void *environment);
+                 const Skin *skin, void *host, void *environment, const char *unfit);
 /* The same with the table in memory, which has to outlive the instance. */
 Instance *create_of_table(const char *name, const void *table, size_t size, int is_logging,
                           const Skin *skin, void *host, void *environment);
