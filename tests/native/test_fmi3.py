@@ -93,6 +93,25 @@ def test_a_stranger_is_not_instantiated(library):
         assert library.heard.pop()[2] == "instantiate: the FMU is for co-simulation alone"
 
 
+def test_what_an_experiment_cannot_be_is_said_of_the_call_of_fmi_3(library):
+    m, nan = library.instantiate(), ctypes.c_double(float("nan"))
+    enter = library.c.fmi3EnterInitializationMode
+    for given, why in (
+        ((False, ZERO, nan, False, ZERO), "start time = nan: must be finite"),
+        ((False, ZERO, ZERO, True, nan), "stop time = nan s: must not lie before"),
+        ((True, nan, ZERO, False, ZERO), "tolerance = nan: must be at least"),
+    ):
+        assert enter(m, *given) == ERROR
+        assert library.heard[-1][2].startswith(f"enterInitializationMode: {why}")
+    assert enter(m, False, ZERO, ZERO, True, ctypes.c_double(0.001)) == 0
+    assert enter(m, False, ZERO, ZERO, False, ZERO) == ERROR
+    assert library.heard[-1][2] == "enterInitializationMode: the initialization has begun"
+    assert library.c.fmi3ExitInitializationMode(m) == 0
+    assert library.step(m) == ERROR
+    assert library.heard[-1][2] == "doStep to 0.004 s: past the stop time, 0.001 s"
+    library.c.fmi3FreeInstance(m)
+
+
 def test_calls_out_of_order_are_refused_with_a_sentence(library):
     m = library.instantiate()
     library.heard.clear()

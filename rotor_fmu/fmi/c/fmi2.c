@@ -54,7 +54,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2R
                                fmi2Real start, fmi2Boolean has_stop, fmi2Real stop)
 {
     NEEDED(c);
-    return set_up(c, start, has_stop, stop, has_tolerance, tolerance);
+    return set_up(c, "setupExperiment", start, has_stop, stop, has_tolerance, tolerance);
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {

@@ -74,7 +74,9 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance
                                        fmi3Boolean has_stop, fmi3Float64 stop)
 {
     NEEDED(c);
-    return set_up(c, start, has_stop, stop, has_tolerance, tolerance) ? ERROR : enter(c);
+    return set_up(c, "enterInitializationMode", start, has_stop, stop, has_tolerance, tolerance)
+               ? ERROR
+               : enter(c);
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
 {

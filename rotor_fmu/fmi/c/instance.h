@@ -127,8 +127,8 @@ void begin_anew(Instance *);
 Status read_categories(Instance *, size_t count, const char *const *names, unsigned *chosen);
 Status refuse(Instance *, const char *format, ...);
 
-Status set_up(Instance *, double start, int has_stop, double stop, int has_tolerance,
-              double tolerance);
+Status set_up(Instance *, const char *call, double start, int has_stop, double stop,
+              int has_tolerance, double tolerance);
 Status enter(Instance *);
 Status leave_initialization(Instance *);
 Status terminate(Instance *);
