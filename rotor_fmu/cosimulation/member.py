@@ -3,6 +3,7 @@
 import shutil
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -42,14 +43,17 @@ class Member:
         self._parameters = parameters
 
     def __enter__(self) -> "Member":
-        self._call(self._fmu.setupExperiment, startTime=0.0)
-        for name, value in self._parameters.items():
-            references = self.references(name)
-            kind = self._variables[name].type
-            kind = "Integer" if kind == "Enumeration" else kind  # as FMI 2.0 sets it
-            setter = getattr(self._fmu, f"set{kind}")
-            self._call(setter, references, [int(value) if kind != "Real" else value])
-        self._call(self._fmu.enterInitializationMode)
+        with ExitStack() as refused:
+            refused.push(self.__exit__)
+            self._call(self._fmu.setupExperiment, startTime=0.0)
+            for name, value in self._parameters.items():
+                references = self.references(name)
+                kind = self._variables[name].type
+                kind = "Integer" if kind == "Enumeration" else kind  # as FMI 2.0 sets it
+                setter = getattr(self._fmu, f"set{kind}")
+                self._call(setter, references, [int(value) if kind != "Real" else value])
+            self._call(self._fmu.enterInitializationMode)
+            refused.pop_all()
         return self
 
     def __exit__(self, *reason: object) -> None:

@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 
 import numpy as np
@@ -124,6 +125,13 @@ def test_what_cannot_be_coupled_is_named(drive_fmu, native_fmu, tmp_path):
     ):
         with pytest.raises(InputError, match=message):
             COUPLING.run(drive_fmu, fmu, 0.01, 1e-3, {}, parameters, [], [recorded])
+
+
+def test_a_refused_parameter_leaves_no_folder_behind(native_fmu, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with pytest.raises(RunFailed, match="limit = -5: must be"):
+        Member(native_fmu, {"solver.newton_limit": -5}, []).__enter__()
+    assert not [*tmp_path.iterdir()]
 
 
 def test_an_infinite_load_ends_the_step_with_a_message(drive_fmu):
