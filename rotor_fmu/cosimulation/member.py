@@ -3,12 +3,13 @@
 import shutil
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import fmpy
 
-from ..errors import RunFailed
+from ..errors import InputError, RunFailed, known_name
 from ..fmi.log import read_message
 from ..model.message_templates import Message
 
@@ -19,15 +20,18 @@ class Member:
     fmu: its file, or the folder into which it was extracted, which is kept: every new place from
     which its library is loaded costs a process half a megabyte that is never freed. parameters:
     values by name; messages: those of all FMUs, since FMPy hands them to the logger made last.
-    Raises `RunFailed` with the FMU's own message when a call fails.
+    Raises `RunFailed` with the FMU's own message when a call fails, and `InputError` for an FMU of
+    another version than FMI 2.0 and for a variable that it does not have.
     """
 
     def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[Message]) -> None:
         self.messages = messages
         self._name = fmu.name
         self._is_extracted = fmu.is_dir()
+        description = fmpy.read_model_description(str(fmu))
+        if description.fmiVersion != "2.0":
+            raise InputError(f"{fmu}: is of FMI {description.fmiVersion}; must be of FMI 2.0")
         self._folder = str(fmu) if self._is_extracted else fmpy.extract(str(fmu))
-        description = fmpy.read_model_description(self._folder)
         self._variables = {v.name: v for v in description.modelVariables}
         search_path = list(sys.path)
         self._fmu = fmpy.instantiate_fmu(
@@ -39,13 +43,17 @@ class Member:
         self._parameters = parameters
 
     def __enter__(self) -> "Member":
-        self._call(self._fmu.setupExperiment, startTime=0.0)
-        for name, value in self._parameters.items():
-            kind = self._variables[name].type
-            kind = "Integer" if kind == "Enumeration" else kind  # as FMI 2.0 sets it
-            setter = getattr(self._fmu, f"set{kind}")
-            self._call(setter, self.references(name), [int(value) if kind != "Real" else value])
-        self._call(self._fmu.enterInitializationMode)
+        with ExitStack() as refused:
+            refused.push(self.__exit__)
+            self._call(self._fmu.setupExperiment, startTime=0.0)
+            for name, value in self._parameters.items():
+                references = self.references(name)
+                kind = self._variables[name].type
+                kind = "Integer" if kind == "Enumeration" else kind  # as FMI 2.0 sets it
+                setter = getattr(self._fmu, f"set{kind}")
+                self._call(setter, references, [int(value) if kind != "Real" else value])
+            self._call(self._fmu.enterInitializationMode)
+            refused.pop_all()
         return self
 
     def __exit__(self, *reason: object) -> None:
@@ -55,7 +63,8 @@ class Member:
 
     def references(self, *names: str) -> list[int]:
         """Return the value references of variables."""
-        return [self._variables[name].valueReference for name in names]
+        known = self._variables
+        return [known[known_name(f"{self._name}:", name, known)].valueReference for name in names]
 
     def begin(self) -> None:
         """Leave the initialization mode."""

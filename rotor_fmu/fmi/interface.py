@@ -2,12 +2,13 @@
 documents are made."""
 
 from dataclasses import replace
+from math import isfinite
 
 from ..model.machine.names import Name
 from ..model.machine.rotor import Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import BASE, PortElement
-from ..model.quantities import ANY, Quantity
+from ..model.quantities import Quantity
 from ..model.time_loop.observe import observed
 from ..operating_speeds import operating_speeds
 from .coupling_parameters import coupling_variables
@@ -113,9 +114,10 @@ def _parameter(name: Name, quantity: Quantity, value: float | bool) -> Variable:
     text = f"{_part_of(name)}{quantity.text}"
     if quantity.is_switch:
         return Variable(str(name), "Boolean", "parameter", text, start=value)
-    low = None if quantity.rule is ANY else 0.0
+    rule = quantity.rule
+    low, high = (limit if isfinite(limit) else None for limit in (rule.least, rule.most))
     variable = _real(str(name), quantity.unit, float(value), text, low)
-    return replace(variable, is_tunable=quantity.is_tunable)
+    return replace(variable, high=high, is_tunable=quantity.is_tunable)
 
 
 # Quantities under these headings are of the machine itself.

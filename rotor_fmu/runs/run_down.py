@@ -80,7 +80,8 @@ def run_fmu(fmu: Path, plan: Plan, progress: ReportProgress = silent) -> Run:
     recorder = None
     begun = time.perf_counter()
 
-    def log(environment: object, name: bytes, status: int, category: bytes, text: bytes) -> None:
+    def log(*told: Any) -> None:
+        *_, status, _, text = told  # FMI 2.0 has the instance's name before them
         if status != fmpy.fmi2.fmi2OK:
             messages.append(read_message(text))
 

@@ -1,5 +1,6 @@
 """Values of variables from texts `NAME=VALUE`, as commands and Python take them."""
 
+import math
 from collections.abc import Sequence
 
 from ..errors import InputError, known_name
@@ -77,9 +78,11 @@ def _parse_value(variable: Variable, text: str) -> float:
             raise InputError(f"--set {variable.name} = {text}: must be a number") from None
     low = float("-inf") if variable.low is None else variable.low
     high = float("inf") if variable.high is None else variable.high
-    if not low <= value <= high or value in (float("inf"), float("-inf")):
+    is_whole = variable.kind == "Integer"
+    if not low <= value <= high or math.isinf(value) or (is_whole and value % 1):
         unit = "" if variable.unit == "1" else f" {variable.unit}"
         limit = f" from {low:g} to {high:g}{unit}" if variable.high is not None else f" >= {low:g}"
-        bound = "finite" if variable.low is None else f"a finite number{limit}"
+        number = "an integer" if is_whole else "a finite number"
+        bound = "finite" if variable.low is None else f"{number}{limit}"
         raise InputError(f"--set {variable.name} = {text}{unit}: must be {bound}")
     return value

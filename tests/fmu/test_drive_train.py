@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 
 import numpy as np
@@ -17,7 +18,8 @@ from rotor_fmu.model.structure.assembly import assemble
 
 from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.cosimulation.member import Member
-from rotor_fmu.errors import RunFailed
+from rotor_fmu.errors import InputError, RunFailed
+from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..cli.test_command_line import input_error_by
 from .coupled import last_row, through_libcosim
@@ -112,6 +114,24 @@ def test_the_controller_reaches_its_target_within_the_torque_limit(motor):
 def test_an_impossible_drive_train_is_refused(drive_fmu, fmu, parameters, message):
     with pytest.raises(RunFailed, match=message):
         couple(drive_fmu, fmu, 0.1, 1e-3, parameters, {})
+
+
+def test_what_cannot_be_coupled_is_named(drive_fmu, native_fmu, tmp_path):
+    of_fmi_3 = build_native(tmp_path, fmi=3, platforms=["linux64"])
+    for fmu, parameters, recorded, message in (
+        (of_fmi_3, {}, "tau", r"RotorBearingNative.fmu: is of FMI 3.0; must be of FMI 2.0"),
+        (native_fmu, {"tol": 1.0}, "tau", r"RotorBearingNative.fmu: tol: unknown name"),
+        (native_fmu, {}, "taue", r"RotorBearingNative.fmu: taue: unknown name; did you mean tau"),
+    ):
+        with pytest.raises(InputError, match=message):
+            COUPLING.run(drive_fmu, fmu, 0.01, 1e-3, {}, parameters, [], [recorded])
+
+
+def test_a_refused_parameter_leaves_no_folder_behind(native_fmu, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with pytest.raises(RunFailed, match="limit = -5: must be"):
+        Member(native_fmu, {"solver.newton_limit": -5}, []).__enter__()
+    assert not [*tmp_path.iterdir()]
 
 
 def test_an_infinite_load_ends_the_step_with_a_message(drive_fmu):

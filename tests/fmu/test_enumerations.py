@@ -128,6 +128,10 @@ def test_a_jump_can_be_held_from_the_build_on(tmp_path):
         ("solver.preset=papier", "--set solver.preset = papier: must be one of 0 robust, 1 paper"),
         ("solver.method=hht", "--set solver.method = hht: needs alpha_f too"),
         ("solver.method=0", "--set solver.method = 0: means as the preset and changes nothing"),
+        (
+            "solver.max_iterations=1.5",
+            "--set solver.max_iterations = 1.5: must be an integer from 0 to 2e+09",
+        ),
         ("solver.reduction=3", "--set solver.reduction: is chosen by --reduction"),
         ("bearing[1].mu=0.1", "--set bearing[1].mu: unknown name"),
     ],

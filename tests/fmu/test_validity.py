@@ -1,6 +1,7 @@
 """The built file: valid by FMPy, the same bytes each time, carrying its own code."""
 
 import ast
+import math
 import os
 import re
 import subprocess
@@ -14,6 +15,7 @@ import fmpy
 import pint
 import pytest
 from fmpy.validation import validate_fmu
+from rotor_fmu.examples import example_folder
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.quantities import SPEED
 
@@ -22,6 +24,7 @@ from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.python_fmu import build, is_current
 from rotor_fmu.fmi.variables import Variable, unit
 from rotor_fmu.library.build import LibraryError
+from rotor_fmu.machine_file.loading import load_rotor
 
 ROOT = Path(__file__).parents[2]
 
@@ -152,6 +155,21 @@ def test_limits_nominal_values_and_unknowns_are_those_of_the_table(fmu):
     outputs = [i for i, variable in enumerate(table, 1) if variable.causality == "output"]
     unknowns = root.iterfind("ModelStructure/InitialUnknowns/Unknown")
     assert [int(unknown.get("index")) for unknown in unknowns] == outputs
+
+
+def test_a_parameter_of_the_machine_has_the_limits_of_its_rule():
+    """A machine that starts in motion: velocities may be negative."""
+    rotor = load_rotor(example_folder("drop") / "compressor.toml")[1]
+    table = {variable.name: variable for variable in interface(rotor)}
+    for name, quantity, _ in rotor.parameters():
+        variable = table[str(name)]
+        if variable.kind == "Boolean":
+            continue
+        limits = (
+            -math.inf if variable.low is None else variable.low,
+            math.inf if variable.high is None else variable.high,
+        )
+        assert limits == (quantity.rule.least, quantity.rule.most)
 
 
 def test_units_are_defined_by_si_exponents_and_shown_in_what_people_read(fmu):

@@ -44,7 +44,7 @@ class Library:
         self.resources = f"{folder}/resources/".encode()
         self.token = fmpy.read_model_description(str(folder)).guid.encode()
         self.heard = []
-        self._log = Log(lambda _, status, category, text: self._hear(status, category, text))
+        self.log = Log(lambda _, status, category, text: self._hear(status, category, text))
 
     def _hear(self, status, category, text):
         self.heard.append((status, category.decode(), text.decode()))
@@ -57,7 +57,7 @@ class Library:
             token or self.token,
             resources or self.resources,
             *(False, is_logging, has_events, may_return),
-            *(None, ctypes.c_size_t(0), None, self._log, None),
+            *(None, ctypes.c_size_t(0), None, self.log, None),
         )
         return result and ctypes.c_void_p(result)
 
@@ -87,6 +87,29 @@ def test_a_stranger_is_not_instantiated(library):
     assert "the GUID is not this FMU's" in library.heard[-1][2]
     assert not library.instantiate(resources=b"/nowhere/")
     assert "/nowhere/machine.table: cannot be read" in library.heard[-1][2]
+    common = b"rotor", library.token, library.resources, False, True, None, library.log
+    for kind, more in (("ModelExchange", ()), ("ScheduledExecution", (None, None, None))):
+        assert not getattr(library.c, f"fmi3Instantiate{kind}")(*common, *more)
+        assert library.heard.pop()[2] == "instantiate: the FMU is for co-simulation alone"
+
+
+def test_what_an_experiment_cannot_be_is_said_of_the_call_of_fmi_3(library):
+    m, nan = library.instantiate(), ctypes.c_double(float("nan"))
+    enter = library.c.fmi3EnterInitializationMode
+    for given, why in (
+        ((False, ZERO, nan, False, ZERO), "start time = nan: must be finite"),
+        ((False, ZERO, ZERO, True, nan), "stop time = nan s: must not lie before"),
+        ((True, nan, ZERO, False, ZERO), "tolerance = nan: must be at least"),
+    ):
+        assert enter(m, *given) == ERROR
+        assert library.heard[-1][2].startswith(f"enterInitializationMode: {why}")
+    assert enter(m, False, ZERO, ZERO, True, ctypes.c_double(0.001)) == 0
+    assert enter(m, False, ZERO, ZERO, False, ZERO) == ERROR
+    assert library.heard[-1][2] == "enterInitializationMode: the initialization has begun"
+    assert library.c.fmi3ExitInitializationMode(m) == 0
+    assert library.step(m) == ERROR
+    assert library.heard[-1][2] == "doStep to 0.004 s: past the stop time, 0.001 s"
+    library.c.fmi3FreeInstance(m)
 
 
 def test_calls_out_of_order_are_refused_with_a_sentence(library):

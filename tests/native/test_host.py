@@ -18,6 +18,7 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.fmi.log import with_code
 
 from ..fmu.masters import NEEDS_COMPILER
+from ..fmu.skins import LOGGER
 from ..parts.films import film
 from ..parts.test_linear_bearing import FLEXIBLE, TABLE
 from .machine import Machine
@@ -44,9 +45,9 @@ class Library:
         self.description = fmpy.read_model_description(str(folder))
         self.guid = self.description.guid.encode()
 
-    def instantiate(self, kind=CO_SIMULATION, guid=None, resources=None):
+    def instantiate(self, kind=CO_SIMULATION, guid=None, resources=None, callbacks=None):
         m = self.c.fmi2Instantiate(
-            b"rotor", kind, guid or self.guid, resources or self.resources, None, 0, 0
+            b"rotor", kind, guid or self.guid, resources or self.resources, callbacks, 0, 1
         )
         return m and ctypes.c_void_p(m)
 
@@ -78,7 +79,7 @@ def test_it_runs_from_a_folder_whose_name_is_escaped(library):
 def test_a_stranger_is_not_instantiated(library, capfd):
     for wrong, words in (
         ({"guid": b"{another}"}, "the GUID is not this FMU's"),
-        ({"kind": 0}, "for co-simulation alone"),
+        ({"kind": 0}, "rotor: error: instantiate: the FMU is for co-simulation alone"),
         ({"resources": b"file:///nowhere"}, "/nowhere/machine.table: cannot be read"),
     ):
         assert not library.instantiate(**wrong)
@@ -198,19 +199,45 @@ def test_messages_come_by_category_and_only_where_logging_is_on(fmu):
         (True, None, [ERROR]),
         (True, [b"logStatusWarning"], []),
         (True, [b"logStatusError"], [ERROR]),
+        (False, [b"logStatusError"], [ERROR]),
     ):
         received.clear()
         machine = fmpy.instantiate_fmu(
             folder, description, "CoSimulation", logger=listen, debug_logging=is_on
         )
         if categories:
-            machine.fmi2SetDebugLogging(machine.component, 0, 0, None)
             names = (ctypes.c_char_p * len(categories))(*categories)
             machine.fmi2SetDebugLogging(machine.component, 1, len(categories), names)
         with pytest.raises(fmpy.fmi1.FMICallException):
             machine.doStep(0.0, H)
         assert [status for status, _, _ in received] == expected
+        machine.fmi2SetDebugLogging(machine.component, 0, 0, None)
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            machine.doStep(0.0, H)
+        assert [status for status, _, _ in received] == expected
         machine.freeInstance()
+
+
+def test_a_category_that_is_unknown_is_named(library, capfd):
+    m = library.instantiate()
+    for names, words in (
+        ((ctypes.c_char_p * 1)(b"logEvents"), "logEvents: no category has that name"),
+        (None, "NULL: no category has that name"),
+    ):
+        assert library.c.fmi2SetDebugLogging(m, 1, ctypes.c_size_t(1), names) == ERROR
+        assert words in capfd.readouterr().err
+    library.c.fmi2FreeInstance(m)
+
+
+def test_the_host_keeps_its_callbacks_no_longer_than_the_call(library):
+    heard = []
+    logger = LOGGER(lambda *told: heard.append(told[-1].decode()))
+    callbacks = (ctypes.c_void_p * 5)(ctypes.cast(logger, ctypes.c_void_p).value)
+    m = library.instantiate(callbacks=callbacks)
+    callbacks[0] = None
+    assert library.c.fmi2Terminate(m) == ERROR
+    assert heard == ["terminate: the initialization has not begun"]
+    library.c.fmi2FreeInstance(m)
 
 
 def _run(machine):

@@ -14,6 +14,8 @@ from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 from rotor_fmu.fmi.log import with_code
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.runs.job import prepare
+from rotor_fmu.runs.run_down import run_fmu
 
 from .machine import Machine, observed
 
@@ -214,6 +216,15 @@ def test_both_versions_of_fmi_give_the_same_bits(make):
             machine.step(H)
         one, other = (machine.read() for machine in machines)
         assert (one == other).all()
+
+
+def test_of_both_versions_of_fmi_python_hears_the_same_warnings_and_failures(make):
+    sets = ["solver.preset=paper", "solver.method=wbz", "solver.alpha_m=0.08"]
+    job = prepare(None, None, sets, None, 1.0, 0.004)
+    one, other = (run_fmu(make(fmi=fmi), job) for fmi in (2, 3))
+    assert (other.status, other.messages) == (one.status, one.messages)
+    assert "the solution diverged" in one.status
+    assert len(one.messages) > 1
 
 
 @pytest.mark.parametrize("is_free", [False, True])

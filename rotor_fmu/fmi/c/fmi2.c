@@ -1,7 +1,5 @@
 /* FMI 2.0 for co-simulation, over instance.h; types and functions are declared by the headers of the
    standard. */
-#include <stdio.h>
-
 #include "fmi2Functions.h"
 #include "instance.h"
 
@@ -12,9 +10,9 @@
 
 static void emit(Instance *m, Status status, const char *category, const char *message)
 {
-    const fmi2CallbackFunctions *host = m->host;
-    if (host && host->logger)
-        host->logger(m->environment, m->name, status, category, "%s", message);
+    fmi2CallbackLogger log = (fmi2CallbackLogger)(uintptr_t)m->host;
+    if (log)
+        log(m->environment, m->name, status, category, "%s", message);
 }
 static const Skin SKIN = {emit, {"Real", "Integer", "Boolean", "Enumeration"}};
 
@@ -31,13 +29,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible,
                               fmi2Boolean logging)
 {
+    static const fmi2CallbackFunctions none;
+    const fmi2CallbackFunctions *host = functions ? functions : &none;
     (void)visible;
-    if (type != fmi2CoSimulation) {
-        fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
-        return NULL;
-    }
-    return create(name, guid, resources, logging, &SKIN, (void *)functions,
-                  functions ? functions->componentEnvironment : NULL);
+    return create(name, guid, resources, logging, &SKIN, (void *)(uintptr_t)host->logger,
+                  host->componentEnvironment, type == fmi2CoSimulation ? NULL : OTHER_KIND);
 }
 void fmi2FreeInstance(fmi2Component c)
 {
@@ -46,15 +42,19 @@ void fmi2FreeInstance(fmi2Component c)
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
                                const fmi2String categories[])
 {
+    unsigned chosen;
     NEEDED(c);
-    return choose_categories(c, on, count, categories);
+    if (read_categories(c, count, categories, &chosen))
+        return fmi2Error;
+    M->categories = on ? chosen : 0; /* only the ones that are named */
+    return fmi2OK;
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
                                fmi2Real start, fmi2Boolean has_stop, fmi2Real stop)
 {
     NEEDED(c);
-    return set_up(c, start, has_stop, stop, has_tolerance, tolerance);
+    return set_up(c, "setupExperiment", start, has_stop, stop, has_tolerance, tolerance);
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {

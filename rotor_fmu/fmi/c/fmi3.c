@@ -1,7 +1,5 @@
 /* FMI 3.0 for co-simulation, over instance.h; types and functions are declared by the headers of the
    standard. There are no clocks, no events, no arrays and no intermediate updates. */
-#include <stdio.h>
-
 #include "fmi3Functions.h"
 #include "instance.h"
 
@@ -30,13 +28,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback update)
 {
-    Instance *m =
-        create(name, token, resources, logging, &SKIN, (void *)(uintptr_t)log, environment);
-    if (m && has_events) {
-        refuse(m, "instantiate: the event mode is asked for, and there is none");
-        destroy(m);
-        return NULL;
-    }
+    Instance *m = create(
+        name, token, resources, logging, &SKIN, (void *)(uintptr_t)log, environment,
+        has_events ? "instantiate: the event mode is asked for, and there is none" : NULL);
     if (m)
         m->is_whole = !may_return_early; /* what is discarded then has to have changed nothing */
     return m;
@@ -46,8 +40,8 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
                                           fmi3InstanceEnvironment environment,
                                           fmi3LogMessageCallback log)
 {
-    fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
-    return NULL;
+    return create(name, token, resources, logging, &SKIN, (void *)(uintptr_t)log, environment,
+                  OTHER_KIND);
 }
 fmi3Instance
 fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
@@ -56,8 +50,8 @@ fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String 
                                   fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
                                   fmi3UnlockPreemptionCallback unlock)
 {
-    fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
-    return NULL;
+    return create(name, token, resources, logging, &SKIN, (void *)(uintptr_t)log, environment,
+                  OTHER_KIND);
 }
 void fmi3FreeInstance(fmi3Instance c)
 {
@@ -66,8 +60,13 @@ void fmi3FreeInstance(fmi3Instance c)
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count,
                                const fmi3String categories[])
 {
+    Instance *m = c;
+    unsigned chosen;
     NEEDED(c);
-    return choose_categories(c, on, count, categories);
+    if (read_categories(m, count, categories, &chosen))
+        return fmi3Error;
+    m->categories = on ? m->categories | chosen : m->categories & ~chosen;
+    return fmi3OK;
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance,
@@ -75,7 +74,9 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance
                                        fmi3Boolean has_stop, fmi3Float64 stop)
 {
     NEEDED(c);
-    return set_up(c, start, has_stop, stop, has_tolerance, tolerance) ? ERROR : enter(c);
+    return set_up(c, "enterInitializationMode", start, has_stop, stop, has_tolerance, tolerance)
+               ? ERROR
+               : enter(c);
 }
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
 {

@@ -61,12 +61,14 @@ static Instance *furnished(Instance *m)
 }
 
 Instance *create(const char *name, const char *guid, const char *resources, int is_logging,
-                 const Skin *skin, void *host, void *environment)
+                 const Skin *skin, void *host, void *environment, const char *unfit)
 {
     char why[LONGEST] = "out of memory";
     Instance *m = named(name, is_logging, skin, host, environment);
     if (!m)
         return NULL;
+    if (unfit)
+        return refused(m, unfit);
     m->file = read_table(resources, why, sizeof why);
     m->table = m->file;
     if (!m->table)
@@ -132,27 +134,24 @@ static const Variable *setting(const Table *t, int64_t at)
     return v;
 }
 
-Status set_up(Instance *m, double start, int has_stop, double stop, int has_tolerance,
-              double tolerance)
+Status set_up(Instance *m, const char *call, double start, int has_stop, double stop,
+              int has_tolerance, double tolerance)
 {
     State *s = m->state;
-    if (allow(m, "setupExperiment", 1u << INSTANTIATED))
+    if (allow(m, call, 1u << INSTANTIATED))
         return ERROR;
     if (!isfinite(start))
-        return refuse(m, "setupExperiment: start time = %g: must be finite", start);
+        return refuse(m, "%s: start time = %g: must be finite", call, start);
     if (has_stop && !(stop >= start))
-        return refuse(m,
-                      "setupExperiment: stop time = %g s: must not lie before the start time, "
-                      "%g s",
+        return refuse(m, "%s: stop time = %g s: must not lie before the start time, %g s", call,
                       stop, start);
     const Variable *rule = setting(m->table, m->table->tolerance_at);
     if (has_tolerance && !(tolerance > 0 && tolerance <= rule->most))
-        return refuse(m, "setupExperiment: tolerance = %g: %s", tolerance,
-                      text(m->table, rule->rule));
+        return refuse(m, "%s: tolerance = %g: %s", call, tolerance, text(m->table, rule->rule));
     if (has_tolerance && tolerance < rule->least) { /* hosts give one for all FMUs of a system */
-        warn_of(m, "setupExperiment: tolerance = %g: %g is taken, the least that can be held "
+        warn_of(m, "%s: tolerance = %g: %g is taken, the least that can be held "
                    "[tolerance-raised]",
-                tolerance, rule->least);
+                call, tolerance, rule->least);
         tolerance = rule->least;
     }
     s->start = s->now = start;

@@ -113,19 +113,22 @@ struct Instance {
 enum { CATEGORY_COUNT = 6 };
 extern const char *const CATEGORIES[CATEGORY_COUNT];
 
-/* NULL, with the reason told, for what cannot be instantiated. `host` is called by the skin. */
+#define OTHER_KIND "instantiate: the FMU is for co-simulation alone"
+/* NULL, with the reason told, for what cannot be instantiated: `unfit` is one that the skin has, or
+   NULL. `host` is called by the skin. */
 Instance *create(const char *name, const char *guid, const char *resources, int is_logging,
-                 const Skin *skin, void *host, void *environment);
+                 const Skin *skin, void *host, void *environment, const char *unfit);
 /* The same with the table in memory, which has to outlive the instance. */
 Instance *create_of_table(const char *name, const void *table, size_t size, int is_logging,
                           const Skin *skin, void *host, void *environment);
 void destroy(Instance *);
 void begin_anew(Instance *);
-Status choose_categories(Instance *, int is_on, size_t count, const char *const *names);
+/* All of them where no names are given. */
+Status read_categories(Instance *, size_t count, const char *const *names, unsigned *chosen);
 Status refuse(Instance *, const char *format, ...);
 
-Status set_up(Instance *, double start, int has_stop, double stop, int has_tolerance,
-              double tolerance);
+Status set_up(Instance *, const char *call, double start, int has_stop, double stop,
+              int has_tolerance, double tolerance);
 Status enter(Instance *);
 Status leave_initialization(Instance *);
 Status terminate(Instance *);

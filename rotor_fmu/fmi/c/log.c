@@ -132,18 +132,18 @@ void warn(Instance *m, int code, const double *numbers)
     log_message(m, WARNING, message);
 }
 
-Status choose_categories(Instance *m, int is_on, size_t count, const char *const *names)
+Status read_categories(Instance *m, size_t count, const char *const *names, unsigned *chosen)
 {
-    unsigned chosen = count ? 0 : ~0u;
+    unsigned read = count ? 0 : ~0u;
     for (size_t i = 0; i < count; i++) {
-        int found = -1;
-        for (int k = 0; k < CATEGORY_COUNT && names && names[i]; k++)
-            if (!strcmp(names[i], CATEGORIES[k]))
-                found = k;
-        if (found < 0)
-            return refuse(m, "setDebugLogging: no category of that name");
-        chosen |= found ? 1u << found : ~0u; /* the first is all of them */
+        const char *name = names && names[i] ? names[i] : "NULL";
+        int k = 0;
+        while (k < CATEGORY_COUNT && strcmp(name, CATEGORIES[k]))
+            k++;
+        if (k == CATEGORY_COUNT)
+            return refuse(m, "setDebugLogging: %s: no category has that name", name);
+        read |= k ? 1u << k : ~0u; /* the first is all of them */
     }
-    m->categories = is_on ? m->categories | chosen : m->categories & ~chosen;
+    *chosen = read;
     return OK;
 }

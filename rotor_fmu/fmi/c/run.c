@@ -226,10 +226,7 @@ static Status check_step(Instance *m, double current, double size)
                       current, now, *early ? "; the last one ended early: " : "", early);
     spacing = SLACK_AT_STOP * size > 2 * spacing ? SLACK_AT_STOP * size : 2 * spacing;
     if (s->has_stop && current + size > s->stop + spacing)
-        return refuse(m,
-                      "doStep to %.15g s: past the stop time, %.15g s, that was given to "
-                      "setupExperiment",
-                      current + size, s->stop);
+        return refuse(m, "doStep to %.15g s: past the stop time, %.15g s", current + size, s->stop);
     return OK;
 }
 
