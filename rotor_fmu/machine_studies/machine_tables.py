@@ -132,8 +132,8 @@ def _excitation(
             raise InputError(f"run {kind.name}: needs {name} [{kind.numbers[name].unit}]")
     given = {name: float(value) for name, value in numbers.items() if value is not None}
     kind.check(given)
-    if kind is RESPONSE and (kick is not None or (over is None) != (given["speed"] == 0)):
-        raise InputError("run response: speed is given with over, and only then; it has no kick")
+    if kind is RESPONSE and (over is None) != (given["speed"] == 0):
+        raise InputError("run response: speed is given with over, and only then")
     if (kind is SIGNALS) != isinstance(file, str):
         raise InputError(f"run {kind.name}: file: only of signals, which need it")
     loads = load_names(machine.rotor)

@@ -11,6 +11,7 @@ from scipy.signal import lsim
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
+from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.machine_studies.metric import Metric
 from rotor_fmu.machine_studies.run_excitation import Excitation, Samples, Window
@@ -251,6 +252,39 @@ def test_loads_of_a_file_are_linear_between_its_points_whatever_the_step(tmp_pat
     largest = np.abs(x).max()
     assert data.peak.values == pytest.approx([largest] * 3, rel=1e-3)
     assert data.x.values == pytest.approx([x[-1]] * 3, abs=1e-3 * largest)
+
+
+@pytest.mark.parametrize("way", ["run-up", "up-and-down"])
+def test_the_speed_of_a_ramp_goes_on_during_a_kick(tmp_path, way):
+    path = tmp_path / "study.toml"
+    path.write_text(
+        f'machine = "studies/whip.toml"\n[run]\nkind = "{way}"\nfrom = 10\nto = 20\nrate = 20\n'
+        'kick = { port = "disc", force = 1, rate = 100, duration = 0.25 }\n'
+        '[vary]\n"contact[1].mu" = { values = [0.1] }\n[keep]\nx = { peak = "disc.x" }\n'
+    )
+    seen = read_study(path).model.record({})
+    assert seen.columns["w"] == pytest.approx(20 - 20 * np.abs(seen.t - 0.5))
+    assert np.abs(seen.columns["disc.x"]).max() > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("run", "expected"),
+    [
+        ("run-up\nfrom = 10\nto = 20\nrate = 100", "kick duration = 0.1 s: must be below the 0.1"),
+        ("drop\nspeed = 10\nstop = 1", "run drop: has no kick"),
+        ("motor\ntorque = 1\nstop = 1", "run motor: has no kick"),
+    ],
+)
+def test_a_kick_that_a_run_does_not_have_is_refused(tmp_path, run, expected):
+    path = tmp_path / "study.toml"
+    kind, _, numbers = run.partition("\n")
+    path.write_text(
+        f'machine = "studies/whip.toml"\n[run]\nkind = "{kind}"\n{numbers}\n'
+        'kick = { port = "disc", force = 1, rate = 1, duration = 0.1 }\n'
+        '[vary]\n"contact[1].mu" = { values = [0.1] }\n[keep]\nx = { peak = "disc.x" }\n'
+    )
+    with pytest.raises(InputError, match=expected):
+        read_study(path)
 
 
 @pytest.mark.parametrize("rate", [0.0, 200.0, -200.0])
