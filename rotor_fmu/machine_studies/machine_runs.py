@@ -110,9 +110,10 @@ class MachineRuns:
 
     def _suggestion(self, metric: Metric, output: str) -> str:
         """Return a suggestion for the name of an unknown quantity or part."""
-        parts = {name.rpartition(".")[0] for name in self.units if "." in name}
         if output.startswith(f"{metric.of}."):
-            return meant(metric.of, parts)
+            end = output.removeprefix(metric.of)
+            return meant(metric.of, [n.removesuffix(end) for n in self.units if n.endswith(end)])
+        parts = {name.rpartition(".")[0] for name in self.units if "." in name}
         return meant(metric.of, {*self.units, *(f"{part}.r" for part in parts)})
 
     def column_of(self, metric: Metric, varied: Collection[str]) -> Column:

@@ -13,7 +13,7 @@ from ..fmi.variables import Variable
 from ..machine_file.loading import load_rotor
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
-from ..studies.design import Axis, number, whole
+from ..studies.design import MOST, Axis, number, whole
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
@@ -98,8 +98,12 @@ def _value(where: str, variable: Variable, value: object) -> float:
         check_one_of(f"{where} = {value}", value, variable.choices)
         return variable.choices.index(value)
     given = number(where, value, variable.unit or "1")
+    if variable.kind != "Real" and given != int(given):
+        raise InputError(f"{where} = {given:g}: must be an integer")
     low = -math.inf if variable.low is None else variable.low
     high = math.inf if variable.high is None else variable.high
+    if variable.kind == "Boolean":
+        low, high = 0.0, 1.0
     if not low <= given <= high:
         bound = f">= {low:g}" if high == math.inf else f"from {low:g} to {high:g}"
         raise InputError(f"{where} = {given:g}: must be {bound}")
@@ -234,7 +238,8 @@ def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
         )
         if not low < high:
             raise InputError(f"{where}: bins from = {low:g}: must be below to = {high:g}")
-        return {"from": low, "to": high, "count": whole(f"{where}: bins count", value["count"])}
+        count = whole(f"{where}: bins count", value["count"], most=MOST)
+        return {"from": low, "to": high, "count": count}
     units = {"speed": abscissa_unit, "at": abscissa_unit, "after": "s"}
     return number(f"{where}: {key}", value, units.get(key, ""))
 
@@ -262,6 +267,9 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
                         runs.check_metric(metric, how)
                 else:
                     _value(f"vary {axis.name}", runs.settable[target], value)
-            is_whole = of_run and runs.how.kind.numbers[of_run].is_whole
+            if of_run:
+                is_whole = runs.how.kind.numbers[of_run].is_whole
+            else:
+                is_whole = runs.settable[target].kind != "Real"
             if axis.distribution is not None and is_whole:
                 raise InputError(f"vary {axis.name}: is an integer; list its values")

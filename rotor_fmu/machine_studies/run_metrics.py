@@ -304,8 +304,8 @@ def _whirl(metric: Metric, window: Window) -> float:
 
 
 def _check_jump(metric: Metric, how: Excitation) -> None:
-    if how.kind.name != STEPS.name:
-        raise metric.refusal("jump needs runs in steps of the speed")
+    if how.kind.name != STEPS.name or len(how.speeds) < 2:
+        raise metric.refusal("jump needs runs in steps of the speed, two at least")
 
 
 @_kind(

@@ -204,6 +204,20 @@ def test_samples_that_are_varied_are_checked_against_the_orders_too(tmp_path):
     read(tmp_path, run, metric, '"run.per_turn" = { values = [32, 7] }')
 
 
+def test_a_jump_needs_two_speeds(tmp_path):
+    run = 'kind = "steps"\nfrom = 100\nto = 100\ncount = 1'
+    with pytest.raises(InputError, match="keep q: jump needs runs in steps of the speed, two at"):
+        read(tmp_path, run, 'q = { jump = "disc.r", way = "up" }')
+
+
+def test_speeds_beyond_what_memory_holds_are_refused(tmp_path):
+    run = 'kind = "steps"\nfrom = 100\nto = 200\ncount = 1000000000000'
+    with pytest.raises(
+        InputError, match=r"run.count = 1e\+12: must be an integer, at most 1000000"
+    ):
+        read(tmp_path, run, 'q = { mean = "disc.r" }')
+
+
 @pytest.mark.parametrize("order", [0, -1, 0.3, 0.25, 40])
 def test_an_order_that_cannot_be_passed_is_refused_before_the_first_run(tmp_path, order):
     metric = f'q = {{ order = {order}, speed = 100, of = "disc.x" }}'

@@ -135,11 +135,26 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("40e-6", "-40e-6", "vary clearance = -4e-05: must be >= 0"),
         (", values = [40e-6, 60e-6]", "", "must have one of values, grid, distribution"),
         (", count = 3", "", "grid has no count"),
-        ("count = 3", "count = 0", "grid count = 0: must be an integer >= 1"),
+        ("count = 3", "count = 0", "grid count = 0: must be an integer from 1 to 10000000"),
+        ("count = 3", "count = 1000000000000", "must be an integer from 1 to 10000000"),
         ("disc[3].x_amp", "disc[3].x_map", "keep X: disc[3].x_map: unknown name; did you mean"),
         ("peak", "peek", "keep X: peek: unknown name; did you mean peak"),
         ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; did you mean X"),
-        ("X = {", "clearance = {", "keep clearance: is the name of a varied parameter"),
+        ("X = {", "clearance = {", "keep clearance: is the name of something else in the rows"),
+        ("clearance = {", "run = {", "vary run: is the name of something else in the rows"),
+        ('"bearing[*].clearance"', "[]", "vary clearance: names = []: must be names"),
+        (VALUES, f"values = [1{'0' * 400}]", "0: must be a finite number"),
+        (VALUES, 'distribution = ["normal"]', "distribution = ['normal']: must be one of uniform"),
+        ('"run-down"', '["run-down"]', "run kind = ['run-down']: must be one of run-down, run-up"),
+        ("[vary]", '"limit.contact" = 2\n[vary]', "set limit.contact = 2: must be from 0 to 1"),
+        ("[vary]", '"solver.newton_limit" = 9.5\n[vary]', "newton_limit = 9.5: must be an integer"),
+        ("[limits]", "[design]\nlevels = 3\n[limits]", "design levels = 3: must be even"),
+        (
+            'peak = "disc[3].x_amp"',
+            'amplitude = "w", bins = { from = 0, to = 1, count = 1000000000000 }',
+            "bins count = 1000000000000: must be an integer from 1 to 10000000",
+        ),
+        ('peak = "disc[3].x_amp"', 'contact = "disc[3]"', "disc[3]: unknown name; did you mean be"),
         (
             VALUES,
             'distribution = "normal", mean = 5e-5',
@@ -220,6 +235,18 @@ def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(
     assert list(tmp_path.iterdir()) == [file]
     said = capsys.readouterr().err.strip()
     assert said.endswith(f"rotor-fmu: --scheduler {address}: no scheduler answers within 10 s")
+
+
+def test_whole_numbers_of_a_machine_are_not_drawn(tmp_path):
+    law = '"solver.adaptive" = { distribution = "uniform", low = 0, high = 4 }\n[design]\n'
+    text = STUDY.replace("[keep]", f'{law}kind = "random"\nsize = 2\n[keep]')
+    with pytest.raises(InputError, match=r"vary solver.adaptive: is an integer; list its values"):
+        read(tmp_path, text)
+
+
+def test_what_is_kept_is_not_called_like_a_dimension_of_the_rows(tmp_path):
+    with pytest.raises(InputError, match="keep turn: is the name of something else in the rows"):
+        read(tmp_path, f'{HELD}[keep]\nturn = {{ poincare = "disc[3].x" }}\n')
 
 
 @pytest.mark.parametrize(

@@ -114,6 +114,7 @@ def test_a_run_of_what_no_machine_can_be_is_a_failed_row(tmp_path):
     [
         ({"run": "kind = 'response'\nfrom = 60"}, "run response: needs to"),
         ({"run": "kind = 'response'\nfrom = 60\nto = 50"}, "must be below run.to"),
+        ({"run": "kind = 'response'\nfrom = -9\nto = 50"}, "run.from = -9 rad/s: must be > 0"),
         ({"run": RUN + "\nspeed = 100"}, "speed is given with over, and only then"),
         ({"run": RUN + "\nover = 'contact[1].nu'\nspeed = 9"}, "did you mean contact"),
         ({"keep": "a = { bifurcation = 'folds' }"}, "must be one of fold,"),
