@@ -268,8 +268,8 @@ def _spectrum(metric: Metric, window: Window) -> np.ndarray:
 @_kind("time in contact of {of}", optional=_AFTER, unit="s", outputs=("contact",), is_fine=True)
 def _contact(metric: Metric, window: Window) -> float:
     late = _late(metric, window)
-    closed = window.steps.columns[f"{metric.of}.contact"][late]
-    return float(np.trapezoid(closed, window.steps.t[late]))
+    closed, t = window.steps.columns[f"{metric.of}.contact"][late], window.steps.t[late]
+    return float(np.trapezoid(closed, t)) if len(t) else math.nan
 
 
 @_kind(

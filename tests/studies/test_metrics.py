@@ -218,6 +218,13 @@ def test_speeds_beyond_what_memory_holds_are_refused(tmp_path):
         read(tmp_path, run, 'q = { mean = "disc.r" }')
 
 
+def test_what_is_taken_after_the_end_of_a_run_is_nan(tmp_path):
+    kept = [f'{kind} = {{ {kind} = "disc.r", after = 9 }}' for kind in ("peak", "rms", "mean")]
+    contact = 'contact = { contact = "contact[1]", after = 9 }'
+    data = row(tmp_path, 'kind = "constant"\nspeed = 50\nturns = 1', "\n".join([*kept, contact]))
+    assert all(np.isnan(data[name]) for name in ("peak", "rms", "mean", "contact"))
+
+
 @pytest.mark.parametrize("order", [0, -1, 0.3, 0.25, 40])
 def test_an_order_that_cannot_be_passed_is_refused_before_the_first_run(tmp_path, order):
     metric = f'q = {{ order = {order}, speed = 100, of = "disc.x" }}'
