@@ -21,7 +21,7 @@ from .metric import Metric
 from .response_runs import RESPONSE, ResponseRuns
 from .run_excitation import Excitation, Kick
 from .run_kinds import IN_TIME, SIGNALS, RunKind
-from .run_metrics import DIRECTIONS
+from .run_metrics import DIRECTIONS, VARIANTS
 
 # Kinds of runs by name, with the class of their runs.
 RunKinds = Mapping[str, tuple[RunKind, type[MachineRuns]]]
@@ -193,12 +193,12 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
     where, known = f"keep {name}", runs.metric_kinds
     if not isinstance(given, dict):
         raise InputError(f"{where} = {given!r}: must be a table such as {{ peak = OUTPUT }}")
-    named = [key for key in given if key in known and key != "passing"]
+    words = [key for key in known if key not in VARIANTS]
+    named = [key for key in given if key in words]
     if not named and given:
-        known_name(where + ":", next(iter(given)), known)
+        known_name(where + ":", next(iter(given)), words)
     if not named:
-        listed = ", ".join(key for key in known if key != "passing")
-        raise InputError(f"{where}: must have one of {listed}")
+        raise InputError(f"{where}: must have one of {', '.join(words)}")
     kind = known[named[0]]
     # `order = 1, of = OUTPUT`, and likewise for others whose own word is a number or a list
     of = given["of"] if "of" in given else given[kind.name]
@@ -207,6 +207,8 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
         options[kind.name] = given[kind.name]
     if kind.name == "order" and "speed" in given:  # the order where a speed is passed
         kind = known["passing"]
+    if kind.name == "dissipated" and f"{of}.sliding" in runs.units:  # a race turns
+        kind = known["slid"]
     for key in options:
         known_name(where + ":", key, (*kind.needed, *kind.optional))
     for key in kind.needed:

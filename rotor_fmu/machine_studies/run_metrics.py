@@ -12,6 +12,7 @@ from .run_excitation import LEAST_TURNS, Excitation, Samples, Window
 from .run_kinds import CONSTANT, STEPS
 
 KINDS: dict[str, MetricKind] = {}
+VARIANTS = ("passing", "slid")  # that `order` and `dissipated` stand for too
 _kind = partial(declared, KINDS)
 DIRECTIONS = ("up", "down")
 _LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
@@ -288,6 +289,18 @@ def _dissipated(metric: Metric, window: Window) -> float:
     along = (mid_x * np.diff(y) - mid_y * np.diff(x)) / np.where(r > 0, r, 1.0)
     slid = metric.radius * np.diff(window.steps.columns["phi"]) + along
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * slid))
+
+
+@_kind(
+    "work of friction at a contact of {of}",
+    unit="J",
+    outputs=("ft", "sliding"),
+    is_fine=True,
+)
+def _slid(metric: Metric, window: Window) -> float:
+    """Return friction times the sliding speed, of a contact that gives it since its wall turns."""
+    force, speed = (window.steps.columns[f"{metric.of}.{name}"] for name in ("ft", "sliding"))
+    return float(np.trapezoid(force * speed, window.steps.t))
 
 
 @_kind(

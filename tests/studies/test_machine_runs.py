@@ -56,6 +56,19 @@ def test_friction_at_each_contact_adds_up_to_the_ledger(rig):
     assert (data.loss_1 + data.loss_2).values == pytest.approx(data.loss.values, rel=1e-4)
 
 
+def test_friction_at_turning_races_adds_up_to_the_ledger(tmp_path):
+    _, _, data = conducted(
+        f'{COMPRESSOR}[run]\nkind = "drop"\nspeed = 500\nstop = 0.03\n'
+        '[vary]\n"solver.tolerance" = { values = [1e-3] }\n[keep]\n'
+        'one = { dissipated = "touchdown_bearing[1]" }\n'
+        'other = { dissipated = "touchdown_bearing[2]" }\n'
+        'loss = { last = "energy.friction_loss" }\n',
+        tmp_path,
+    )
+    assert data.loss.values > 1
+    assert (data.one + data.other).values == pytest.approx(data.loss.values, rel=1e-2)
+
+
 def test_kept_amplitudes_agree_with_one_another(rig):
     _, _, data = rig
     assert data.over_speed.max("over_speed speed").values == pytest.approx(data.X.values)
