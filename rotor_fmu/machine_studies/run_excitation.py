@@ -250,9 +250,10 @@ def _held_speeds(simulation: Simulation, how: Excitation, monitor: Monitor) -> I
         monitor.record()
     for speed in how.speeds.tolist():
         simulation.advance(simulation.time + n["settle"], speed, how.no_loads)
-        begun, interval, count, per_turn = simulation.time, n["step"], 0, 0
+        begun, per_turn = simulation.time, 0
         if n["measure"]:
             count = max(1, round(n["measure"] / n["step"]))
+            interval = n["measure"] / count
         else:
             # on to the keyphasor's mark, phi a multiple of a turn
             sense = math.copysign(1.0, speed)

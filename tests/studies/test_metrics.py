@@ -218,6 +218,13 @@ def test_speeds_beyond_what_memory_holds_are_refused(tmp_path):
         read(tmp_path, run, 'q = { mean = "disc.r" }')
 
 
+@pytest.mark.parametrize("measure", [0.002, 0.0505])
+def test_the_time_evaluated_is_the_one_asked_for_whatever_the_step(tmp_path, measure):
+    run = f'kind = "constant"\nspeed = 50\nsettle = 0.1\nmeasure = {measure}\nstep = 0.01'
+    seen = read(tmp_path, run, 'x = { last = "disc.x" }').model.record({})
+    assert seen.t[-1] == pytest.approx(0.1 + measure)
+
+
 def test_what_is_taken_after_the_end_of_a_run_is_nan(tmp_path):
     kept = [f'{kind} = {{ {kind} = "disc.r", after = 9 }}' for kind in ("peak", "rms", "mean")]
     contact = 'contact = { contact = "contact[1]", after = 9 }'
