@@ -113,8 +113,8 @@ class MachineRuns:
         if output.startswith(f"{metric.of}."):
             end = output.removeprefix(metric.of)
             return meant(metric.of, [n.removesuffix(end) for n in self.units if n.endswith(end)])
-        parts = {name.rpartition(".")[0] for name in self.units if "." in name}
-        return meant(metric.of, {*self.units, *(f"{part}.r" for part in parts)})
+        radii = (f"{name[:-1]}r" for name in self.units if name.endswith(".x"))
+        return meant(metric.of, {*self.units, *radii})
 
     def column_of(self, metric: Metric, varied: Collection[str]) -> Column:
         """Return the column of a metric; varied: names of the parameters that are varied."""

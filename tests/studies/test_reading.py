@@ -237,6 +237,12 @@ def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(
     assert said.endswith(f"rotor-fmu: --scheduler {address}: no scheduler answers within 10 s")
 
 
+def test_a_distance_that_a_part_does_not_have_is_not_suggested(tmp_path):
+    keep = '[keep]\nq = { peak = "journal_bearing[1].r" }\n'
+    with pytest.raises(InputError, match=r"did you mean journal_bearing\[1\]\.f"):
+        read(tmp_path, f'machine = "oil_film/rotor.toml"\n{HELD}{keep}')
+
+
 def test_whole_numbers_of_a_machine_are_not_drawn(tmp_path):
     law = '"solver.adaptive" = { distribution = "uniform", low = 0, high = 4 }\n[design]\n'
     text = STUDY.replace("[keep]", f'{law}kind = "random"\nsize = 2\n[keep]')
