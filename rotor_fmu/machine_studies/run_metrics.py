@@ -18,6 +18,7 @@ DIRECTIONS = ("up", "down")
 _LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
 _ANY_LEVEL = (CONSTANT.name, STEPS.name)
 _AFTER = {"after": 0.0}
+_ROUNDING = 1e-9  # of a speed, a share of the highest
 _MOST_PASSED = 32  # orders are passed in turns resampled at 64 angles at least
 
 
@@ -111,7 +112,9 @@ def _last(metric: Metric, window: Window) -> float:
 )
 def _value(metric: Metric, window: Window) -> float:
     """Return the value at a speed, linear between two steps; nan if it is never passed."""
-    w, values = window.steps.columns["w"] - metric.option("speed"), _quantity(metric, window.steps)
+    speed, values = window.steps.columns["w"], _quantity(metric, window.steps)
+    w = speed - metric.option("speed")
+    w[np.abs(w) <= _ROUNDING * np.abs(speed).max()] = 0.0  # a run may end at the speed
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
     if not len(passed):
         return math.nan

@@ -225,6 +225,13 @@ def test_the_time_evaluated_is_the_one_asked_for_whatever_the_step(tmp_path, mea
     assert seen.t[-1] == pytest.approx(0.1 + measure)
 
 
+def test_the_speed_at_which_a_run_ends_is_passed(tmp_path):
+    """Here the last speed is short of it by rounding."""
+    run = 'kind = "run-up"\nfrom = -20\nto = -100\nrate = 33\nstep = 0.05'
+    data = row(tmp_path, run, 'x = { value = "disc.x", speed = -100 }\nlast = { last = "disc.x" }')
+    assert float(data.x) == pytest.approx(float(data["last"]))
+
+
 def test_what_is_taken_after_the_end_of_a_run_is_nan(tmp_path):
     kept = [f'{kind} = {{ {kind} = "disc.r", after = 9 }}' for kind in ("peak", "rms", "mean")]
     contact = 'contact = { contact = "contact[1]", after = 9 }'
