@@ -27,6 +27,8 @@ from ..studies.runner import Progress, run_study
 from ..studies.study import Study
 from .shared import Units
 
+_WIDEST = 10_000  # characters of a table's line
+
 
 @with_output_options
 def study(
@@ -206,7 +208,8 @@ def _print_table(rows: list[dict[str, Any]]) -> None:
         return
     cells = [[cell(v, ".4g" if isinstance(v, float) else "") for v in row.values()] for row in rows]
     table = text_table("", list(rows[0]), cells, folds=["status"])
-    Console(width=max(Console().width, 120), highlight=False).print(table)
+    least = Console(width=_WIDEST).measure(table).minimum  # a number is never cut off
+    Console(width=max(Console().width, 120, least), highlight=False).print(table)
 
 
 def _analyse(definition: Study, out: Path) -> dict[str, Any]:

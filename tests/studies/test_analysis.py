@@ -7,6 +7,7 @@ import pytest
 from SALib.analyze import morris
 from xarray import Dataset
 
+from rotor_fmu.cli.studies import _print_table
 from rotor_fmu.studies.analysis import (
     analyse,
     design_of,
@@ -113,6 +114,12 @@ def test_a_column_that_varies_only_outside_whole_blocks_has_no_indices(tmp_path)
     columns[:2] = math.nan, 7.0
     data = Dataset({"y": ("run", columns)}, {"run": range(len(columns))})
     assert sensitivity(study.design, data, "y") == {}
+
+
+def test_no_number_is_cut_off_on_a_narrow_screen(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "60")
+    _print_table([{"column": "a"} | {f"quantile {i}": -1.234e-100 for i in range(20)}])
+    assert capsys.readouterr().out.count("-1.234e-100") == 20
 
 
 def with_limit(folder, kind, size, model=None, limit=5.0):
