@@ -203,6 +203,15 @@ def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp
 
 
 @pytest.mark.slow
+def test_workers_of_a_local_cluster_leave_ctrl_c_to_the_call():
+    before = signal.getsignal(signal.SIGINT)
+    with engine(ExecutorConfig(cluster=1)) as made:
+        theirs = made.executor.submit(signal.getsignal, signal.SIGINT).result()
+        assert signal.getsignal(signal.SIGINT) == before
+    assert theirs == signal.SIG_IGN
+
+
+@pytest.mark.slow
 def test_a_scheduler_at_an_address_shares_the_work_out(undisturbed, tmp_path):
     distributed = pytest.importorskip("distributed", reason="the extra cluster is not installed")
     study, data = undisturbed
