@@ -280,25 +280,28 @@ def _select(definition: Study, select: str, out: Path) -> dict[str, Any]:
     """Make one run again in a folder of its own: with all its signals, of a response with its
     picture, page and numbers."""
     from ..output_options import write_json
+    from ..studies.store import Store
 
     model = definition.model
     if not isinstance(model, MachineRuns):
         raise InputError("--select: only of a machine's runs")
     number = _number_of(definition, select)
+    Store(out, definition)  # refuses a folder of another study
     values = definition.design.values(number)
     run_id = definition.row_id(values)
-    folder = writable_folder(out / "runs" / run_id)
+    folder = out / "runs" / run_id
     about: dict[str, Any] = {"run": number, "id": run_id}
     if isinstance(model, ResponseRuns):
         from .periodic import write_response
 
         result = model.response(values)
+        writable_folder(folder)
         about |= {"values": values}
         write_response(result, f"{definition.name}, run {number}", about | result.summary, folder)
         typer.echo(result.table().text())
     else:
         recording = model.record(values)
-        recording.save(folder / "recording.npz")
+        recording.save(writable_folder(folder) / "recording.npz")
         status, messages = recording.about["status"], recording.about["messages"]
         about |= {"status": status, "values": values, "messages": messages}
         write_json(about, folder / "summary.json")

@@ -104,6 +104,33 @@ def test_a_selected_run_is_the_run_of_its_row_with_all_its_signals(rig, monkeypa
     assert summary["status"] == "ok"
 
 
+def test_a_run_is_not_selected_into_the_folder_of_another_study(rig, monkeypatch, capsys):
+    path, out, data = rig
+    other = path.with_name("other.toml")
+    other.write_text(RIG.replace("rate = 25", "rate = 26"))
+    arguments = ["study", str(other), "--out", str(out), "--select", "1"]
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert "holds another study" in capsys.readouterr().err
+    assert {folder.name for folder in out.glob("runs/*")} <= set(data.id.values)
+
+
+def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, monkeypatch):
+    path = tmp_path / "study.toml"
+    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    path.write_text(
+        RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
+    )
+    arguments = ["study", str(path), "--out", str(tmp_path / "out"), "--select", "0"]
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):
     path = tmp_path / "study.toml"
     law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
