@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -257,7 +258,8 @@ def _draw(definition: Study, out: Path) -> list[str]:
 
     drawn = []
     for name, figure in diagrams(definition, open_dataset(out), typer.echo).items():
-        drawn.append(str(save(figure, out / f"diagram_{name}.png")))
+        word = re.sub(r"[/\\:]", "_", name)  # which no file's name has
+        drawn.append(str(save(figure, out / f"diagram_{word}.png")))
         typer.echo(f"written to {drawn[-1]}")
     return drawn
 

@@ -117,7 +117,7 @@ def _points(
         return over, values.ravel(), np.zeros(len(over), bool)
     own = {n.removeprefix(RUN): v for n, v in settings.items() if n.startswith(RUN)}
     speeds = runs.how.changed(own).speeds
-    falls = np.concatenate([[False], np.diff(speeds) < 0])
+    falls = np.diff(speeds, prepend=2 * speeds[0] - speeds[:2][-1]) < 0
     each = values.shape[1] // len(speeds)
     return np.repeat(speeds, each), values[0], np.repeat(falls, each)
 

@@ -1,11 +1,13 @@
 """Studies whose runs are periodic responses, and diagrams with these under their sections."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
 
 from rotor_fmu import studies
+from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.diagram import diagrams
 from rotor_fmu.machine_studies.machine_tables import read_study
@@ -161,6 +163,26 @@ def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
             assert gap < 5e-3
         titles = [text.get_text() for text in axes.get_legend().get_texts()]
         assert titles == ["rising", "falling", "periodic, stable", "periodic, unstable"]
+
+
+def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(
+    tmp_path, monkeypatch, capsys
+):
+    study = read(
+        tmp_path,
+        "kind = 'steps'\nfrom = -130\nto = -140\ncount = 2\nsettle = 0.1\nturns = 1",
+        '"x/y" = { poincare = "disc.x" }',
+        '"contact[1].mu" = { values = [0.05] }',
+    )
+    path, out = str(tmp_path / "study.toml"), tmp_path / "out"
+    run_study(study, out, here, quiet)
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", "study", path, "--out", str(out), "--diagram"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 0, capsys.readouterr().err
+    assert (out / "diagram_x_y.png").exists()
+    (axes,) = diagrams(study, open_dataset(out), lambda said: None)["x/y"].axes
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["falling"]
 
 
 def test_a_study_without_sections_has_no_diagram(tmp_path):
