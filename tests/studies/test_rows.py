@@ -179,6 +179,22 @@ def test_a_folder_of_another_study_is_refused_and_left_alone(undisturbed, tmp_pa
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")} == before
 
 
+def test_a_damaged_file_of_a_study_is_named(undisturbed, tmp_path):
+    study, data = undisturbed
+    run_study(study, tmp_path, here, quiet)
+    (part,) = store.parts(tmp_path)
+    part.write_bytes(part.read_bytes()[:300])
+    for reads in (studies.open, lambda folder: run_study(study, folder, here, quiet)):
+        with pytest.raises(InputError, match=f"{part.name}: is damaged"):
+            reads(tmp_path)
+    part.unlink()
+    run_study(study, tmp_path, here, quiet)
+    assert studies.open(tmp_path).identical(data)
+    (tmp_path / "study.json").write_text("[]")
+    with pytest.raises(InputError, match=r"its study\.json is that of no study"):
+        studies.open(tmp_path)
+
+
 def test_two_calls_are_not_at_work_in_one_folder(undisturbed, tmp_path):
     study, _ = undisturbed
     with (
