@@ -8,7 +8,7 @@ import pytest
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
-from rotor_fmu.errors import InputError
+from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.machine_studies.diagram import diagrams
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.runner import run_study
@@ -183,6 +183,19 @@ def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(
     assert (out / "diagram_x_y.png").exists()
     (axes,) = diagrams(study, open_dataset(out), lambda said: None)["x/y"].axes
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["falling"]
+
+
+def test_a_study_whose_runs_all_failed_has_no_diagram(tmp_path):
+    study = read(
+        tmp_path,
+        "kind = 'constant'\nspeed = 100",
+        'x = { poincare = "disc.x" }',
+        '"contact[1].mu" = { distribution = "uniform", low = -2, high = -1 }\n'
+        "[design]\nkind = 'random'\nsize = 2",
+    )
+    run_study(study, tmp_path / "out", here, quiet)
+    with pytest.raises(RunFailed, match="--diagram: every run failed"):
+        diagrams(study, open_dataset(tmp_path / "out"), print)
 
 
 def test_a_study_without_sections_has_no_diagram(tmp_path):
