@@ -155,14 +155,15 @@ class Design:
             return np.random.default_rng(self.seed).random((n, d))
         if self.kind == "latin-hypercube":
             return qmc.LatinHypercube(d, rng=np.random.default_rng(self.seed)).random(n)
+        points = 1 << (n - 1).bit_length()  # of Sobol: whole powers of two, and their beginning
         if self.kind == "sobol":
-            points = 1 << max(0, (n - 1).bit_length())  # whole powers of two, and their beginning
             return qmc.Sobol(d, rng=np.random.default_rng(self.seed)).random(points)[:n]
         problem = self.problem()
         if self.kind == "saltelli":
             from SALib.sample import sobol
 
-            return sobol.sample(problem, n, calc_second_order=False, seed=self.seed)
+            sample = sobol.sample(problem, points, calc_second_order=False, seed=self.seed)
+            return sample[: self.drawn_points]
         from SALib.sample import morris
 
         return morris.sample(problem, n, num_levels=self.levels, seed=self.seed)

@@ -299,6 +299,16 @@ def test_every_design_draws_every_distribution_about_its_median(kind, law):
     assert again.identity == design.identity != Design(axes, kind, 256, 8).identity
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_base_sample_of_any_size_is_the_beginning_of_a_larger_one():
+    axes = tuple(
+        Axis(n, (n,), distribution=Distribution("uniform", {"low": 0.0, "high": 1.0})) for n in "ab"
+    )
+    few, more = (Design(axes, "saltelli", size, 7).sample for size in (5, 8))
+    assert len(few) == 5 * 4
+    assert (few == more[: 5 * 4]).all()
+
+
 def test_a_normal_distribution_has_its_standard_deviation():
     law = Distribution("normal", {"mean": 3.0, "std": 0.5})
     # of a normal distribution 84.134474606854 % lie below one standard deviation
