@@ -48,7 +48,12 @@ class Distribution:
             raise InputError(f"std = {p['std']:g}: must be > 0")
 
     def at(self, u: np.ndarray) -> np.ndarray:
-        """Return the inverse of the cumulative distribution at shares u, of their shape."""
+        """Return the inverse of the cumulative distribution at shares u, of their shape; rounding
+        carries none beyond the distribution's ends."""
+        p = self.parameters
+        return np.clip(self._rounded_at(u), p.get("low", -math.inf), p.get("high", math.inf))
+
+    def _rounded_at(self, u: np.ndarray) -> np.ndarray:
         from scipy import stats
 
         p = self.parameters

@@ -299,6 +299,18 @@ def test_every_design_draws_every_distribution_about_its_median(kind, law):
     assert again.identity == design.identity != Design(axes, kind, 256, 8).identity
 
 
+@pytest.mark.parametrize("law", ["uniform", "log-uniform", "truncated-normal"])
+def test_the_ends_of_a_distribution_are_not_passed(law):
+    for low, high in ((0.1, 0.3), (0.01, 1.0), (0.7, 0.9), (3e-5, 7e-5)):
+        parameters = {"low": low, "high": high} | (
+            {"mean": 0.2, "std": 0.37} if law == "truncated-normal" else {}
+        )
+        ends = Distribution(law, parameters).at(np.array([0.0, 1.0]))
+        assert ends == pytest.approx([low, high])
+        assert low <= ends[0]
+        assert ends[1] <= high
+
+
 @pytest.mark.filterwarnings("error")
 def test_a_base_sample_of_any_size_is_the_beginning_of_a_larger_one():
     axes = tuple(
