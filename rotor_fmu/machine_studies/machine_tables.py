@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -257,21 +258,21 @@ def _radius(machine: MachineModel, part: str) -> float:
 def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
     """Raise `InputError` for listed values that no run could have; those of distributions fail run
     by run."""
-    for axis in axes:
-        for target in axis.targets:
-            if target in runs.values:
-                raise InputError(f"vary {axis.name}: {target} is also fixed in [set]")
-            of_run = target.removeprefix(RUN) if target.startswith(RUN) else ""
+    for axis, target in [(each, target) for each in axes for target in each.targets]:
+        if target in runs.values:
+            raise InputError(f"vary {axis.name}: {target} is also fixed in [set]")
+        if target.startswith(RUN):
+            is_whole = runs.how.kind.numbers[target.removeprefix(RUN)].is_whole
+        else:
+            is_whole = runs.settable[target].kind != "Real"
             for value in axis.values:
-                if of_run:
-                    how = runs.how.changed({of_run: value})
-                    for metric in runs.metrics:
-                        runs.check_metric(metric, how)
-                else:
-                    _value(f"vary {axis.name}", runs.settable[target], value)
-            if of_run:
-                is_whole = runs.how.kind.numbers[of_run].is_whole
-            else:
-                is_whole = runs.settable[target].kind != "Real"
-            if axis.distribution is not None and is_whole:
-                raise InputError(f"vary {axis.name}: is an integer; list its values")
+                _value(f"vary {axis.name}", runs.settable[target], value)
+        if axis.distribution is not None and is_whole:
+            raise InputError(f"vary {axis.name}: is an integer; list its values")
+    # numbers of a run suit one another, or not
+    of_run = [a for a in axes if a.values and any(t.startswith(RUN) for t in a.targets)]
+    for point in product(*(axis.values for axis in of_run)):
+        settings = {t: v for a, v in zip(of_run, point, strict=True) for t in a.targets}
+        how, _ = runs.split(settings)
+        for metric in runs.metrics:
+            runs.check_metric(metric, how)

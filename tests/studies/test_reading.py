@@ -243,6 +243,14 @@ def test_a_distance_that_a_part_does_not_have_is_not_suggested(tmp_path):
         read(tmp_path, f'machine = "oil_film/rotor.toml"\n{HELD}{keep}')
 
 
+def test_numbers_of_a_run_that_are_varied_suit_one_another(tmp_path):
+    ends = '"run.from" = { values = [160, 100] }\n"run.to" = { values = [150, 50] }\n[keep]'
+    run = STUDY.replace("from = 220", "from = 220\nto = 160").replace("[keep]", ends)
+    assert len(read(tmp_path, run).design) == 4 * 6
+    with pytest.raises(InputError, match=r"run.to = 100 rad/s: must differ from run.from"):
+        read(tmp_path, run.replace("150", "100"))
+
+
 def test_whole_numbers_of_a_machine_are_not_drawn(tmp_path):
     law = '"solver.adaptive" = { distribution = "uniform", low = 0, high = 4 }\n[design]\n'
     text = STUDY.replace("[keep]", f'{law}kind = "random"\nsize = 2\n[keep]')
