@@ -18,7 +18,7 @@ DIRECTIONS = ("up", "down")
 _LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
 _ANY_LEVEL = (CONSTANT.name, STEPS.name)
 _AFTER = {"after": 0.0}
-_ROUNDING = 1e-9  # of a speed, a share of the highest
+_ROUNDING = 1e-9  # of a speed as a share of the highest, and of whole periods
 _MOST_PASSED = 32  # orders are passed in turns resampled at 64 angles at least
 
 
@@ -82,7 +82,7 @@ def _averaged(t: np.ndarray, values: np.ndarray) -> float:
 
 
 def _is_whole(number: float) -> bool:
-    return abs(number - round(number)) < 1e-9
+    return abs(number - round(number)) < _ROUNDING
 
 
 @_kind("largest absolute value of {of}", optional=_AFTER)
@@ -235,7 +235,7 @@ def _lyapunov(metric: Metric, window: Window) -> float:
 
 def _spectrum_orders(highest: float, turns: int) -> np.ndarray:
     """Return the orders of a full spectrum over so many turns, from -highest to highest."""
-    most = round(highest * turns)
+    most = math.floor(highest * turns + _ROUNDING)
     return np.arange(-most, most + 1) / turns
 
 

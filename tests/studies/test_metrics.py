@@ -204,6 +204,13 @@ def test_samples_that_are_varied_are_checked_against_the_orders_too(tmp_path):
     read(tmp_path, run, metric, '"run.per_turn" = { values = [32, 7] }')
 
 
+@pytest.mark.parametrize(("orders", "highest"), [(2.6, 2.5), (15.9, 15.75), (0.3, 0.25), (3, 3)])
+def test_a_spectrum_ends_at_the_highest_order_asked_for(tmp_path, orders, highest):
+    keep = f'q = {{ spectrum = "disc", orders = {orders} }}'
+    (column,) = read(tmp_path, 'kind = "constant"\nspeed = 50\nturns = 4', keep).model.columns
+    assert column.coordinate[-1] == -column.coordinate[0] == highest
+
+
 def test_a_jump_needs_two_speeds(tmp_path):
     run = 'kind = "steps"\nfrom = 100\nto = 100\ncount = 1'
     with pytest.raises(InputError, match="keep q: jump needs runs in steps of the speed, two at"):
