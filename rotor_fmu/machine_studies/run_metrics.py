@@ -336,7 +336,7 @@ def _jump(metric: Metric, windows: list[Window]) -> float:
     least the share `least` of the larger of both; nan where it does not."""
     means = np.array([_averaged(w.steps.t, _quantity(metric, w.steps)) for w in windows])
     speeds = np.array([window.speed for window in windows])
-    rises = np.diff(speeds) > 0
+    rises = np.diff(np.abs(speeds)) > 0
     chosen = rises if metric.option("way") == "up" else ~rises
     change = np.where(chosen, np.abs(np.diff(means)), 0.0)
     at = int(np.argmax(change))
