@@ -100,7 +100,7 @@ def check_one_of(given: str, value: object, known: Collection[str]) -> None:
 
     given: the value and what it is of, in the words of who gave it.
     """
-    if value not in known:
+    if value not in tuple(known):  # it may be a list, which no dictionary can look up
         near = get_close_matches(str(value), known, 1)
         meant = f"; did you mean {near[0]}?" if near else ""
         raise InputError(f"{given}: must be one of {', '.join(known)}{meant}")

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 
 from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress, TextColumn
 from rich.table import Table
 from rich.text import Text
@@ -60,13 +61,13 @@ def progress_of(label: str, total: float, first: float) -> Iterator[Update]:
 
         def line(done: float, text: Callable[[], str], is_end: bool = False) -> None:
             if is_due(is_end):
-                console.print(f"{label}: {text()}", soft_wrap=True)
+                console.print(f"{label}: {text()}", soft_wrap=True, markup=False)
 
         yield line
         return
     columns = (*Progress.get_default_columns()[:-1], TextColumn("{task.fields[text]}"))
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(label, total=total, text="")
+        task = bar.add_task(escape(label), total=total, text="")
 
         def update(done: float, text: Callable[[], str], is_end: bool = False) -> None:
             if is_due(is_end):

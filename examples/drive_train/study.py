@@ -124,13 +124,13 @@ class CoupledRuns(MachineRuns):
         names = tuple(dict.fromkeys(name for name in proposed if name in units))
         seen: list[tuple[float, ...]] = []
         messages: list[Message] = []
-        failure = None
+        how, failure = self.how, None
         try:
-            with self._coupled(values, names) as (rows, _, messages):
+            with self._coupled(values, names) as (rows, how, messages):
                 seen.extend(rows)
         except (InputError, RunFailed) as error:
             failure = str(error)
-        about = self.description(values, self.how, messages, failure)
+        about = self.description(values, how, messages, failure)
         shown = _window(seen, names).steps
         return Recording(shown.t, shown.columns, {n: units[n] for n in names}, about)
 

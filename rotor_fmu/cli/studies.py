@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -26,6 +27,8 @@ from ..studies.executors import ExecutorConfig, engine
 from ..studies.runner import Progress, run_study
 from ..studies.study import Study
 from .shared import Units
+
+_WIDEST = 10_000  # characters of a table's line
 
 
 @with_output_options
@@ -206,7 +209,8 @@ def _print_table(rows: list[dict[str, Any]]) -> None:
         return
     cells = [[cell(v, ".4g" if isinstance(v, float) else "") for v in row.values()] for row in rows]
     table = text_table("", list(rows[0]), cells, folds=["status"])
-    Console(width=max(Console().width, 120), highlight=False).print(table)
+    least = Console(width=_WIDEST).measure(table).minimum  # a number is never cut off
+    Console(width=max(Console().width, 120, least), highlight=False).print(table)
 
 
 def _analyse(definition: Study, out: Path) -> dict[str, Any]:
@@ -254,7 +258,8 @@ def _draw(definition: Study, out: Path) -> list[str]:
 
     drawn = []
     for name, figure in diagrams(definition, open_dataset(out), typer.echo).items():
-        drawn.append(str(save(figure, out / f"diagram_{name}.png")))
+        word = re.sub(r"[/\\:]", "_", name)  # which no file's name has
+        drawn.append(str(save(figure, out / f"diagram_{word}.png")))
         typer.echo(f"written to {drawn[-1]}")
     return drawn
 
@@ -277,25 +282,28 @@ def _select(definition: Study, select: str, out: Path) -> dict[str, Any]:
     """Make one run again in a folder of its own: with all its signals, of a response with its
     picture, page and numbers."""
     from ..output_options import write_json
+    from ..studies.store import Store
 
     model = definition.model
     if not isinstance(model, MachineRuns):
         raise InputError("--select: only of a machine's runs")
     number = _number_of(definition, select)
+    Store(out, definition)  # refuses a folder of another study
     values = definition.design.values(number)
     run_id = definition.row_id(values)
-    folder = writable_folder(out / "runs" / run_id)
+    folder = out / "runs" / run_id
     about: dict[str, Any] = {"run": number, "id": run_id}
     if isinstance(model, ResponseRuns):
         from .periodic import write_response
 
         result = model.response(values)
+        writable_folder(folder)
         about |= {"values": values}
         write_response(result, f"{definition.name}, run {number}", about | result.summary, folder)
         typer.echo(result.table().text())
     else:
         recording = model.record(values)
-        recording.save(folder / "recording.npz")
+        recording.save(writable_folder(folder) / "recording.npz")
         status, messages = recording.about["status"], recording.about["messages"]
         about |= {"status": status, "values": values, "messages": messages}
         write_json(about, folder / "summary.json")

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..display import current, shown_speed, speed_with_unit
-from ..errors import InputError
+from ..errors import InputError, RunFailed
+from ..run_status import FAILED
 from ..studies.design import Axis
 from ..studies.study import Study
 from .machine_runs import RUN, MachineRuns, machine_of
@@ -45,9 +46,12 @@ def diagrams(study: Study, data: "xarray.Dataset", say: Say) -> "dict[str, Figur
     """Return the diagram of every Poincare section that a study keeps, by its column.
 
     say: hears of what is computed, and of what cannot be drawn. Raises `InputError` for a study
-    that keeps none.
+    that keeps none and `RunFailed` where every run failed.
     """
     runs, sections = sections_of(study)
+    data = data.isel(run=~np.char.startswith(data.status.values.astype(str), FAILED))
+    if not data.sizes["run"]:
+        raise RunFailed("--diagram: every run failed")
     axis = None if runs.how.kind.name == STEPS.name else _across(study.design.axes)
     panels = _panels(study, data, runs, axis, say)
     return {m.name: _figure(m, runs, axis, panels[m.name]) for m in sections}
@@ -117,7 +121,7 @@ def _points(
         return over, values.ravel(), np.zeros(len(over), bool)
     own = {n.removeprefix(RUN): v for n, v in settings.items() if n.startswith(RUN)}
     speeds = runs.how.changed(own).speeds
-    falls = np.concatenate([[False], np.diff(speeds) < 0])
+    falls = np.diff(speeds, prepend=2 * speeds[0] - speeds[:2][-1]) < 0
     each = values.shape[1] // len(speeds)
     return np.repeat(speeds, each), values[0], np.repeat(falls, each)
 
@@ -141,7 +145,8 @@ def _response(
             raise InputError(f"{axis.name}: sets more than one quantity, or none of the machine")
         speed = settings.get(_SPEED, n["speed"])
         of = current().of_si(axis.unit)
-        ends = f"{of.factor * low:.6g} to {of.factor * high:.6g} {of.word}"
+        unit = "" if of.word in ("", "1") else f" {of.word}"
+        ends = f"{of.factor * low:.6g} to {of.factor * high:.6g}{unit}"
         say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
         asked = (axis.targets[0], low, high)
         return answer(rotor, speed=speed, over=asked, parameters=given, branches=True)

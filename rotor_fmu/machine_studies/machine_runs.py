@@ -110,10 +110,11 @@ class MachineRuns:
 
     def _suggestion(self, metric: Metric, output: str) -> str:
         """Return a suggestion for the name of an unknown quantity or part."""
-        parts = {name.rpartition(".")[0] for name in self.units if "." in name}
         if output.startswith(f"{metric.of}."):
-            return meant(metric.of, parts)
-        return meant(metric.of, {*self.units, *(f"{part}.r" for part in parts)})
+            end = output.removeprefix(metric.of)
+            return meant(metric.of, [n.removesuffix(end) for n in self.units if n.endswith(end)])
+        radii = (f"{name[:-1]}r" for name in self.units if name.endswith(".x"))
+        return meant(metric.of, {*self.units, *radii})
 
     def column_of(self, metric: Metric, varied: Collection[str]) -> Column:
         """Return the column of a metric; varied: names of the parameters that are varied."""

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from ..fmi.variables import Variable
 from ..machine_file.loading import load_rotor
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
-from ..studies.design import Axis, number, whole
+from ..studies.design import MOST, Axis, number, whole
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
@@ -21,7 +22,7 @@ from .metric import Metric
 from .response_runs import RESPONSE, ResponseRuns
 from .run_excitation import Excitation, Kick
 from .run_kinds import IN_TIME, SIGNALS, RunKind
-from .run_metrics import DIRECTIONS
+from .run_metrics import DIRECTIONS, VARIANTS
 
 # Kinds of runs by name, with the class of their runs.
 RunKinds = Mapping[str, tuple[RunKind, type[MachineRuns]]]
@@ -98,8 +99,12 @@ def _value(where: str, variable: Variable, value: object) -> float:
         check_one_of(f"{where} = {value}", value, variable.choices)
         return variable.choices.index(value)
     given = number(where, value, variable.unit or "1")
+    if variable.kind != "Real" and given != int(given):
+        raise InputError(f"{where} = {given:g}: must be an integer")
     low = -math.inf if variable.low is None else variable.low
     high = math.inf if variable.high is None else variable.high
+    if variable.kind == "Boolean":
+        low, high = 0.0, 1.0
     if not low <= given <= high:
         bound = f">= {low:g}" if high == math.inf else f"from {low:g} to {high:g}"
         raise InputError(f"{where} = {given:g}: must be {bound}")
@@ -132,8 +137,8 @@ def _excitation(
             raise InputError(f"run {kind.name}: needs {name} [{kind.numbers[name].unit}]")
     given = {name: float(value) for name, value in numbers.items() if value is not None}
     kind.check(given)
-    if kind is RESPONSE and (kick is not None or (over is None) != (given["speed"] == 0)):
-        raise InputError("run response: speed is given with over, and only then; it has no kick")
+    if kind is RESPONSE and (over is None) != (given["speed"] == 0):
+        raise InputError("run response: speed is given with over, and only then")
     if (kind is SIGNALS) != isinstance(file, str):
         raise InputError(f"run {kind.name}: file: only of signals, which need it")
     loads = load_names(machine.rotor)
@@ -189,12 +194,12 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
     where, known = f"keep {name}", runs.metric_kinds
     if not isinstance(given, dict):
         raise InputError(f"{where} = {given!r}: must be a table such as {{ peak = OUTPUT }}")
-    named = [key for key in given if key in known and key != "passing"]
+    words = [key for key in known if key not in VARIANTS]
+    named = [key for key in given if key in words]
     if not named and given:
-        known_name(where + ":", next(iter(given)), known)
+        known_name(where + ":", next(iter(given)), words)
     if not named:
-        listed = ", ".join(key for key in known if key != "passing")
-        raise InputError(f"{where}: must have one of {listed}")
+        raise InputError(f"{where}: must have one of {', '.join(words)}")
     kind = known[named[0]]
     # `order = 1, of = OUTPUT`, and likewise for others whose own word is a number or a list
     of = given["of"] if "of" in given else given[kind.name]
@@ -203,6 +208,8 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
         options[kind.name] = given[kind.name]
     if kind.name == "order" and "speed" in given:  # the order where a speed is passed
         kind = known["passing"]
+    if kind.name == "dissipated" and f"{of}.sliding" in runs.units:  # a race turns
+        kind = known["slid"]
     for key in options:
         known_name(where + ":", key, (*kind.needed, *kind.optional))
     for key in kind.needed:
@@ -234,7 +241,8 @@ def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
         )
         if not low < high:
             raise InputError(f"{where}: bins from = {low:g}: must be below to = {high:g}")
-        return {"from": low, "to": high, "count": whole(f"{where}: bins count", value["count"])}
+        count = whole(f"{where}: bins count", value["count"], most=MOST)
+        return {"from": low, "to": high, "count": count}
     units = {"speed": abscissa_unit, "at": abscissa_unit, "after": "s"}
     return number(f"{where}: {key}", value, units.get(key, ""))
 
@@ -250,18 +258,21 @@ def _radius(machine: MachineModel, part: str) -> float:
 def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
     """Raise `InputError` for listed values that no run could have; those of distributions fail run
     by run."""
-    for axis in axes:
-        for target in axis.targets:
-            if target in runs.values:
-                raise InputError(f"vary {axis.name}: {target} is also fixed in [set]")
-            of_run = target.removeprefix(RUN) if target.startswith(RUN) else ""
+    for axis, target in [(each, target) for each in axes for target in each.targets]:
+        if target in runs.values:
+            raise InputError(f"vary {axis.name}: {target} is also fixed in [set]")
+        if target.startswith(RUN):
+            is_whole = runs.how.kind.numbers[target.removeprefix(RUN)].is_whole
+        else:
+            is_whole = runs.settable[target].kind != "Real"
             for value in axis.values:
-                if of_run:
-                    how = runs.how.changed({of_run: value})
-                    for metric in runs.metrics:
-                        runs.check_metric(metric, how)
-                else:
-                    _value(f"vary {axis.name}", runs.settable[target], value)
-            is_whole = of_run and runs.how.kind.numbers[of_run].is_whole
-            if axis.distribution is not None and is_whole:
-                raise InputError(f"vary {axis.name}: is an integer; list its values")
+                _value(f"vary {axis.name}", runs.settable[target], value)
+        if axis.distribution is not None and is_whole:
+            raise InputError(f"vary {axis.name}: is an integer; list its values")
+    # numbers of a run suit one another, or not
+    of_run = [a for a in axes if a.values and any(t.startswith(RUN) for t in a.targets)]
+    for point in product(*(axis.values for axis in of_run)):
+        settings = {t: v for a, v in zip(of_run, point, strict=True) for t in a.targets}
+        how, _ = runs.split(settings)
+        for metric in runs.metrics:
+            runs.check_metric(metric, how)

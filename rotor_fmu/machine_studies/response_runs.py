@@ -21,7 +21,7 @@ from ..studies.study import Column, Result
 from .machine_runs import RUN, MachineRuns
 from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
 from .run_excitation import Excitation
-from .run_kinds import POSITIVE, Number, RunKind
+from .run_kinds import NOT_NEGATIVE, POSITIVE, Number, RunKind
 
 if TYPE_CHECKING:
     from ..periodic.result import Curve, ResponseResult
@@ -39,6 +39,8 @@ class _ResponseKind(RunKind):
     def check(self, values: Mapping[str, float]) -> None:
         """Raise `InputError` for values that the numbers cannot have, or not together."""
         super().check(values)
+        if values["speed"] == 0 and not values["from"] > 0:
+            raise InputError(f"run.from = {values['from']:g} rad/s: must be > 0")
         if not values["from"] < values["to"]:
             raise InputError(
                 f"run.from = {values['from']:g}: must be below run.to = {values['to']:g}"
@@ -50,7 +52,7 @@ RESPONSE = _ResponseKind(
     {
         "from": Number("", None, "lowest speed [rad/s], or value of `over`"),
         "to": Number("", None, "highest"),
-        "speed": Number("rad/s", 0.0, "the one speed, with `over`"),
+        "speed": Number("rad/s", 0.0, "the one speed, with `over`", NOT_NEGATIVE),
         "period": Number("1", 1.0, "revolutions in a period", POSITIVE, is_whole=True),
         "harmonics": Number("1", 60.0, "harmonics of the speed, at most", POSITIVE, is_whole=True),
         "share": Number(

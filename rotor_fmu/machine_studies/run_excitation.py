@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from ..model.simulation import Simulation, StepFailure
 from ..runs.input_signals import Driver, Signals
 from .run_kinds import BY_MOTOR, DROP, SIGNALS, UP_AND_DOWN, RunKind
@@ -148,6 +149,18 @@ class Excitation:
     over: str = ""
     abscissa_unit: str = "rad/s"
 
+    def __post_init__(self) -> None:
+        if self.kick is None:
+            return
+        is_ramp = "rate" in self.numbers
+        if not is_ramp and not self.kind.holds_speeds:
+            raise InputError(f"run {self.kind.name}: has no kick")
+        if is_ramp and self.kick.duration >= self.ramp_time:
+            raise InputError(
+                f"run kick duration = {self.kick.duration:g} s: must be below the "
+                f"{self.ramp_time:g} s of the ramp"
+            )
+
     def changed(self, values: Mapping[str, float]) -> "Excitation":
         """Return the excitation with some of its numbers replaced; `InputError` for impossible
         ones."""
@@ -163,6 +176,21 @@ class Excitation:
         return self.kind.speeds(self.numbers)
 
     @property
+    def no_loads(self) -> np.ndarray:
+        """Zeros for each load [N], complex."""
+        return np.zeros(len(self.loads), dtype=complex)
+
+    @property
+    def slope(self) -> float:
+        """The rate of a ramp with its sign [rad/s2]."""
+        return math.copysign(self.numbers["rate"], self.numbers["to"] - self.numbers["from"])
+
+    @property
+    def ramp_time(self) -> float:
+        """The time that a ramp takes to its end [s]."""
+        return (self.numbers["to"] - self.numbers["from"]) / self.slope
+
+    @property
     def start(self) -> dict[str, float]:
         """Values of the machine's variables at the start."""
         n = self.numbers
@@ -173,8 +201,7 @@ class Excitation:
         if self.signals is not None:
             given = {name: self.signals.at(name, 0.0) for name in self.signals.values}
             return given | {"speed_rate": self.signals.first_rate}
-        slope = math.copysign(n["rate"], n["to"] - n["from"])
-        return {"speed": n["from"], "speed_rate": slope}
+        return {"speed": n["from"], "speed_rate": self.slope}
 
 
 def excite(simulation: Simulation, how: Excitation, monitor: Monitor) -> Iterator[Window]:
@@ -199,29 +226,34 @@ def _instants(start: float, stop: float, step: float) -> Iterator[float]:
     yield stop
 
 
-def _advance_over_kick(simulation: Simulation, how: Excitation, speed: float) -> None:
-    """Advance over the kick, its direction updated 64 times per turn."""
+def _over_kick(
+    simulation: Simulation, how: Excitation, speed: float, slope: float = 0.0
+) -> Iterator[float]:
+    """Advance over the kick, its direction updated 64 times per turn, at the speed [rad/s] that
+    changes at the rate `slope` [rad/s2]; yields the times reached."""
     kick = how.kick
     if kick is None:
         return
-    loads = np.zeros(len(how.loads), dtype=complex)
+    loads = how.no_loads
     at = [x for x, _ in how.loads].index(f"{kick.port}.fx")
     turn = math.tau / abs(kick.rate) if kick.rate else kick.duration
     for t in _instants(0.0, kick.duration, min(turn / 64, kick.duration)):
         middle = 0.5 * (simulation.time + t)
         loads[at] = cmath.rect(kick.force, kick.rate * middle)
-        simulation.advance(t, speed, loads)
-    simulation.advance(simulation.time, speed, 0.0 * loads)
+        simulation.advance(t, speed + slope * simulation.time, loads)
+        yield t
 
 
 def _held_speeds(simulation: Simulation, how: Excitation, monitor: Monitor) -> Iterator[Window]:
     n = how.numbers
-    _advance_over_kick(simulation, how, float(how.speeds[0]))
+    for _ in _over_kick(simulation, how, float(how.speeds[0])):
+        monitor.record()
     for speed in how.speeds.tolist():
-        simulation.advance(simulation.time + n["settle"], speed)
-        begun, interval, count, per_turn = simulation.time, n["step"], 0, 0
+        simulation.advance(simulation.time + n["settle"], speed, how.no_loads)
+        begun, per_turn = simulation.time, 0
         if n["measure"]:
             count = max(1, round(n["measure"] / n["step"]))
+            interval = n["measure"] / count
         else:
             # on to the keyphasor's mark, phi a multiple of a turn
             sense = math.copysign(1.0, speed)
@@ -244,12 +276,10 @@ def _held_speeds(simulation: Simulation, how: Excitation, monitor: Monitor) -> I
 
 
 def _ramp(simulation: Simulation, how: Excitation) -> Iterator[float]:
-    n = how.numbers
-    slope = math.copysign(n["rate"], n["to"] - n["from"])
-    top = abs(n["to"] - n["from"]) / n["rate"]
-    _advance_over_kick(simulation, how, n["from"])
+    n, slope, top = how.numbers, how.slope, how.ramp_time
+    yield from _over_kick(simulation, how, n["from"], slope)
     for t in _instants(simulation.time, top, n["step"]):
-        simulation.advance(t, n["from"] + slope * simulation.time)
+        simulation.advance(t, n["from"] + slope * simulation.time, how.no_loads)
         yield t
     if how.kind.name == UP_AND_DOWN.name:
         rate: float | None = -slope  # at the top; later it follows from the speeds

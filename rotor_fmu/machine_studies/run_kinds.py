@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from ..studies.design import MOST
 
 POSITIVE, NOT_NEGATIVE = "> 0", ">= 0"
 _STANDS = 1e-9  # of the highest speed, what rounding leaves of none
@@ -27,8 +28,8 @@ class Number(NamedTuple):
         unit = "" if self.unit == "1" else f" {self.unit}"
         if (self.bound == POSITIVE and not value > 0) or (self.bound and value < 0):
             raise InputError(f"run.{name} = {value:g}{unit}: must be {self.bound}")
-        if self.is_whole and value != int(value):
-            raise InputError(f"run.{name} = {value:g}: must be an integer")
+        if self.is_whole and (value != int(value) or value > MOST):
+            raise InputError(f"run.{name} = {value:g}: must be an integer, at most {MOST}")
 
 
 @dataclass(frozen=True)

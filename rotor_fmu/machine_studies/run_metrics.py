@@ -12,11 +12,13 @@ from .run_excitation import LEAST_TURNS, Excitation, Samples, Window
 from .run_kinds import CONSTANT, STEPS
 
 KINDS: dict[str, MetricKind] = {}
+VARIANTS = ("passing", "slid")  # that `order` and `dissipated` stand for too
 _kind = partial(declared, KINDS)
 DIRECTIONS = ("up", "down")
 _LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
 _ANY_LEVEL = (CONSTANT.name, STEPS.name)
 _AFTER = {"after": 0.0}
+_ROUNDING = 1e-9  # of a speed as a share of the highest, and of whole periods
 _MOST_PASSED = 32  # orders are passed in turns resampled at 64 angles at least
 
 
@@ -80,7 +82,7 @@ def _averaged(t: np.ndarray, values: np.ndarray) -> float:
 
 
 def _is_whole(number: float) -> bool:
-    return abs(number - round(number)) < 1e-9
+    return abs(number - round(number)) < _ROUNDING
 
 
 @_kind("largest absolute value of {of}", optional=_AFTER)
@@ -110,7 +112,9 @@ def _last(metric: Metric, window: Window) -> float:
 )
 def _value(metric: Metric, window: Window) -> float:
     """Return the value at a speed, linear between two steps; nan if it is never passed."""
-    w, values = window.steps.columns["w"] - metric.option("speed"), _quantity(metric, window.steps)
+    speed, values = window.steps.columns["w"], _quantity(metric, window.steps)
+    w = speed - metric.option("speed")
+    w[np.abs(w) <= _ROUNDING * np.abs(speed).max()] = 0.0  # a run may end at the speed
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
     if not len(passed):
         return math.nan
@@ -231,7 +235,7 @@ def _lyapunov(metric: Metric, window: Window) -> float:
 
 def _spectrum_orders(highest: float, turns: int) -> np.ndarray:
     """Return the orders of a full spectrum over so many turns, from -highest to highest."""
-    most = round(highest * turns)
+    most = math.floor(highest * turns + _ROUNDING)
     return np.arange(-most, most + 1) / turns
 
 
@@ -268,8 +272,8 @@ def _spectrum(metric: Metric, window: Window) -> np.ndarray:
 @_kind("time in contact of {of}", optional=_AFTER, unit="s", outputs=("contact",), is_fine=True)
 def _contact(metric: Metric, window: Window) -> float:
     late = _late(metric, window)
-    closed = window.steps.columns[f"{metric.of}.contact"][late]
-    return float(np.trapezoid(closed, window.steps.t[late]))
+    closed, t = window.steps.columns[f"{metric.of}.contact"][late], window.steps.t[late]
+    return float(np.trapezoid(closed, t)) if len(t) else math.nan
 
 
 @_kind(
@@ -291,6 +295,18 @@ def _dissipated(metric: Metric, window: Window) -> float:
 
 
 @_kind(
+    "work of friction at a contact of {of}",
+    unit="J",
+    outputs=("ft", "sliding"),
+    is_fine=True,
+)
+def _slid(metric: Metric, window: Window) -> float:
+    """Return friction times the sliding speed, of a contact that gives it since its wall turns."""
+    force, speed = (window.steps.columns[f"{metric.of}.{name}"] for name in ("ft", "sliding"))
+    return float(np.trapezoid(force * speed, window.steps.t))
+
+
+@_kind(
     "mean rate at which PART.x, PART.y turn about zero of {of}",
     unit="rad/s",
     outputs=("x", "y"),
@@ -304,8 +320,8 @@ def _whirl(metric: Metric, window: Window) -> float:
 
 
 def _check_jump(metric: Metric, how: Excitation) -> None:
-    if how.kind.name != STEPS.name:
-        raise metric.refusal("jump needs runs in steps of the speed")
+    if how.kind.name != STEPS.name or len(how.speeds) < 2:
+        raise metric.refusal("jump needs runs in steps of the speed, two at least")
 
 
 @_kind(
@@ -320,7 +336,7 @@ def _jump(metric: Metric, windows: list[Window]) -> float:
     least the share `least` of the larger of both; nan where it does not."""
     means = np.array([_averaged(w.steps.t, _quantity(metric, w.steps)) for w in windows])
     speeds = np.array([window.speed for window in windows])
-    rises = np.diff(speeds) > 0
+    rises = np.diff(np.abs(speeds)) > 0
     chosen = rises if metric.option("way") == "up" else ~rises
     change = np.where(chosen, np.abs(np.diff(means)), 0.0)
     at = int(np.argmax(change))

@@ -75,6 +75,7 @@ def prepare(
             f"rotor-fmu: warning: {signal_file} ends at {recorded.t[-1]:g} s; its last values are "
             f"held until --stop = {stop:g} s",
             highlight=False,
+            markup=False,
             soft_wrap=True,
         )
     for name in constants:

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 def open(folder: Path | str) -> "xarray.Dataset":
     """Return the rows of a study's folder, finished or not, as one dataset along `run`; see
-    `dataset.open_dataset`."""
+    `store.open_dataset`."""
     from .store import open_dataset
 
     return open_dataset(Path(folder))

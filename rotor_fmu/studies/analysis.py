@@ -146,12 +146,11 @@ def statistics(values: np.ndarray) -> dict[str, Any]:
 
 
 def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, Any]:
-    """Return how many of the finite values lie above a limit, and the share of these together with
-    the failed runs, which may have passed it too."""
+    """Return how many of the values that there are lie above a limit, and the share of these
+    together with the failed runs, which may have passed it too."""
     from scipy.stats import binomtest
 
-    finite = values[np.isfinite(values)]
-    above, count = int((finite > limit).sum()), len(finite) + failed
+    above, count = int((values > limit).sum()), int((~np.isnan(values)).sum()) + failed
     result: dict[str, Any] = {"limit": limit, "above": above, "failed": failed, "count": count}
     if count:
         interval = binomtest(above + failed, count).proportion_ci(CONFIDENCE)
@@ -164,17 +163,17 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
     """Return the indices of a column by the names of what is varied, each with its half width at 95
     %.
 
-    A sample with gaps is used up to its last whole block; `{}` where a run of it failed or none is
-    whole.
+    Of a sample with gaps the whole blocks are used; `{}` where they are fewer than two, or do not
+    vary.
     """
     of_runs = np.full(len(design), math.nan)
     of_runs[data.run.values] = data[name].values
     values = of_runs[design.runs]
     block = design.drawn_points // design.size
     whole = np.isfinite(values.reshape(-1, block)).all(axis=1)
-    if whole.sum() < 2 or np.ptp(values[np.isfinite(values)]) == 0:
-        return {}
     retained = np.repeat(whole, block)
+    if whole.sum() < 2 or np.ptp(values[retained]) == 0:
+        return {}
     problem = design.problem()
     names = problem["names"]
     if design.kind == "saltelli":
@@ -210,7 +209,7 @@ def worst(data: "xarray.Dataset", name: str, count: int = 10) -> list[dict[str, 
         raise InputError(f"{name}: is no number that the study keeps")
     values = np.abs(data[name].values)
     failed = np.char.startswith(data.status.values.astype(str), FAILED)
-    rank = np.where(failed, np.inf, np.where(np.isfinite(values), values, -np.inf))
+    order = np.lexsort((-values, ~failed))  # a nan is behind all others
     axes = [str(c) for c in data.coords if data[c].dims == ("run",) and c not in ("run", "id")]
     return [
         {
@@ -220,5 +219,5 @@ def worst(data: "xarray.Dataset", name: str, count: int = 10) -> list[dict[str, 
             name: float(data[name].values[i]),
             "status": str(data.status.values[i]),
         }
-        for i in np.argsort(-rank, kind="stable")[:count]
+        for i in order[:count]
     ]

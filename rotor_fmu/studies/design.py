@@ -5,6 +5,7 @@ design serves every distribution. Run i takes the grid's point i mod g and the s
 """
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -47,7 +48,12 @@ class Distribution:
             raise InputError(f"std = {p['std']:g}: must be > 0")
 
     def at(self, u: np.ndarray) -> np.ndarray:
-        """Return the inverse of the cumulative distribution at shares u, of their shape."""
+        """Return the inverse of the cumulative distribution at shares u, of their shape; rounding
+        carries none beyond the distribution's ends."""
+        p = self.parameters
+        return np.clip(self._rounded_at(u), p.get("low", -math.inf), p.get("high", math.inf))
+
+    def _rounded_at(self, u: np.ndarray) -> np.ndarray:
         from scipy import stats
 
         p = self.parameters
@@ -154,14 +160,15 @@ class Design:
             return np.random.default_rng(self.seed).random((n, d))
         if self.kind == "latin-hypercube":
             return qmc.LatinHypercube(d, rng=np.random.default_rng(self.seed)).random(n)
+        points = 1 << (n - 1).bit_length()  # of Sobol: whole powers of two, and their beginning
         if self.kind == "sobol":
-            points = 1 << max(0, (n - 1).bit_length())  # whole powers of two, and their beginning
             return qmc.Sobol(d, rng=np.random.default_rng(self.seed)).random(points)[:n]
         problem = self.problem()
         if self.kind == "saltelli":
             from SALib.sample import sobol
 
-            return sobol.sample(problem, n, calc_second_order=False, seed=self.seed)
+            sample = sobol.sample(problem, points, calc_second_order=False, seed=self.seed)
+            return sample[: self.drawn_points]
         from SALib.sample import morris
 
         return morris.sample(problem, n, num_levels=self.levels, seed=self.seed)
@@ -305,7 +312,7 @@ def _grid(where: str, grid: object, unit: str) -> tuple[float, ...]:
         what = f"has no {missing[0]}" if missing else f"knows no {unknown[0]}"
         raise InputError(f"{where}: grid {what}; it is {{ from, to, count, spacing }}")
     low, high = (number(f"{where}: grid {key}", grid[key], unit) for key in ("from", "to"))
-    count = whole(f"{where}: grid count", grid["count"])
+    count = whole(f"{where}: grid count", grid["count"], most=MOST)
     spacing = grid.get("spacing", "linear")
     if spacing not in ("linear", "log"):
         raise InputError(f"{where}: grid spacing = {spacing!r}: must be linear or log")
@@ -326,13 +333,18 @@ def number(where: str, value: object, unit: str = "") -> float:
     such as `3000 rpm`."""
     if unit and isinstance(value, str) and split(value):
         return in_si(f"{where} =", value, unit)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, (int, float))
+        or not abs(value) <= sys.float_info.max
+    ):
         raise InputError(f"{where} = {value!r}: must be a finite number")
     return float(value)
 
 
-def whole(where: str, value: object, least: int = 1) -> int:
+def whole(where: str, value: object, least: int = 1, most: float = math.inf) -> int:
     """Return an integer, or `InputError`."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise InputError(f"{where} = {value!r}: must be an integer >= {least}")
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        bound = f">= {least}" if most == math.inf else f"from {least} to {most}"
+        raise InputError(f"{where} = {value!r}: must be an integer {bound}")
     return value

@@ -5,6 +5,7 @@ comes back their results and the seconds they took.
 """
 
 import contextlib
+import logging
 import multiprocessing
 import os
 import signal
@@ -132,9 +133,17 @@ def _dask(where: ExecutorConfig) -> Iterator[Engine]:
         address: Any = where.scheduler
         if where.cluster:
             stack.enter_context(_environment(ONE_THREAD))
-            address = stack.enter_context(
-                dask.LocalCluster(where.cluster, threads_per_worker=1, dashboard_address=None)
-            )
+            before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as the workers inherit it
+            try:
+                cluster = dask.LocalCluster(
+                    where.cluster,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    silence_logs=logging.ERROR,
+                )
+            finally:
+                signal.signal(signal.SIGINT, before)
+            address = stack.enter_context(cluster)
         try:
             client = stack.enter_context(dask.Client(address, timeout=TIME_OUT))
         except (OSError, ValueError, TypeError) as error:

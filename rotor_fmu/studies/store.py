@@ -33,6 +33,20 @@ def parts(folder: Path) -> list[Path]:
     return sorted((folder / "rows").glob("*.parquet"))
 
 
+def read_part(path: Path, **options: Any) -> "pyarrow.Table":
+    """Return the rows of a part; options: of `pyarrow.parquet.read_table`. Raises `InputError` for
+    one that is damaged."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        return pq.read_table(path, **options)
+    except pa.ArrowInvalid as error:
+        raise InputError(
+            f"{path}: is damaged; without it, the same call makes its rows again"
+        ) from error
+
+
 class Store:
     """The folder of a study, open to be written to; a context that holds its lock.
 
@@ -78,11 +92,9 @@ class Store:
 
     def done(self) -> np.ndarray:
         """Return whether each run has its row, shape (runs,)."""
-        import pyarrow.parquet as pq
-
         is_done = np.zeros(len(self._study.design), dtype=bool)
         for path in parts(self._folder):
-            is_done[pq.read_table(path, columns=["run"])["run"].to_numpy()] = True
+            is_done[read_part(path, columns=["run"])["run"].to_numpy()] = True
         return is_done
 
     def write(self, results: Mapping[int, Result]) -> None:
@@ -102,12 +114,11 @@ class Store:
         """Make one part of the small ones once there are `least`; a merge that is cut short leaves
         rows twice, never none."""
         import pyarrow as pa
-        import pyarrow.parquet as pq
 
         small = [path for path in parts(self._folder) if path.stat().st_size < _SMALL]
         if len(small) < least:
             return
-        self._put(pa.concat_tables([pq.read_table(path, schema=self._schema) for path in small]))
+        self._put(pa.concat_tables([read_part(path, schema=self._schema) for path in small]))
         for path in small:
             path.unlink()
 
@@ -157,12 +168,11 @@ def read_rows(folder: Path) -> "pyarrow.Table":
     """Return all rows there are, each once, in the order of the runs; `InputError` without a
     study."""
     import pyarrow as pa
-    import pyarrow.parquet as pq
 
     result = parts(folder)
     if not result:
         raise InputError(f"{folder}: holds no rows of a study")
-    table = pa.concat_tables([pq.read_table(path) for path in result])
+    table = pa.concat_tables([read_part(path) for path in result])
     _, first = np.unique(table["run"].to_numpy(), return_index=True)
     return table.take(pa.array(first))
 

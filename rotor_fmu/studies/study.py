@@ -115,8 +115,11 @@ def read_about(folder: Path, option: str = "") -> dict[str, Any] | None:
     """Return the description of a folder's study, None if it holds none. Raises `InputError` where
     it cannot be read; option: in which the folder was given, for the message."""
     try:
-        return json.loads((folder / "study.json").read_text(encoding="utf-8"))
+        about = json.loads((folder / "study.json").read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError) as error:
         raise InputError(f"{option}{folder}: its study.json cannot be read") from error
+    if not isinstance(about, dict):
+        raise InputError(f"{option}{folder}: its study.json is that of no study")
+    return about

@@ -62,7 +62,7 @@ def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = F
         axes = tuple(_axes(table_of(tables, "vary"), subject.units))
         design = _design(table_of(tables, "design"), axes)
         model = subject.model(axes)
-        _check_columns(model.columns, axes)
+        _check_names(model.columns, axes)
         limits = {}
         numbers = {c.name: c.unit for c in model.columns if not c.dimension}
         for name, value in table_of(tables, "limits").items():
@@ -95,7 +95,7 @@ def _reader_of(module: object) -> ReadSubject:
         raise InputError(f"{where}: must be the name of a Python module")
     try:
         return import_module(module).read_subject
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         raise InputError(f"{where}: cannot be imported: {error}") from error
     except AttributeError:
         raise InputError(f"{where}: has no function read_subject") from None
@@ -121,6 +121,8 @@ def _axes(table: dict[str, Any], units: Mapping[str, str]) -> Iterable[Axis]:
             raise InputError(f"vary {name} = {given!r}: must be a table with values, grid or ...")
         targets = given.get("names", [name])
         patterns = targets if isinstance(targets, list) else [targets]
+        if not patterns:
+            raise InputError(f"vary {name}: names = []: must be names")
         result = [target for pattern in patterns for target in _matching(name, pattern, units)]
         for target in result:
             if target in taken:
@@ -157,11 +159,16 @@ def _design(table: dict[str, Any], axes: tuple[Axis, ...]) -> Design:
     size = whole("design size", table["size"]) if "size" in table else 0
     seed = whole("design seed", table.get("seed", 0), 0)
     levels = whole("design levels", table.get("levels", 4), 2)
+    if levels % 2:
+        raise InputError(f"design levels = {levels}: must be even")
     return Design(axes, kind, size, seed, levels=levels)
 
 
-def _check_columns(columns: tuple[Column, ...], axes: tuple[Axis, ...]) -> None:
-    taken = {"run", "id", "status", *(axis.name for axis in axes)}
-    for column in columns:
-        if column.name in taken:
-            raise InputError(f"keep {column.name}: is the name of a varied parameter, or reserved")
+def _check_names(columns: tuple[Column, ...], axes: tuple[Axis, ...]) -> None:
+    """Raise `InputError` for a name that the rows or their dimensions have already."""
+    taken = {"", "run", "id", "status", *(column.dimension for column in columns)}
+    named = [("vary", axis.name) for axis in axes] + [("keep", c.name) for c in columns]
+    for table, name in named:
+        if name in taken:
+            raise InputError(f"{table} {name}: is the name of something else in the rows, or empty")
+        taken.add(name)

@@ -16,6 +16,7 @@ from rotor_fmu.fmi.interface import interface
 from rotor_fmu.output_options import json_text, with_output_options
 from rotor_fmu.runs import run_down
 from rotor_fmu.runs.job import prepare
+from rotor_fmu.screen import progress_of
 
 from ..toml_text import table
 
@@ -171,3 +172,9 @@ def test_the_wall_time_leaves_out_what_the_first_step_compiles(tmp_path, monkeyp
     run = run_down.run_fmu(fmu, job) if fmu else run_down.run_direct(job.rotor, job)
     assert clock.now == 109.0
     assert run.wall_s == 9.0
+
+
+def test_a_label_in_brackets_is_shown_as_it_is(capsys):
+    with progress_of("a [/b] over [rpm]", 1.0, first=0.0) as update:
+        update(1.0, lambda: "done", True)
+    assert capsys.readouterr().err.endswith("a [/b] over [rpm]: done\n")

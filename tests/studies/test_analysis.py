@@ -5,12 +5,15 @@ import math
 import numpy as np
 import pytest
 from SALib.analyze import morris
+from xarray import Dataset
 
+from rotor_fmu.cli.studies import _print_table
 from rotor_fmu.studies.analysis import (
     analyse,
     design_of,
     drawn_rows,
     exceedance,
+    sensitivity,
     statistics,
     worst,
 )
@@ -91,6 +94,32 @@ def test_the_share_above_a_limit_has_the_interval_of_clopper_and_pearson():
     assert result["above"] == 5
     # R: binom.test(5, 100)$conf.int
     assert result["interval"] == pytest.approx([0.01643187, 0.11283491], abs=1e-7)
+
+
+def test_an_infinite_value_is_above_a_limit_and_among_the_worst():
+    """The verification of a run whose finer twin has no value."""
+    values = np.array([0.5, math.inf, math.nan, 2.0])
+    result = exceedance(values, 1.0)
+    assert (result["above"], result["count"]) == (2, 3)
+    status = ("run", ["ok", "doubtful: not-confirmed", "failed: so", "ok"])
+    data = Dataset(
+        {"q": ("run", values), "status": status}, {"run": range(4), "id": ("run", list("abcd"))}
+    )
+    assert [row["id"] for row in worst(data, "q")] == list("cbda")
+
+
+def test_a_column_that_varies_only_outside_whole_blocks_has_no_indices(tmp_path):
+    study = ishigami_study(tmp_path, None, study_text("saltelli", 4))
+    columns = np.full(len(study.design), 5.0)
+    columns[:2] = math.nan, 7.0
+    data = Dataset({"y": ("run", columns)}, {"run": range(len(columns))})
+    assert sensitivity(study.design, data, "y") == {}
+
+
+def test_no_number_is_cut_off_on_a_narrow_screen(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "60")
+    _print_table([{"column": "a"} | {f"quantile {i}": -1.234e-100 for i in range(20)}])
+    assert capsys.readouterr().out.count("-1.234e-100") == 20
 
 
 def with_limit(folder, kind, size, model=None, limit=5.0):

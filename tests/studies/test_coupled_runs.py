@@ -23,7 +23,7 @@ STUDY = """
 module = "rotor_fmu.examples.drive_train.study"
 [run]
 kind = "drive-train"
-torque = 0.1
+torque = 0.2
 from = 180
 target = 200
 stop = 1
@@ -102,6 +102,7 @@ def test_a_selected_coupled_run_ends_as_its_row_and_has_both_fmus_signals(couple
     assert recording.columns["drive.work_out"][-1] == data.work.values[1]
     assert {"phi", "disc[3].x", "bearing[1].fn", "drive.tau_motor"} <= set(recording.columns)
     assert recording.units["drive.tau_motor"] == "N.m"
+    assert recording.about["run"]["torque"] == 0.1
 
 
 def test_values_that_an_fmu_refuses_are_a_failed_row_with_its_own_words(tmp_path):

@@ -11,6 +11,7 @@ from scipy.signal import lsim
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
+from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.machine_studies.metric import Metric
 from rotor_fmu.machine_studies.run_excitation import Excitation, Samples, Window
@@ -55,6 +56,19 @@ def test_friction_at_each_contact_adds_up_to_the_ledger(rig):
     assert (data.loss_1 + data.loss_2).values == pytest.approx(data.loss.values, rel=1e-4)
 
 
+def test_friction_at_turning_races_adds_up_to_the_ledger(tmp_path):
+    _, _, data = conducted(
+        f'{COMPRESSOR}[run]\nkind = "drop"\nspeed = 500\nstop = 0.03\n'
+        '[vary]\n"solver.tolerance" = { values = [1e-3] }\n[keep]\n'
+        'one = { dissipated = "touchdown_bearing[1]" }\n'
+        'other = { dissipated = "touchdown_bearing[2]" }\n'
+        'loss = { last = "energy.friction_loss" }\n',
+        tmp_path,
+    )
+    assert data.loss.values > 1
+    assert (data.one + data.other).values == pytest.approx(data.loss.values, rel=1e-2)
+
+
 def test_kept_amplitudes_agree_with_one_another(rig):
     _, _, data = rig
     assert data.over_speed.max("over_speed speed").values == pytest.approx(data.X.values)
@@ -88,6 +102,33 @@ def test_a_selected_run_is_the_run_of_its_row_with_all_its_signals(rig, monkeypa
     summary = json.loads((out / "runs" / run_id / "summary.json").read_text())
     assert summary["run"] == 1
     assert summary["status"] == "ok"
+
+
+def test_a_run_is_not_selected_into_the_folder_of_another_study(rig, monkeypatch, capsys):
+    path, out, data = rig
+    other = path.with_name("other.toml")
+    other.write_text(RIG.replace("rate = 25", "rate = 26"))
+    arguments = ["study", str(other), "--out", str(out), "--select", "1"]
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert "holds another study" in capsys.readouterr().err
+    assert {folder.name for folder in out.glob("runs/*")} <= set(data.id.values)
+
+
+def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, monkeypatch):
+    path = tmp_path / "study.toml"
+    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    path.write_text(
+        RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
+    )
+    arguments = ["study", str(path), "--out", str(tmp_path / "out"), "--select", "0"]
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):
@@ -141,11 +182,15 @@ def test_poincare_points_are_those_at_the_mark():
     assert points == pytest.approx([0.5 + 3 - 1 + 0.25, 0.5 + 3 + 1 + 0.25] * 4)
 
 
-def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up():
-    """A hysteresis loop: off the upper branch at 2.5 going up, back onto it at 1.5 going down."""
+@pytest.mark.parametrize("sense", [1, -1])
+def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up(sense):
+    """A hysteresis loop: off the upper branch at 2.5 going up, back onto it at 1.5 going down,
+    whichever way the rotor turns."""
     speeds, upper = [1.0, 2.0, 3.0, 2.0, 1.0], [True, True, False, False, True]
     seen = [
-        window({"d.x": lambda a, r=speed if is_up else 0.5: r + 0 * a})._replace(speed=speed)
+        window({"d.x": lambda a, r=speed if is_up else 0.5: r + 0 * a})._replace(
+            speed=sense * speed
+        )
         for speed, is_up in zip(speeds, upper, strict=True)
     ]
     steps = Excitation(STEPS, {**HELD.numbers, "from": 1.0, "to": 3.0, "count": 3.0, "back": 1.0})
@@ -153,7 +198,7 @@ def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up(
         cell(Metric("q", KINDS["jump"], "d.x", (("way", way),)), seen, steps)
         for way in ("up", "down")
     )
-    assert (up, down) == (2.5, 1.5)
+    assert (up, down) == (sense * 2.5, sense * 1.5)
 
 
 @pytest.mark.parametrize("per_turn", [8, 256])
@@ -251,6 +296,39 @@ def test_loads_of_a_file_are_linear_between_its_points_whatever_the_step(tmp_pat
     largest = np.abs(x).max()
     assert data.peak.values == pytest.approx([largest] * 3, rel=1e-3)
     assert data.x.values == pytest.approx([x[-1]] * 3, abs=1e-3 * largest)
+
+
+@pytest.mark.parametrize("way", ["run-up", "up-and-down"])
+def test_the_speed_of_a_ramp_goes_on_during_a_kick(tmp_path, way):
+    path = tmp_path / "study.toml"
+    path.write_text(
+        f'machine = "studies/whip.toml"\n[run]\nkind = "{way}"\nfrom = 10\nto = 20\nrate = 20\n'
+        'kick = { port = "disc", force = 1, rate = 100, duration = 0.25 }\n'
+        '[vary]\n"contact[1].mu" = { values = [0.1] }\n[keep]\nx = { peak = "disc.x" }\n'
+    )
+    seen = read_study(path).model.record({})
+    assert seen.columns["w"] == pytest.approx(20 - 20 * np.abs(seen.t - 0.5))
+    assert np.abs(seen.columns["disc.x"]).max() > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("run", "expected"),
+    [
+        ("run-up\nfrom = 10\nto = 20\nrate = 100", "kick duration = 0.1 s: must be below the 0.1"),
+        ("drop\nspeed = 10\nstop = 1", "run drop: has no kick"),
+        ("motor\ntorque = 1\nstop = 1", "run motor: has no kick"),
+    ],
+)
+def test_a_kick_that_a_run_does_not_have_is_refused(tmp_path, run, expected):
+    path = tmp_path / "study.toml"
+    kind, _, numbers = run.partition("\n")
+    path.write_text(
+        f'machine = "studies/whip.toml"\n[run]\nkind = "{kind}"\n{numbers}\n'
+        'kick = { port = "disc", force = 1, rate = 1, duration = 0.1 }\n'
+        '[vary]\n"contact[1].mu" = { values = [0.1] }\n[keep]\nx = { peak = "disc.x" }\n'
+    )
+    with pytest.raises(InputError, match=expected):
+        read_study(path)
 
 
 @pytest.mark.parametrize("rate", [0.0, 200.0, -200.0])

@@ -204,6 +204,48 @@ def test_samples_that_are_varied_are_checked_against_the_orders_too(tmp_path):
     read(tmp_path, run, metric, '"run.per_turn" = { values = [32, 7] }')
 
 
+@pytest.mark.parametrize(("orders", "highest"), [(2.6, 2.5), (15.9, 15.75), (0.3, 0.25), (3, 3)])
+def test_a_spectrum_ends_at_the_highest_order_asked_for(tmp_path, orders, highest):
+    keep = f'q = {{ spectrum = "disc", orders = {orders} }}'
+    (column,) = read(tmp_path, 'kind = "constant"\nspeed = 50\nturns = 4', keep).model.columns
+    assert column.coordinate[-1] == -column.coordinate[0] == highest
+
+
+def test_a_jump_needs_two_speeds(tmp_path):
+    run = 'kind = "steps"\nfrom = 100\nto = 100\ncount = 1'
+    with pytest.raises(InputError, match="keep q: jump needs runs in steps of the speed, two at"):
+        read(tmp_path, run, 'q = { jump = "disc.r", way = "up" }')
+
+
+def test_speeds_beyond_what_memory_holds_are_refused(tmp_path):
+    run = 'kind = "steps"\nfrom = 100\nto = 200\ncount = 1000000000000'
+    with pytest.raises(
+        InputError, match=r"run.count = 1e\+12: must be an integer, at most 1000000"
+    ):
+        read(tmp_path, run, 'q = { mean = "disc.r" }')
+
+
+@pytest.mark.parametrize("measure", [0.002, 0.0505])
+def test_the_time_evaluated_is_the_one_asked_for_whatever_the_step(tmp_path, measure):
+    run = f'kind = "constant"\nspeed = 50\nsettle = 0.1\nmeasure = {measure}\nstep = 0.01'
+    seen = read(tmp_path, run, 'x = { last = "disc.x" }').model.record({})
+    assert seen.t[-1] == pytest.approx(0.1 + measure)
+
+
+def test_the_speed_at_which_a_run_ends_is_passed(tmp_path):
+    """Here the last speed is short of it by rounding."""
+    run = 'kind = "run-up"\nfrom = -20\nto = -100\nrate = 33\nstep = 0.05'
+    data = row(tmp_path, run, 'x = { value = "disc.x", speed = -100 }\nlast = { last = "disc.x" }')
+    assert float(data.x) == pytest.approx(float(data["last"]))
+
+
+def test_what_is_taken_after_the_end_of_a_run_is_nan(tmp_path):
+    kept = [f'{kind} = {{ {kind} = "disc.r", after = 9 }}' for kind in ("peak", "rms", "mean")]
+    contact = 'contact = { contact = "contact[1]", after = 9 }'
+    data = row(tmp_path, 'kind = "constant"\nspeed = 50\nturns = 1', "\n".join([*kept, contact]))
+    assert all(np.isnan(data[name]) for name in ("peak", "rms", "mean", "contact"))
+
+
 @pytest.mark.parametrize("order", [0, -1, 0.3, 0.25, 40])
 def test_an_order_that_cannot_be_passed_is_refused_before_the_first_run(tmp_path, order):
     metric = f'q = {{ order = {order}, speed = 100, of = "disc.x" }}'

@@ -135,11 +135,26 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("40e-6", "-40e-6", "vary clearance = -4e-05: must be >= 0"),
         (", values = [40e-6, 60e-6]", "", "must have one of values, grid, distribution"),
         (", count = 3", "", "grid has no count"),
-        ("count = 3", "count = 0", "grid count = 0: must be an integer >= 1"),
+        ("count = 3", "count = 0", "grid count = 0: must be an integer from 1 to 10000000"),
+        ("count = 3", "count = 1000000000000", "must be an integer from 1 to 10000000"),
         ("disc[3].x_amp", "disc[3].x_map", "keep X: disc[3].x_map: unknown name; did you mean"),
         ("peak", "peek", "keep X: peek: unknown name; did you mean peak"),
         ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; did you mean X"),
-        ("X = {", "clearance = {", "keep clearance: is the name of a varied parameter"),
+        ("X = {", "clearance = {", "keep clearance: is the name of something else in the rows"),
+        ("clearance = {", "run = {", "vary run: is the name of something else in the rows"),
+        ('"bearing[*].clearance"', "[]", "vary clearance: names = []: must be names"),
+        (VALUES, f"values = [1{'0' * 400}]", "0: must be a finite number"),
+        (VALUES, 'distribution = ["normal"]', "distribution = ['normal']: must be one of uniform"),
+        ('"run-down"', '["run-down"]', "run kind = ['run-down']: must be one of run-down, run-up"),
+        ("[vary]", '"limit.contact" = 2\n[vary]', "set limit.contact = 2: must be from 0 to 1"),
+        ("[vary]", '"solver.newton_limit" = 9.5\n[vary]', "newton_limit = 9.5: must be an integer"),
+        ("[limits]", "[design]\nlevels = 3\n[limits]", "design levels = 3: must be even"),
+        (
+            'peak = "disc[3].x_amp"',
+            'amplitude = "w", bins = { from = 0, to = 1, count = 1000000000000 }',
+            "bins count = 1000000000000: must be an integer from 1 to 10000000",
+        ),
+        ('peak = "disc[3].x_amp"', 'contact = "disc[3]"', "disc[3]: unknown name; did you mean be"),
         (
             VALUES,
             'distribution = "normal", mean = 5e-5',
@@ -222,6 +237,32 @@ def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(
     assert said.endswith(f"rotor-fmu: --scheduler {address}: no scheduler answers within 10 s")
 
 
+def test_a_distance_that_a_part_does_not_have_is_not_suggested(tmp_path):
+    keep = '[keep]\nq = { peak = "journal_bearing[1].r" }\n'
+    with pytest.raises(InputError, match=r"did you mean journal_bearing\[1\]\.f"):
+        read(tmp_path, f'machine = "oil_film/rotor.toml"\n{HELD}{keep}')
+
+
+def test_numbers_of_a_run_that_are_varied_suit_one_another(tmp_path):
+    ends = '"run.from" = { values = [160, 100] }\n"run.to" = { values = [150, 50] }\n[keep]'
+    run = STUDY.replace("from = 220", "from = 220\nto = 160").replace("[keep]", ends)
+    assert len(read(tmp_path, run).design) == 4 * 6
+    with pytest.raises(InputError, match=r"run.to = 100 rad/s: must differ from run.from"):
+        read(tmp_path, run.replace("150", "100"))
+
+
+def test_whole_numbers_of_a_machine_are_not_drawn(tmp_path):
+    law = '"solver.adaptive" = { distribution = "uniform", low = 0, high = 4 }\n[design]\n'
+    text = STUDY.replace("[keep]", f'{law}kind = "random"\nsize = 2\n[keep]')
+    with pytest.raises(InputError, match=r"vary solver.adaptive: is an integer; list its values"):
+        read(tmp_path, text)
+
+
+def test_what_is_kept_is_not_called_like_a_dimension_of_the_rows(tmp_path):
+    with pytest.raises(InputError, match="keep turn: is the name of something else in the rows"):
+        read(tmp_path, f'{HELD}[keep]\nturn = {{ poincare = "disc[3].x" }}\n')
+
+
 @pytest.mark.parametrize(
     ("keep", "expected"),
     [
@@ -264,6 +305,28 @@ def test_every_design_draws_every_distribution_about_its_median(kind, law):
     assert drawn.max() <= parameters.get("high", np.inf)
     again = Design(axes, kind, 256, 7)
     assert again.identity == design.identity != Design(axes, kind, 256, 8).identity
+
+
+@pytest.mark.parametrize("law", ["uniform", "log-uniform", "truncated-normal"])
+def test_the_ends_of_a_distribution_are_not_passed(law):
+    for low, high in ((0.1, 0.3), (0.01, 1.0), (0.7, 0.9), (3e-5, 7e-5)):
+        parameters = {"low": low, "high": high} | (
+            {"mean": 0.2, "std": 0.37} if law == "truncated-normal" else {}
+        )
+        ends = Distribution(law, parameters).at(np.array([0.0, 1.0]))
+        assert ends == pytest.approx([low, high])
+        assert low <= ends[0]
+        assert ends[1] <= high
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_base_sample_of_any_size_is_the_beginning_of_a_larger_one():
+    axes = tuple(
+        Axis(n, (n,), distribution=Distribution("uniform", {"low": 0.0, "high": 1.0})) for n in "ab"
+    )
+    few, more = (Design(axes, "saltelli", size, 7).sample for size in (5, 8))
+    assert len(few) == 5 * 4
+    assert (few == more[: 5 * 4]).all()
 
 
 def test_a_normal_distribution_has_its_standard_deviation():

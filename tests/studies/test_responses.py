@@ -1,12 +1,14 @@
 """Studies whose runs are periodic responses, and diagrams with these under their sections."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
 
 from rotor_fmu import studies
-from rotor_fmu.errors import InputError
+from rotor_fmu.cli import main
+from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.machine_studies.diagram import diagrams
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.runner import run_study
@@ -114,6 +116,7 @@ def test_a_run_of_what_no_machine_can_be_is_a_failed_row(tmp_path):
     [
         ({"run": "kind = 'response'\nfrom = 60"}, "run response: needs to"),
         ({"run": "kind = 'response'\nfrom = 60\nto = 50"}, "must be below run.to"),
+        ({"run": "kind = 'response'\nfrom = -9\nto = 50"}, "run.from = -9 rad/s: must be > 0"),
         ({"run": RUN + "\nspeed = 100"}, "speed is given with over, and only then"),
         ({"run": RUN + "\nover = 'contact[1].nu'\nspeed = 9"}, "did you mean contact"),
         ({"keep": "a = { bifurcation = 'folds' }"}, "must be one of fold,"),
@@ -160,6 +163,39 @@ def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
             assert gap < 5e-3
         titles = [text.get_text() for text in axes.get_legend().get_texts()]
         assert titles == ["rising", "falling", "periodic, stable", "periodic, unstable"]
+
+
+def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(
+    tmp_path, monkeypatch, capsys
+):
+    study = read(
+        tmp_path,
+        "kind = 'steps'\nfrom = -130\nto = -140\ncount = 2\nsettle = 0.1\nturns = 1",
+        '"x/y" = { poincare = "disc.x" }',
+        '"contact[1].mu" = { values = [0.05] }',
+    )
+    path, out = str(tmp_path / "study.toml"), tmp_path / "out"
+    run_study(study, out, here, quiet)
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", "study", path, "--out", str(out), "--diagram"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 0, capsys.readouterr().err
+    assert (out / "diagram_x_y.png").exists()
+    (axes,) = diagrams(study, open_dataset(out), lambda said: None)["x/y"].axes
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["falling"]
+
+
+def test_a_study_whose_runs_all_failed_has_no_diagram(tmp_path):
+    study = read(
+        tmp_path,
+        "kind = 'constant'\nspeed = 100",
+        'x = { poincare = "disc.x" }',
+        '"contact[1].mu" = { distribution = "uniform", low = -2, high = -1 }\n'
+        "[design]\nkind = 'random'\nsize = 2",
+    )
+    run_study(study, tmp_path / "out", here, quiet)
+    with pytest.raises(RunFailed, match="--diagram: every run failed"):
+        diagrams(study, open_dataset(tmp_path / "out"), print)
 
 
 def test_a_study_without_sections_has_no_diagram(tmp_path):

@@ -179,6 +179,22 @@ def test_a_folder_of_another_study_is_refused_and_left_alone(undisturbed, tmp_pa
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")} == before
 
 
+def test_a_damaged_file_of_a_study_is_named(undisturbed, tmp_path):
+    study, data = undisturbed
+    run_study(study, tmp_path, here, quiet)
+    (part,) = store.parts(tmp_path)
+    part.write_bytes(part.read_bytes()[:300])
+    for reads in (studies.open, lambda folder: run_study(study, folder, here, quiet)):
+        with pytest.raises(InputError, match=f"{part.name}: is damaged"):
+            reads(tmp_path)
+    part.unlink()
+    run_study(study, tmp_path, here, quiet)
+    assert studies.open(tmp_path).identical(data)
+    (tmp_path / "study.json").write_text("[]")
+    with pytest.raises(InputError, match=r"its study\.json is that of no study"):
+        studies.open(tmp_path)
+
+
 def test_two_calls_are_not_at_work_in_one_folder(undisturbed, tmp_path):
     study, _ = undisturbed
     with (
@@ -200,6 +216,15 @@ def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp
     study, data = undisturbed
     run_study(study, tmp_path, partial(engine, ExecutorConfig(cluster=2)), quiet)
     assert studies.open(tmp_path).identical(data)
+
+
+@pytest.mark.slow
+def test_workers_of_a_local_cluster_leave_ctrl_c_to_the_call():
+    before = signal.getsignal(signal.SIGINT)
+    with engine(ExecutorConfig(cluster=1)) as made:
+        theirs = made.executor.submit(signal.getsignal, signal.SIGINT).result()
+        assert signal.getsignal(signal.SIGINT) == before
+    assert theirs == signal.SIG_IGN
 
 
 @pytest.mark.slow
