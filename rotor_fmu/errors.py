@@ -144,16 +144,17 @@ _MOST_BYTES = 64_000_000  # of a text file that a user may name
 
 
 def read_text(option: str, path: Path) -> str:
-    """Return a text file that a user named; `InputError` if it cannot be read, or is a device or a
-    pipe, which might have no end."""
+    """Return a text file that a user named, by an option or alone; `InputError` if it cannot be
+    read, or is a device or a pipe, which might have no end."""
+    given = f"{option} {path}".lstrip().replace("\0", "\\0")
     try:
         if not path.is_file():
             path.stat()  # says why there is none
             kind = "is a folder" if path.is_dir() else "is no file"
-            raise InputError(f"{option} {path}: cannot be read: {kind}")
+            raise InputError(f"{given}: cannot be read: {kind}")
         size = path.stat().st_size
         if size > _MOST_BYTES:
-            raise InputError(f"{option} {path}: has {size} bytes; must have at most {_MOST_BYTES}")
+            raise InputError(f"{given}: has {size} bytes; must have at most {_MOST_BYTES}")
         return path.read_text(encoding="utf-8-sig")  # some editors begin with a mark of it
     except OSError as error:
         reason = error.strerror or str(error)
@@ -163,5 +164,4 @@ def read_text(option: str, path: Path) -> str:
         if isinstance(error, InputError):
             raise
         reason = str(error)
-    name = str(path).replace("\0", "\\0")
-    raise InputError(f"{option} {name}: cannot be read: {reason}")
+    raise InputError(f"{given}: cannot be read: {reason}")

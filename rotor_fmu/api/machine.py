@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InputError
 from ..machine_file.loading import load_rotor, si_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
@@ -143,10 +142,7 @@ def load(path: Path | str | None = None) -> Machine:
     >>> rf.load().name
     'zigulic2003'
     """
-    try:
-        toml, rotor = load_rotor(None if path is None else Path(path), _ask)
-    except InputError as error:
-        raise InputError(str(error).removeprefix("--rotor ")) from error
+    toml, rotor = load_rotor(None if path is None else Path(path), _ask, option="")
     return Machine(rotor, toml)
 
 

@@ -137,6 +137,13 @@ def _real(name: str, unit: str, start: float, text: str, low: float | None) -> V
 
 # Outputs only where they are states or follow from an input.
 _OUTPUTS_IF_FREE = ("w", "a")
+# Units of the derivatives by the drive: by the speed, and of a free rotor by the torque.
+_BY_DRIVE = {
+    "dphi_ddrive": ("s", "rad/(N.m)"),
+    "dw_ddrive": ("1", "rad/(N.m.s)"),
+    "dtau_ddrive": ("N.m.s/rad", "1"),
+    "dtau_load_ddrive": ("N.m.s/rad", "1"),
+}
 
 
 def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
@@ -149,7 +156,7 @@ def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
                 output.kind,
                 "output" if is_output else "local",
                 f"{_part_of(name)}{output.text}",
-                output.unit,
+                _BY_DRIVE.get(str(name), (output.unit, output.unit))[is_free],
                 nominal=output.nominal,
                 reached_by=output.reached_by,
             )

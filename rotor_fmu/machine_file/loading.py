@@ -116,10 +116,12 @@ def _to_screen(question: str) -> None:
     print(f"rotor-fmu: warning: {question}", file=sys.stderr, flush=True)
 
 
-def load_rotor(path: Path | None, ask: Callable[[str], None] = _to_screen) -> tuple[str, Rotor]:
+def load_rotor(
+    path: Path | None, ask: Callable[[str], None] = _to_screen, option: str = "--rotor"
+) -> tuple[str, Rotor]:
     """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
-    one; ask: takes the questions about values that nobody means."""
-    text = rig_toml() if path is None else machine_text("--rotor", path)
+    one; ask: takes the questions about values that nobody means; option: that names the file."""
+    text = rig_toml() if path is None else machine_text(option, path)
     try:
         rotor = parse_rotor(text)
         asked = questions(rotor)

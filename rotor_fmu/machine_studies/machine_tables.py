@@ -44,7 +44,7 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     machine_file = tables.get("machine")
     if machine_file is not None and not isinstance(machine_file, str):
         raise InputError(f"machine = {machine_file!r}: must be the name of a file")
-    toml, _ = load_rotor(_machine_path(machine_file, folder))
+    toml, _ = load_rotor(_machine_path(machine_file, folder), option="machine =")
     run = dict(table_of(tables, "run"))
     name = run.pop("kind", None)
     check_one_of(f"run kind = {name!r}", name, kinds)

@@ -179,13 +179,27 @@ def test_units_are_defined_by_si_exponents_and_shown_in_what_people_read(fmu):
     shown = {name: u.displayUnits[0].name for name, u in defined.items() if u.displayUnits}
     assert shown == {"m": "um", "rad": "deg", "rad/s": "rpm"}
     assert defined["rad/s"].displayUnits[0].factor == pytest.approx(unit("rad/s").display[1])
-    read = pint.UnitRegistry()
     for name in defined.keys() - {"1"}:
-        spelled = re.sub(r"(?<=[a-z])(\d)", r"**\1", name.replace(".", "*"))
-        base = defined[name].baseUnit
-        expected = read.parse_units(spelled).dimensionality
+        base, expected = defined[name].baseUnit, read_by_pint(name).dimensionality
         for dimension, exponent in (("mass", base.kg), ("length", base.m), ("time", base.s)):
             assert exponent == expected.get(f"[{dimension}]", 0), name
+
+
+def read_by_pint(name):
+    """A unit of the FMU as pint reads it."""
+    spelled = re.sub(r"(?<=[a-z])(\d)", r"**\1", name.replace(".", "*"))
+    return pint.application_registry.parse_units("" if name == "1" else spelled)
+
+
+@pytest.mark.parametrize("is_free", [False, True])
+def test_a_derivative_by_the_drive_has_its_unit_over_that_of_the_drive(is_free):
+    units = {v.name: v.unit for v in interface(rig(), is_free)}
+    drive = read_by_pint(units["tau_drive" if is_free else "speed"])
+    derivatives = [name for name in units if name.endswith("_ddrive")]
+    assert len(derivatives) == 4
+    for name in derivatives:
+        of = read_by_pint(units[name.removeprefix("d").removesuffix("_ddrive")])
+        assert (read_by_pint(units[name]) * drive).dimensionality == of.dimensionality, name
 
 
 def dependencies(fmu):

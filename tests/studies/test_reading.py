@@ -112,7 +112,7 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("rate = 40", "rat = 40", "run run-down: rat: unknown name; did you mean rate"),
         ("rate = 40", "rate = -40", "run.rate = -40 rad/s2: must be > 0"),
         ("rate = 40", 'rate = "fast"', "run.rate = 'fast': must be a finite number"),
-        ("[run]", 'machine = "no.toml"\n[run]', "no.toml: cannot be read"),
+        ("[run]", 'machine = "no.toml"\n[run]', "machine = no.toml: cannot be read"),
         ("[run]", "module = 3\n[run]", "module = 3: must be the name of a Python module"),
         ("[run]", 'module = "no.such"\n[run]', "module = 'no.such': cannot be imported: No module"),
         ("[run]", 'module = "math"\n[run]', "module = 'math': has no function read_subject"),
