@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..quantities import QuantityError
-from .table_reader import nearest
+from .table_reader import a_table, nearest, number, printable
 
 _SHAFT, _DISC, _MASS = "ShaftElement", "DiskElement", "PointMass"
 _BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
@@ -62,14 +62,14 @@ class _Element(NamedTuple):
     def number(self, key: str, default: float | None = None) -> float:
         """Return a finite number."""
         value = self.values.get(key, default)
-        value = default if value is None else value
+        value = number(default if value is None else value)
         if value is None:
             raise QuantityError(f"{self.where}.{key} is missing")
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        if not isinstance(value, float):
             raise QuantityError(f"{self.where}.{key} = {value!r}: must be a number")
         if not math.isfinite(value):
             raise QuantityError(f"{self.where}.{key} = {value}: must be finite")
-        return float(value)
+        return value
 
     def node(self, key: str = "n") -> int:
         """Return a node, from 0."""
@@ -93,12 +93,19 @@ class _Element(NamedTuple):
         cells = [self._replace(values={key: item}).number(key) for item in value]
         return cells[0] if len(set(cells)) == 1 else cells
 
+    def refuse_nonzero(self, *keys: str) -> None:
+        """Raise `QuantityError` for a key with another value than 0."""
+        for key in keys:
+            if (value := self.column(key)) != 0:
+                raise QuantityError(f"{self.where}.{key} = {value}: must be 0; it is not supported")
+
     def refuse_others(self, *known: str) -> None:
         """Raise `QuantityError` for an unknown key with a value."""
         for key, value in self.values.items():
             if value is not None and key not in (*known, *_IDLE):
                 hint = nearest(key, known)
-                raise QuantityError(f"{self.where}.{key}: unknown key, {hint}not carried over")
+                where = f"{self.where}.{printable(key)}"
+                raise QuantityError(f"{where}: unknown key, {hint}not carried over")
 
 
 class _Reader:
@@ -112,15 +119,13 @@ class _Reader:
         for key, value in data.items():
             if key in _HEAD:
                 continue
-            kind = key.partition("_")[0]
+            kind, where = key.partition("_")[0], printable(key)
             if kind not in (_SHAFT, _DISC, _MASS, *_BEARINGS):
                 raise QuantityError(
-                    f"{key}: a {kind} of ROSS is not supported; remove it, or save its "
-                    "coefficients as a BearingElement"
+                    f"{where}: a {printable(kind)} of ROSS is not supported; remove it, or save "
+                    "its coefficients as a BearingElement"
                 )
-            if not isinstance(value, dict):
-                raise QuantityError(f"{key} = {value!r}: must be a table")
-            self._elements.append(_Element(key, kind, value))
+            self._elements.append(_Element(where, kind, a_table(where, value)))
 
     def read(self) -> Imported:
         """Return the tables of a machine file."""
@@ -193,14 +198,9 @@ class _Reader:
                 raise QuantityError(
                     f"{element.where}.{flag} = false: not supported, a shaft here always has it"
                 )
-        for load in ("torque", "alpha"):
-            if element.number(load, 0.0) != 0:
-                raise QuantityError(
-                    f"{element.where}.{load} = {element.number(load):g}: must be 0; it is not "
-                    "supported"
-                )
+        element.refuse_nonzero("torque", "alpha")
         method = element.values.get("shear_method_calc", "cowper")
-        if method not in _SHEARS:
+        if method not in tuple(_SHEARS):
             raise QuantityError(
                 f"{element.where}.shear_method_calc = {method!r}: must be cowper or hutchinson"
             )
@@ -226,11 +226,13 @@ class _Reader:
         young, shear = inner.number("E"), inner.number("G_s")
         if not shear > 0:
             raise QuantityError(f"{inner.where}.G_s = {shear:g} Pa: must be > 0")
-        table = {
-            "young": young,
-            "density": inner.number("rho"),
-            "poisson": young / (2 * shear) - 1,
-        }
+        poisson = young / (2 * shear) - 1
+        if not 0 <= poisson < 0.5:
+            raise QuantityError(
+                f"{inner.where}: E / (2 G_s) - 1 = {poisson:g}, Poisson's ratio: must be >= 0 and "
+                "below 0.5"
+            )
+        table = {"young": young, "density": inner.number("rho"), "poisson": poisson}
         name = base = str(values.get("name", "material"))
         count = 1
         while materials.setdefault(name, table) != table:
