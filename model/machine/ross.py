@@ -19,9 +19,12 @@ _BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
 _COEFFICIENTS = tuple(f"{of}{axes}" for of in "kc" for axes in ("xx", "xy", "yx", "yy"))
 _MASSES = ("mxx", "mxy", "myx", "myy")
 _AXIAL = ("kzz", "czz", "mzz")
-# Entries that draw, name or repeat something, and those of the classes beside the coefficients.
-_IDLE = ("tag", "color", "scale_factor", "radial_clearance", "interpolation")
+# Entries that draw, name or repeat something, those of the classes beside the coefficients, and of
+# old solvers.
+_IDLE = ("tag", "color", "scale_factor", "radial_clearance", "interpolation", "sparse", "n_eigen")
 _HEAD = ("ross_version", "parameters", "_note")
+_SPEEDS = {"min_w": "minimum_speed", "rated_w": "rated_speed", "max_w": "maximum_continuous_speed"}
+_MODAL = ("modal_damping_ratio", "default_damping_ratio")
 _SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
 
 
@@ -126,16 +129,16 @@ class _Reader:
                     "its coefficients as a BearingElement"
                 )
             self._elements.append(_Element(where, kind, a_table(where, value)))
+        head = a_table("parameters", data.get("parameters", {}))
+        self._parameters = _Element("parameters", "parameters", head)
 
     def read(self) -> Imported:
         """Return the tables of a machine file."""
-        tables: dict[str, Any] = {"name": self._name, "material": {}, "shaft": {}}
+        tables: dict[str, Any] = {"name": self._name, "material": {}}
         shaft = self._of(_SHAFT)
         tables["section"] = self._sections(shaft, tables["material"])
-        beta = {element.number("beta", 0.0) for element in shaft}
-        if len(beta) > 1:
-            raise QuantityError("beta: is not the same of all shaft elements; here one eta_v is")
-        tables["shaft"]["eta_v"] = beta.pop()
+        tables["operation"] = self._operation()
+        tables["shaft"] = {"eta_v": self._damping(shaft)}
         last = len(tables["section"])
         pedestals = self._pedestals(last)
         tables["housing"] = [table for table, _ in pedestals.values()]
@@ -154,7 +157,23 @@ class _Reader:
                 self._append(
                     tables, _BEARINGS[element.kind], self._bearing(element, last, pedestals)
                 )
-        return Imported({k: v for k, v in tables.items() if v != []}, tuple(self._notes))
+        return Imported({k: v for k, v in tables.items() if v}, tuple(self._notes))
+
+    def _operation(self) -> dict[str, float]:
+        """Return the operating speeds that are given."""
+        speeds = {ours: self._parameters.number(w, 0.0) for w, ours in _SPEEDS.items()}
+        return {name: speed for name, speed in speeds.items() if speed != 0}
+
+    def _damping(self, shaft: list[_Element]) -> float:
+        """Return the viscous damping [s]; that of the whole rotor, of ROSS 3, is in the place of
+        the elements' own."""
+        self._parameters.refuse_others(*_SPEEDS, "alpha", "beta", *_MODAL)
+        self._parameters.refuse_nonzero("alpha", *_MODAL)
+        whole = self._parameters.number("beta", 0.0)
+        each = {whole or element.number("beta", 0.0) for element in shaft}
+        if len(each) > 1:
+            raise QuantityError("beta: is not the same of all shaft elements; here one eta_v is")
+        return each.pop()
 
     def _of(self, *kinds: str) -> list[_Element]:
         return [element for element in self._elements if element.kind in kinds]
