@@ -18,10 +18,10 @@ _SHAFT, _DISC, _MASS = "ShaftElement", "DiskElement", "PointMass"
 _BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
 _COEFFICIENTS = tuple(f"{of}{axes}" for of in "kc" for axes in ("xx", "xy", "yx", "yy"))
 _MASSES = ("mxx", "mxy", "myx", "myy")
-_AXIAL = ("kzz", "czz", "mzz")
+_NOT_LATERAL = ("kzz", "czz", "mzz", "radial_clearance", "seal_leakage")
 # Entries that draw, name or repeat something, those of the classes beside the coefficients, and of
 # old solvers.
-_IDLE = ("tag", "color", "scale_factor", "radial_clearance", "interpolation", "sparse", "n_eigen")
+_IDLE = ("tag", "color", "scale_factor", "interpolation", "sparse", "n_eigen")
 _HEAD = ("ross_version", "parameters", "_note")
 _SPEEDS = {"min_w": "minimum_speed", "rated_w": "rated_speed", "max_w": "maximum_continuous_speed"}
 _MODAL = ("modal_damping_ratio", "default_damping_ratio")
@@ -173,7 +173,12 @@ class _Reader:
         each = {whole or element.number("beta", 0.0) for element in shaft}
         if len(each) > 1:
             raise QuantityError("beta: is not the same of all shaft elements; here one eta_v is")
-        return each.pop()
+        beta = each.pop()
+        if beta != 0 and any(element.number("axial_force", 0.0) != 0 for element in shaft):
+            self._notes.append(
+                "beta: damps bending and shear, where in ROSS axial_force adds to it"
+            )
+        return beta
 
     def _of(self, *kinds: str) -> list[_Element]:
         return [element for element in self._elements if element.kind in kinds]
@@ -309,15 +314,16 @@ class _Reader:
     def _coefficients(self, element: _Element) -> dict[str, Any]:
         """Return the eight coefficients, and the speeds where they are tables."""
         axes = ("frequency", "speed")
-        element.refuse_others("n", "n_link", *axes, *_COEFFICIENTS, *_MASSES, *_AXIAL)
+        element.refuse_others("n", "n_link", *axes, *_COEFFICIENTS, *_MASSES, *_NOT_LATERAL)
         for key in _MASSES:
             if element.column(key) != 0:
                 raise QuantityError(
                     f"{element.where}.{key}: must be 0; a bearing here has no added mass, take a "
                     "PointMass"
                 )
-        if any(element.column(key) != 0 for key in _AXIAL):
-            self._notes.append(f"{element.where}: kzz, czz, mzz act along the axis, left out")
+        idle = [key for key in _NOT_LATERAL if element.column(key) != 0]
+        if idle:
+            self._notes.append(f"{element.where}: {', '.join(idle)}: no lateral force, left out")
         own = {key: element.column(key) for key in _COEFFICIENTS}
         tables = {key: column for key, column in own.items() if isinstance(column, list)}
         if not tables:

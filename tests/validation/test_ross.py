@@ -176,6 +176,7 @@ def test_damping_of_the_whole_rotor_is_in_the_place_of_the_elements():
     result = parse_ross(text)
     assert result.tables["shaft"]["eta_v"] == 2e-5
     assert parse_ross(text.replace("beta = 0.0", "beta = 1e-3")).tables == result.tables
+    assert "axial_force" in result.notes[0]
 
 
 def test_operating_speeds_are_carried_over():
@@ -184,6 +185,16 @@ def test_operating_speeds_are_carried_over():
     operation = parse_rotor(toml_text(parse_ross(text).tables)).operation
     assert (operation.minimum_speed, operation.rated_speed) == (None, 200.0)
     assert operation.maximum_continuous_speed == 300.0
+
+
+def test_what_exerts_no_lateral_force_is_said_to_be_left_out():
+    text = text_of("compressor.toml")
+    others = "kzz = [ 1e5,]\nseal_leakage = 0.2\nradial_clearance = 1e-4"
+    given = text.replace("kzz = [ 0,]", others)
+    result = parse_ross(given)
+    assert result.tables == parse_ross(text).tables
+    left_out = "SealElement_balance piston: kzz, radial_clearance, seal_leakage: no lateral force"
+    assert f"{left_out}, left out" in result.notes
 
 
 def test_null_is_nothing():
