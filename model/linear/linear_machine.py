@@ -169,7 +169,7 @@ class LinearMachine:
     def _rested(self, speed: float, force: np.ndarray, rest: np.ndarray) -> Linear | None:
         """Return the machine linearized where a force holds it, looked for from `rest` on by
         Newton's method; None where that finds nothing."""
-        before, states = math.inf, None
+        before, states, last, share = math.inf, None, np.zeros_like(rest), 1.0
         for _ in range(_ITERATIONS):
             linear = self._linear(speed, rest, 0.0, states)
             states = linear.states
@@ -177,9 +177,12 @@ class LinearMachine:
             # of large ones where the shaft is stiff
             of_laws = linear.laws.force - to_complex(self._tangent(linear.laws.by_d, rest))
             result, pull = linear.factorized()(force + self._across.T @ in_plane(of_laws))
-            result = self._within_films(rest, result)
-            change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
-            rest = result
+            step = self._within_films(rest, result) - rest
+            change, size = (np.abs(x).max(initial=0.0) for x in (step, rest + step))
+            # to and fro where a film begins to carry, with a slope without bound: less of a step
+            returns = change >= 0.5 * before and step @ last < 0.0
+            share = 0.5 * share if returns else min(1.0, 1.2 * share)
+            rest, last = rest + share * step, step
             if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
                 return linear._replace(rest=rest, pull=pull)
             before = change

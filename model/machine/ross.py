@@ -12,16 +12,19 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..quantities import QuantityError
-from .table_reader import nearest
+from .table_reader import a_table, nearest, number, printable
 
 _SHAFT, _DISC, _MASS = "ShaftElement", "DiskElement", "PointMass"
 _BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
 _COEFFICIENTS = tuple(f"{of}{axes}" for of in "kc" for axes in ("xx", "xy", "yx", "yy"))
 _MASSES = ("mxx", "mxy", "myx", "myy")
-_AXIAL = ("kzz", "czz", "mzz")
-# Entries that draw, name or repeat something, and those of the classes beside the coefficients.
-_IDLE = ("tag", "color", "scale_factor", "radial_clearance", "interpolation")
+_NOT_LATERAL = ("kzz", "czz", "mzz", "radial_clearance", "seal_leakage")
+# Entries that draw, name or repeat something, those of the classes beside the coefficients, and of
+# old solvers.
+_IDLE = ("tag", "color", "scale_factor", "interpolation", "sparse", "n_eigen")
 _HEAD = ("ross_version", "parameters", "_note")
+_SPEEDS = {"min_w": "minimum_speed", "rated_w": "rated_speed", "max_w": "maximum_continuous_speed"}
+_MODAL = ("modal_damping_ratio", "default_damping_ratio")
 _SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
 
 
@@ -62,14 +65,14 @@ class _Element(NamedTuple):
     def number(self, key: str, default: float | None = None) -> float:
         """Return a finite number."""
         value = self.values.get(key, default)
-        value = default if value is None else value
+        value = number(default if value is None else value)
         if value is None:
             raise QuantityError(f"{self.where}.{key} is missing")
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        if not isinstance(value, float):
             raise QuantityError(f"{self.where}.{key} = {value!r}: must be a number")
         if not math.isfinite(value):
             raise QuantityError(f"{self.where}.{key} = {value}: must be finite")
-        return float(value)
+        return value
 
     def node(self, key: str = "n") -> int:
         """Return a node, from 0."""
@@ -93,12 +96,19 @@ class _Element(NamedTuple):
         cells = [self._replace(values={key: item}).number(key) for item in value]
         return cells[0] if len(set(cells)) == 1 else cells
 
+    def refuse_nonzero(self, *keys: str) -> None:
+        """Raise `QuantityError` for a key with another value than 0."""
+        for key in keys:
+            if (value := self.column(key)) != 0:
+                raise QuantityError(f"{self.where}.{key} = {value}: must be 0; it is not supported")
+
     def refuse_others(self, *known: str) -> None:
         """Raise `QuantityError` for an unknown key with a value."""
         for key, value in self.values.items():
             if value is not None and key not in (*known, *_IDLE):
                 hint = nearest(key, known)
-                raise QuantityError(f"{self.where}.{key}: unknown key, {hint}not carried over")
+                where = f"{self.where}.{printable(key)}"
+                raise QuantityError(f"{where}: unknown key, {hint}not carried over")
 
 
 class _Reader:
@@ -112,25 +122,23 @@ class _Reader:
         for key, value in data.items():
             if key in _HEAD:
                 continue
-            kind = key.partition("_")[0]
+            kind, where = key.partition("_")[0], printable(key)
             if kind not in (_SHAFT, _DISC, _MASS, *_BEARINGS):
                 raise QuantityError(
-                    f"{key}: a {kind} of ROSS is not supported; remove it, or save its "
-                    "coefficients as a BearingElement"
+                    f"{where}: a {printable(kind)} of ROSS is not supported; remove it, or save "
+                    "its coefficients as a BearingElement"
                 )
-            if not isinstance(value, dict):
-                raise QuantityError(f"{key} = {value!r}: must be a table")
-            self._elements.append(_Element(key, kind, value))
+            self._elements.append(_Element(where, kind, a_table(where, value)))
+        head = a_table("parameters", data.get("parameters", {}))
+        self._parameters = _Element("parameters", "parameters", head)
 
     def read(self) -> Imported:
         """Return the tables of a machine file."""
-        tables: dict[str, Any] = {"name": self._name, "material": {}, "shaft": {}}
+        tables: dict[str, Any] = {"name": self._name, "material": {}}
         shaft = self._of(_SHAFT)
         tables["section"] = self._sections(shaft, tables["material"])
-        beta = {element.number("beta", 0.0) for element in shaft}
-        if len(beta) > 1:
-            raise QuantityError("beta: is not the same of all shaft elements; here one eta_v is")
-        tables["shaft"]["eta_v"] = beta.pop()
+        tables["operation"] = self._operation()
+        tables["shaft"] = {"eta_v": self._damping(shaft)}
         last = len(tables["section"])
         pedestals = self._pedestals(last)
         tables["housing"] = [table for table, _ in pedestals.values()]
@@ -149,7 +157,28 @@ class _Reader:
                 self._append(
                     tables, _BEARINGS[element.kind], self._bearing(element, last, pedestals)
                 )
-        return Imported({k: v for k, v in tables.items() if v != []}, tuple(self._notes))
+        return Imported({k: v for k, v in tables.items() if v}, tuple(self._notes))
+
+    def _operation(self) -> dict[str, float]:
+        """Return the operating speeds that are given."""
+        speeds = {ours: self._parameters.number(w, 0.0) for w, ours in _SPEEDS.items()}
+        return {name: speed for name, speed in speeds.items() if speed != 0}
+
+    def _damping(self, shaft: list[_Element]) -> float:
+        """Return the viscous damping [s]; that of the whole rotor, of ROSS 3, is in the place of
+        the elements' own."""
+        self._parameters.refuse_others(*_SPEEDS, "alpha", "beta", *_MODAL)
+        self._parameters.refuse_nonzero("alpha", *_MODAL)
+        whole = self._parameters.number("beta", 0.0)
+        each = {whole or element.number("beta", 0.0) for element in shaft}
+        if len(each) > 1:
+            raise QuantityError("beta: is not the same of all shaft elements; here one eta_v is")
+        beta = each.pop()
+        if beta != 0 and any(element.number("axial_force", 0.0) != 0 for element in shaft):
+            self._notes.append(
+                "beta: damps bending and shear, where in ROSS axial_force adds to it"
+            )
+        return beta
 
     def _of(self, *kinds: str) -> list[_Element]:
         return [element for element in self._elements if element.kind in kinds]
@@ -193,14 +222,9 @@ class _Reader:
                 raise QuantityError(
                     f"{element.where}.{flag} = false: not supported, a shaft here always has it"
                 )
-        for load in ("torque", "alpha"):
-            if element.number(load, 0.0) != 0:
-                raise QuantityError(
-                    f"{element.where}.{load} = {element.number(load):g}: must be 0; it is not "
-                    "supported"
-                )
+        element.refuse_nonzero("torque", "alpha")
         method = element.values.get("shear_method_calc", "cowper")
-        if method not in _SHEARS:
+        if method not in tuple(_SHEARS):
             raise QuantityError(
                 f"{element.where}.shear_method_calc = {method!r}: must be cowper or hutchinson"
             )
@@ -226,11 +250,13 @@ class _Reader:
         young, shear = inner.number("E"), inner.number("G_s")
         if not shear > 0:
             raise QuantityError(f"{inner.where}.G_s = {shear:g} Pa: must be > 0")
-        table = {
-            "young": young,
-            "density": inner.number("rho"),
-            "poisson": young / (2 * shear) - 1,
-        }
+        poisson = young / (2 * shear) - 1
+        if not 0 <= poisson < 0.5:
+            raise QuantityError(
+                f"{inner.where}: E / (2 G_s) - 1 = {poisson:g}, Poisson's ratio: must be >= 0 and "
+                "below 0.5"
+            )
+        table = {"young": young, "density": inner.number("rho"), "poisson": poisson}
         name = base = str(values.get("name", "material"))
         count = 1
         while materials.setdefault(name, table) != table:
@@ -288,15 +314,16 @@ class _Reader:
     def _coefficients(self, element: _Element) -> dict[str, Any]:
         """Return the eight coefficients, and the speeds where they are tables."""
         axes = ("frequency", "speed")
-        element.refuse_others("n", "n_link", *axes, *_COEFFICIENTS, *_MASSES, *_AXIAL)
+        element.refuse_others("n", "n_link", *axes, *_COEFFICIENTS, *_MASSES, *_NOT_LATERAL)
         for key in _MASSES:
             if element.column(key) != 0:
                 raise QuantityError(
                     f"{element.where}.{key}: must be 0; a bearing here has no added mass, take a "
                     "PointMass"
                 )
-        if any(element.column(key) != 0 for key in _AXIAL):
-            self._notes.append(f"{element.where}: kzz, czz, mzz act along the axis, left out")
+        idle = [key for key in _NOT_LATERAL if element.column(key) != 0]
+        if idle:
+            self._notes.append(f"{element.where}: {', '.join(idle)}: no lateral force, left out")
         own = {key: element.column(key) for key in _COEFFICIENTS}
         tables = {key: column for key, column in own.items() if isinstance(column, list)}
         if not tables:

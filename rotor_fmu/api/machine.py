@@ -134,7 +134,7 @@ def load(path: Path | str | None = None) -> Machine:
     Warns
     -----
     RotorWarning
-        If a value is probably meant in another unit.
+        If a value is probably meant in another unit, or a rotor from ROSS is not the same here.
 
     Examples
     --------

@@ -24,15 +24,15 @@ _EXTENDS = "extends"
 _MOST = 8  # files that extend one another
 
 
-def machine_text(option: str, path: Path) -> str:
-    """Return the whole machine as TOML text; `InputError` for a file that cannot be read or
-    merged."""
+def machine_text(option: str, path: Path, note: Callable[[str], None] = lambda _: None) -> str:
+    """Return the whole machine as TOML text; note: takes the notes on an import from ROSS.
+    `InputError` for a file that cannot be read or merged."""
     text = read_text(option, path)
     data = _content(path, text)
     if data is None:
         return text
     if _EXTENDS in data or is_ross(data):
-        return toml_text(_tables(path, data, text, ()))
+        return toml_text(_tables(path, data, text, (), note))
     return si_text(text, f"{path}: ")
 
 
@@ -72,10 +72,19 @@ def _content(path: Path, text: str) -> dict[str, Any] | None:
     return data if isinstance(data, dict) else None
 
 
-def _tables(path: Path, data: dict[str, Any], text: str, above: tuple[Path, ...]) -> dict[str, Any]:
+def _tables(
+    path: Path,
+    data: dict[str, Any],
+    text: str,
+    above: tuple[Path, ...],
+    note: Callable[[str], None],
+) -> dict[str, Any]:
     """Return the tables of a file with those of what it extends."""
     if is_ross(data):
-        return import_ross("--rotor", path).tables
+        result = import_ross("--rotor", path)
+        for line in result.notes:
+            note(line)
+        return result.tables
     data = in_si_units(data, f"{path}: ")
     base = data.get(_EXTENDS)
     if base is None:
@@ -92,7 +101,7 @@ def _tables(path: Path, data: dict[str, Any], text: str, above: tuple[Path, ...]
     if inner is None:
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: is not valid TOML")
     own = {key: value for key, value in data.items() if key != _EXTENDS}
-    return _merged(_tables(other, inner, inner_text, (*above, path)), own)
+    return _merged(_tables(other, inner, inner_text, (*above, path), note), own)
 
 
 def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
@@ -120,11 +129,13 @@ def load_rotor(
     path: Path | None, ask: Callable[[str], None] = _to_screen, option: str = "--rotor"
 ) -> tuple[str, Rotor]:
     """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
-    one; ask: takes the questions about values that nobody means; option: that names the file."""
-    text = rig_toml() if path is None else machine_text(option, path)
+    one; ask: takes the notes on an import from ROSS, and questions about values that nobody means;
+    option: that names the file."""
+    asked: list[str] = []
+    text = rig_toml() if path is None else machine_text(option, path, asked.append)
     try:
         rotor = parse_rotor(text)
-        asked = questions(rotor)
+        asked += questions(rotor)
     except QuantityError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from error
     for question in asked:

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.text import Text
 from rotor_fmu.model import linear
 from rotor_fmu.model.linear import Modes
+from rotor_fmu.model.machine.ross import parse_ross
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.machine.toml_text import toml_text
 
@@ -114,6 +115,14 @@ def test_a_rotor_from_ross_is_taken_as_it_is_and_imported(command, tmp_path):
     )
     output = command("modes", "--rotor", str(machine))
     assert output.splitlines()[-9:-1] == direct.splitlines()[-9:-1]
+
+
+def test_what_is_not_the_same_as_in_ross_is_said_wherever_a_file_is_read():
+    said = []
+    load_rotor(ROSS / "compressor.toml", said.append)
+    notes = parse_ross((ROSS / "compressor.toml").read_text()).notes
+    assert notes
+    assert said == [f"{ROSS / 'compressor.toml'}: {note}" for note in notes]
 
 
 def test_a_notebook_shows_a_table_and_a_picture():

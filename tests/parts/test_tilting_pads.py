@@ -242,6 +242,14 @@ def test_pads_without_preload_hold_a_journal_off_their_middle():
     assert journal == pytest.approx(complex(film.x[0], film.y[0]), abs=1e-6 * film.clearance)
 
 
+@pytest.mark.parametrize("speed", [57.0355, 57.0378, 57.06])
+def test_a_journal_rests_where_the_film_of_a_pad_begins_to_carry(speed):
+    """From there on its force is as the root of the displacement: tangents lead to and fro."""
+    pads = [1.5 * _PI + i * 0.4 * _PI for i in range(5)]
+    result = static(_in_pads(pads=pads, arc=1.0, preload=0.3), speed)
+    assert result.load_y[0] == pytest.approx(result.load_y[1], rel=1e-9)
+
+
 def test_without_gravity_pads_without_preload_are_said_to_lack_stiffness_not_to_be_too_few():
     rotor = replace(_in_pads(preload=0.0), gravity=0.0)
     with pytest.raises(LinearError) as refused:

@@ -135,7 +135,7 @@ def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
     [
         ('["SealElement_balance', '["GearElement_balance', "GearElement of ROSS is not supported"),
         ("mxx = [ 0,]", "mxx = [ 2.0,]", "SealElement_balance piston.mxx: must be 0"),
-        ("torque = 0\n", "torque = 5.0\n", "torque = 5: must be 0"),
+        ("torque = 0\n", "torque = 5.0\n", "torque = 5.0: must be 0"),
         ("gyroscopic = true", "gyroscopic = false", "gyroscopic = false: not supported, a shaft"),
         ("alpha = 0.0", "alpha = 0.1", "alpha = 0.1: must be 0"),
         ('"cowper"', '"timoshenko"', "must be cowper or hutchinson"),
@@ -150,6 +150,15 @@ def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
         ("L = 0.06", "L = true", "L = True: must be a number"),
         ("G_s = 81200000000.0", "G_s = 0.0", "G_s = 0 Pa: must be > 0"),
         ('ross_version = "2.3.0"', "ross_version", "not valid TOML"),
+        ("[parameters]", "[parameters]\nalpha = 8.0", "parameters.alpha = 8.0: must be 0"),
+        ("[parameters]", "[parameters]\nmodal_damping_ratio = [0.1, 0.2]", "must be 0"),
+        ("[parameters]", "[parameters]\nsigma = 8.0", "parameters.sigma: unknown key"),
+        ("[parameters]", "parameters = 1", "parameters = 1: must be a table"),
+        ('"cowper"', '["cowper"]', "must be cowper or hutchinson"),
+        ("m = 12.0", f"m = 1{400 * '0'}", "must be a number"),
+        ("G_s = 81200000000.0", "G_s = 2e11", "Element 0.material: E / (2 G_s) - 1 = -0.4725"),
+        ('["SealElement_balance', '["SealElement\\nbalance', "'SealElement\\nbalance piston'"),
+        ("mxx = [ 0,]", '"a\\nb" = 1', "'a\\nb': unknown key"),
     ],
 )
 def test_what_cannot_be_carried_over_is_refused_by_name(before, after, expected):
@@ -159,6 +168,33 @@ def test_what_cannot_be_carried_over_is_refused_by_name(before, after, expected)
         parse_ross(text.replace(before, after, 1))
     assert expected in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_damping_of_the_whole_rotor_is_in_the_place_of_the_elements():
+    """ROSS 3 ignores the elements' damping where the rotor has its own."""
+    text = text_of("under_tension.toml").replace("[parameters]", "[parameters]\nbeta = 2e-5")
+    result = parse_ross(text)
+    assert result.tables["shaft"]["eta_v"] == 2e-5
+    assert parse_ross(text.replace("beta = 0.0", "beta = 1e-3")).tables == result.tables
+    assert "axial_force" in result.notes[0]
+
+
+def test_operating_speeds_are_carried_over():
+    speeds = "min_w = 0.0\nrated_w = 200.0\nmax_w = 300.0"
+    text = text_of("compressor.toml").replace("[parameters]", f"[parameters]\n{speeds}")
+    operation = parse_rotor(toml_text(parse_ross(text).tables)).operation
+    assert (operation.minimum_speed, operation.rated_speed) == (None, 200.0)
+    assert operation.maximum_continuous_speed == 300.0
+
+
+def test_what_exerts_no_lateral_force_is_said_to_be_left_out():
+    text = text_of("compressor.toml")
+    others = "kzz = [ 1e5,]\nseal_leakage = 0.2\nradial_clearance = 1e-4"
+    given = text.replace("kzz = [ 0,]", others)
+    result = parse_ross(given)
+    assert result.tables == parse_ross(text).tables
+    left_out = "SealElement_balance piston: kzz, radial_clearance, seal_leakage: no lateral force"
+    assert f"{left_out}, left out" in result.notes
 
 
 def test_null_is_nothing():
