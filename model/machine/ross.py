@@ -7,6 +7,7 @@ bearing to ground; here a housing. An element that cannot be imported is an erro
 
 import json
 import math
+import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -25,6 +26,8 @@ _IDLE = ("tag", "color", "scale_factor", "interpolation", "sparse", "n_eigen")
 _HEAD = ("ross_version", "parameters", "_note")
 _SPEEDS = {"min_w": "minimum_speed", "rated_w": "rated_speed", "max_w": "maximum_continuous_speed"}
 _MODAL = ("modal_damping_ratio", "default_damping_ratio")
+# What ROSS 3 writes into a TOML file for a number that NumPy made.
+_OF_NUMPY = re.compile(r"np\.(?:float|int)\d+\(([-+.\deE]+)\)")
 _SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
 
 
@@ -66,6 +69,8 @@ class _Element(NamedTuple):
         """Return a finite number."""
         value = self.values.get(key, default)
         value = number(default if value is None else value)
+        if isinstance(value, str) and (of_numpy := _OF_NUMPY.fullmatch(value)):
+            value = float(of_numpy[1])
         if value is None:
             raise QuantityError(f"{self.where}.{key} is missing")
         if not isinstance(value, float):

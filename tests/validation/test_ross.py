@@ -180,7 +180,7 @@ def test_damping_of_the_whole_rotor_is_in_the_place_of_the_elements():
 
 
 def test_operating_speeds_are_carried_over():
-    speeds = "min_w = 0.0\nrated_w = 200.0\nmax_w = 300.0"
+    speeds = "min_w = 0.0\nrated_w = 'np.float64(200.0)'\nmax_w = 300.0"
     text = text_of("compressor.toml").replace("[parameters]", f"[parameters]\n{speeds}")
     operation = parse_rotor(toml_text(parse_ross(text).tables)).operation
     assert (operation.minimum_speed, operation.rated_speed) == (None, 200.0)
