@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import Stage, campbell, level_1, level_2, modes
+from rotor_fmu.model.linear import Stage, campbell, first_forward, level_1, level_2, modes
 from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
@@ -384,3 +385,12 @@ def test_the_tables_name_growth_without_oscillation_and_a_missing_stage():
     given = stability_answers.level_1(pulled(k=-1e6), 300.0, node=4, anticipated=1e3).table().title
     assert "UNSTABLE" not in given
     assert "no stage" not in given
+
+
+def test_a_mode_that_whirls_backward_but_for_some_nodes_is_not_the_first_forward_one():
+    lowest = SimpleNamespace(
+        whirl=("mixed", "backward", "mixed", "forward"),
+        forwardness=np.array([-0.84, -0.23, 0.3, 0.9]),
+        damping_ratio=np.full(4, 0.05),
+    )
+    assert first_forward._place(lowest) == 2
