@@ -90,6 +90,11 @@ class NotConverged(RuntimeError):
         super().__init__("Newton's method does not converge")
 
 
+def distance(a: CurvePoint, b: CurvePoint, scale: float) -> float:
+    """Return the distance of two points, with lambda over its scale."""
+    return float(np.hypot(np.linalg.norm(b.x - a.x), (b.value - a.value) / scale))
+
+
 def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
     """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`."""
     x, corrections = x.copy(), []

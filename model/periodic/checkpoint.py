@@ -13,7 +13,7 @@ import numpy as np
 
 from ..message_templates import Message
 from .balance import Orbit
-from .branch import TracedPoint
+from .tracer import TracedPoint
 
 
 class BranchStart(NamedTuple):

@@ -11,13 +11,14 @@ import numpy as np
 from . import arclength
 from .arclength import CurvePoint, NotConverged
 from .balance import Orbit
-from .branch import CLOSED, UNFINISHED, Branch, Solution, TracedPoint, Tracer, with_motion
+from .branch import CLOSED, UNFINISHED, Branch, Solution, with_motion
 from .checkpoint import BranchStart, EndEvent, EventLog, StartEvent, Starts
 from .fourier import amplitudes, basis, repeated, resized, shifted
 from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
 from .problem import Machines, Note, Response
 from .shooting import Shooting
+from .tracer import TracedPoint, Tracer
 
 LOST = "lost: "
 JOINED = "joins a branch of a shorter period"

@@ -9,6 +9,7 @@ from ..model.periodic.branch import Bifurcation, Solution
 from ..report.packed import COARSE, packed
 from ..report.report_tables import notices_html, table
 from ..report.run_page import page, template
+from .vertices import vertices
 
 if TYPE_CHECKING:
     from .result import ResponseResult
@@ -19,7 +20,7 @@ _MOST_VALUES = 3_000_000  # of all orbits
 
 def response_page(result: "ResponseResult", name: str) -> str:
     """Return the page as HTML; name: of the machine."""
-    from .result import UNITS, vertices
+    from .result import UNITS
 
     lines, axis = [vertices(branch) for branch in result.branches], result.axis
     points = [vertex.motion for line in lines for vertex in line]

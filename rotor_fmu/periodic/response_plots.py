@@ -12,7 +12,8 @@ from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS, U
 from ..model.periodic.continuation import LOST
 from ..model.periodic.folds import FoldCurve
 from ..plotting.figure_style import BLUE, COLORS, DASHED, GREY, SKY, entitle, new_figure
-from .result import ResponseResult, pieces
+from .result import ResponseResult
+from .vertices import pieces
 
 _COLORS = (*COLORS[:4], SKY)
 _LOST_THERE = f"the curve is {LOST.rstrip(': ')}"

@@ -18,9 +18,10 @@ from ..files import only_call
 from ..model.message_templates import Message
 from ..model.periodic.arclength import CurvePoint
 from ..model.periodic.balance import Orbit
-from ..model.periodic.branch import NO_MOTION, Bifurcation, Solution, TracedPoint, TracerState
+from ..model.periodic.branch import NO_MOTION, Bifurcation, Solution
 from ..model.periodic.checkpoint import BranchStart, EndEvent, Event, EventLog, StartEvent
 from ..model.periodic.problem import Note
+from ..model.periodic.tracer import TracedPoint, TracerState
 
 FILE, LOCK = "points.jsonl", "points.lock"
 _KINDS: Mapping[str, Callable[..., Any]] = {

@@ -6,7 +6,7 @@ from rotor_fmu.model.periodic.branch import FOLD, Bifurcation
 
 from rotor_fmu.display import choose, restored
 from rotor_fmu.periodic.response_page import response_page
-from rotor_fmu.periodic.result import vertices
+from rotor_fmu.periodic.vertices import vertices
 
 from ..documents.browser import NASTY, Page
 from .machines import CLEARANCE, OMEGA, rub

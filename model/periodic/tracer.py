@@ -1,0 +1,136 @@
+"""Tracing a branch of periodic motions in one direction, with as many harmonics as needed."""
+
+from collections.abc import Generator, Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+from . import arclength
+from .arclength import ContinuationSteps, CurvePoint, NotConverged, distance
+from .balance import HarmonicBalance
+from .bifurcation_search import bifurcations_between
+from .branch import CLOSED, UNFINISHED, Bifurcation, Solution, solution
+from .harmonic_count import Accuracy, with_enough_harmonics
+from .method_switch import PeriodicEquations, as_shooting, suitable_equations
+from .shooting import Shooting
+
+_NEAR_START = 0.5  # share of a step: the branch has come back to its start
+_COARSE_STEPS = 4  # short steps with too few harmonics after which a whirl is not followed
+
+CurveTrace = Generator[tuple[CurvePoint, float], tuple[PeriodicEquations, CurvePoint] | None, None]
+
+
+class TracerState(NamedTuple):
+    """What a tracer needs to resume from a point of a branch: the reference value of the equations,
+    the number of harmonics (0 while shooting: it resumes from the last point with harmonics), the
+    point, the length of the next step, and the number of successive steps that were short for want
+    of harmonics."""
+
+    reference: float
+    H: int
+    point: CurvePoint
+    length: float
+    coarse_steps: int = 0
+
+
+class TracedPoint(NamedTuple):
+    """A point of a branch, the bifurcations before it, and the tracer's state."""
+
+    solution: Solution
+    bifurcations: list[Bifurcation]
+    state: TracerState
+
+
+class Tracer:
+    """Follows a branch in one direction from a point."""
+
+    def __init__(
+        self,
+        problem: PeriodicEquations,
+        low: float,
+        high: float,
+        *,
+        steps: ContinuationSteps,
+        accuracy: Accuracy,
+    ) -> None:
+        self.problem, self.low, self.high = problem, low, high
+        self.balance = problem.balance if isinstance(problem, Shooting) else problem
+        self.steps, self.accuracy = steps, accuracy
+        self.end = ""
+
+    def follow(self, point: CurvePoint) -> Iterator[TracedPoint]:
+        """Yield the points, each with the bifurcations before it, from the start on; raises
+        `NotConverged` where the branch is lost."""
+        problem = self.problem
+        problem.fix_phase(point.x)
+        if isinstance(problem, HarmonicBalance):
+            is_end = point.value in (self.low, self.high)
+            problem, point = with_enough_harmonics(problem, point, self.accuracy, is_end)
+        last = solution(problem, point, self.accuracy)
+        H = problem.H if isinstance(problem, HarmonicBalance) else 0
+        state = TracerState(problem.reference, H, point, self.steps.initial)
+        yield TracedPoint(last, [], state)
+        yield from self.resume(state, state, last)
+
+    def resume(
+        self, start: TracerState, state: TracerState, last: Solution
+    ) -> Iterator[TracedPoint]:
+        """Yield further points from a state of the tracer, at which the motion is `last`; start:
+        the first state of the branch, with which a closed branch is recognized."""
+        accuracy, point = self.accuracy, state.point
+        problem: PeriodicEquations = (
+            self.balance.modified(state.H, reference=state.reference) if state.H else self.problem
+        )
+        problem.fix_phase(point.x)
+        trace = self._trace(problem, point, state.length)
+        step, coarse_steps = None, state.coarse_steps
+        while True:
+            try:
+                if coarse_steps > (_COARSE_STEPS if problem.is_autonomous else 0):
+                    raise NotConverged()
+                step = next(trace) if step is None else trace.send((problem, point))
+            except StopIteration:
+                break
+            except NotConverged:
+                problem, point = as_shooting(problem, point, last.orbit)
+                trace, step, coarse_steps = self._trace(problem, point, self.steps.initial), None, 0
+                continue
+            before, (result, length) = point, step
+            now = solution(problem, result, accuracy)
+            bifurcations = bifurcations_between(problem, before, result, last, now)
+            is_end = result.value in (self.low, self.high)
+            here, point, is_coarse = suitable_equations(
+                problem, result, now.orbit, accuracy, is_end
+            )
+            here.fix_phase(point.x)
+            if here is not problem:
+                problem, now = here, solution(here, point, accuracy)
+            coarse_steps = coarse_steps + 1 if is_coarse and length < self.steps.initial else 0
+            H = problem.H if isinstance(problem, HarmonicBalance) else 0
+            yield TracedPoint(
+                now, bifurcations, TracerState(problem.reference, H, point, length, coarse_steps)
+            )
+            if self._is_closed(problem, start.point, before, point):
+                self.end = CLOSED
+                return
+            last = now
+        self.end = self._why_ended(point)
+
+    def _trace(self, problem: PeriodicEquations, point: CurvePoint, length: float) -> CurveTrace:
+        steps = replace(self.steps, initial=length)
+        scale = problem.parameter.scale
+        return arclength.trace(problem, point, scale, self.low, self.high, steps)
+
+    def _why_ended(self, point: CurvePoint) -> str:
+        inside = self.low < point.value < self.high
+        most = f"{UNFINISHED}{self.steps.max_points} steps were taken, the most in one direction"
+        return most if inside else "end of the range"
+
+    def _is_closed(
+        self, problem: PeriodicEquations, start: CurvePoint, before: CurvePoint, point: CurvePoint
+    ) -> bool:
+        if len(start.x) != len(point.x) or len(before.x) != len(point.x):
+            return False
+        scale = problem.parameter.scale
+        step, away = (distance(a, point, scale) for a in (before, start))
+        same = float(start.tangent @ point.tangent + start.tangent_value * point.tangent_value)
+        return 0 < away < _NEAR_START * step and same > 0.9 and before.x is not start.x
