@@ -6,7 +6,8 @@ BIN := $(VENV)/Scripts
 else
 BIN := $(VENV)/bin
 endif
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# most of what is installed is never imported: what is, Python compiles once then
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
 # the tests start many processes, each of which would compile every module that it imports
 unexport PYTHONDONTWRITEBYTECODE
