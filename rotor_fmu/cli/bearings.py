@@ -132,7 +132,8 @@ def _linear_bearing(
             f"--table: {result.bearing} stands between two housings, {part.ring!r} and "
             f"{part.housing or 'ground'!r}; a linear_bearing is between a node and one of them"
         )
-    values: dict[str, Any] = {"node": part.node}
+    # a node that a part was placed on has no number in the file
+    values: dict[str, Any] = {"z": float(f"{machine.nodes[part.node - 1]:.12g}")}
     if housing := getattr(part, "housing", ""):
         values["housing"] = housing
     what, rests = "", "it rests"

@@ -18,14 +18,16 @@ from rotor_fmu.model.linear.rolling_bearing_curves import RollingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.housing import Housing
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers, bearing_answers
 
-from ..parts.films import DAMPER, in_films
+from ..parts.films import DAMPER, film, heavy_shaft, in_films
 from ..parts.machines import rigid
+from ..toml_text import table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OIL, ROLLING, SQUEEZE = (
@@ -222,9 +224,20 @@ def test_a_damper_is_said_with_coefficients_that_a_linear_bearing_takes(command,
     text = SQUEEZE.read_text(encoding="utf-8").split("[[squeeze_film_damper]]")[0]
     linear = table.read_text()
     replaced = tmp_path / "replaced.toml"
-    replaced.write_text(text + linear + linear.replace("node = 1", "node = 3"))
+    replaced.write_text(text + linear + linear.replace("z = 0.0", "z = 0.2"))
     roots = [answers.modes(path, 100.0) for path in (SQUEEZE, replaced)]
     np.testing.assert_allclose(roots[1].eigenvalues, roots[0].eigenvalues, rtol=1e-6)
+
+
+def test_coefficients_of_a_bearing_that_is_placed_by_z_stand_where_it_does(command, tmp_path):
+    """Its node is the third of the shaft as it is solved; the third of the file is elsewhere."""
+    bare = heavy_shaft() + table("[linear_bearing]", z=0.03, kxx=1e7, kyy=1e7, cxx=0.0, cyy=0.0)
+    placed, coefficients = tmp_path / "placed.toml", tmp_path / "coefficients.toml"
+    placed.write_text(bare + film(1).replace("node = 1", "z = 0.17"))
+    command("bearing", str(placed), "--speed", "300", "--table", str(coefficients))
+    replaced = parse_rotor(bare + coefficients.read_text())
+    nodes = [replaced.nodes[part.node - 1] for part in replaced.of_kind(LinearBearing)]
+    assert nodes == pytest.approx([0.03, 0.17], rel=1e-12)
 
 
 # --- oil films over the load ---

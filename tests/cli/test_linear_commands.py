@@ -205,7 +205,7 @@ def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, t
     # the machine with its films, and with what was written in their place, at a speed of the table
     machine = OIL_FILM.read_text().split("[[journal_bearing]]")[0]
     written = table.read_text()
-    linear = machine + written + written.replace("node = 1", "node = 7")
+    linear = machine + written + written.replace("z = 0.0", "z = 0.5")
     (tmp_path / "replaced.toml").write_text(linear)
     roots = [answers.modes(path, 500.0) for path in (OIL_FILM, tmp_path / "replaced.toml")]
     np.testing.assert_allclose(roots[1].damped[:4], roots[0].damped[:4], rtol=2e-4)
