@@ -22,6 +22,7 @@ from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 
+from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers, bearing_answers
 
@@ -348,3 +349,22 @@ def test_what_cannot_be_asked_is_refused(command, tmp_path, file, arguments, exp
         command("bearing", str(file), *arguments)
     assert expected in str(refused.value)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_table_is_not_written_over_the_machine_nor_where_something_else_cannot(tmp_path):
+    machine, taken = tmp_path / "machine.toml", tmp_path / "taken"
+    machine.write_text(OIL.read_text(encoding="utf-8"))
+    taken.write_text("")
+    before = sorted(tmp_path.iterdir())
+    given = ["bearing", str(machine), "--speed", "300", "--quiet"]
+    for target, out, expected in (
+        (machine, tmp_path / "out", f"--table {machine}: is the machine's own file; give another"),
+        (tmp_path, tmp_path / "out", f"--table {tmp_path}: is a folder; give the table's name"),
+        (taken / "t.toml", tmp_path / "out", f"--table {taken}: cannot be written to: File exists"),
+        (tmp_path / "t.toml", taken, f"--out {taken}: cannot be written to: File exists"),
+    ):
+        with pytest.raises(InputError) as refused:
+            app([*given, "--table", str(target), "--out", str(out)], standalone_mode=False)
+        assert str(refused.value).startswith(expected)
+        assert sorted(tmp_path.iterdir()) == before
+    assert machine.read_text() == OIL.read_text(encoding="utf-8")
