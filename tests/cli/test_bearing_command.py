@@ -254,11 +254,44 @@ def test_a_film_over_its_load_is_that_of_each_load_and_whirls_below_its_threshol
         np.testing.assert_allclose(over.K[i], one.K[0], rtol=1e-9)
         assert over.eccentricity[i] == pytest.approx(one.eccentricity[0], rel=1e-9)
     assert over.threshold is None
-    at = bearing_curves(rotor, [900.0], load=over.threshold_load)
-    assert at.critical_mass[0] == pytest.approx(over.threshold_load / 9.81, rel=1e-6)
+    (threshold,) = over.turns
+    at = bearing_curves(rotor, [900.0], load=threshold)
+    assert at.critical_mass[0] == pytest.approx(threshold / 9.81, rel=1e-6)
     assert over.critical_mass[0] < loads[0] / 9.81
     with pytest.raises(LinearError, match="2 speeds and 5 loads: one of both may vary"):
         bearing_curves(rotor, [900.0, 950.0], load=loads)
+
+
+def test_a_mass_that_whirls_between_two_loads_is_said_to():
+    """The threshold of a short film is least at 0.45 of the clearance: 2.54 sqrt(g / c), and 2.76
+    where nothing bears."""
+    speed = 2.65 * math.sqrt(9.81 / 1e-4)
+    found = bearing_answers.bearing(in_films(), [speed], load=np.linspace(20.0, 2000.0, 40))
+    low, high = found.turns
+    for load in (low, high):
+        at = bearing_curves(in_films(), [speed], load=load)
+        assert at.critical_mass[0] == pytest.approx(load / 9.81, rel=1e-6)
+    title = f"a mass that weighs its load whirls from {low:.6g} N to {high:.6g} N"
+    assert found.table().title == f"journal_bearing[1]: {title}"
+    lines = [line for line in found.figure().axes[2].lines if len(line.get_xdata()) == 2]
+    assert [line.get_xdata()[0] for line in lines] == [low, high]
+    light = bearing_answers.bearing(in_films(), [speed], load=np.array([low + 1.0, 2000.0]))
+    assert light.table().title.endswith(f"its load whirls below {light.turns[0]:.6g} N")
+    assert light.turns == pytest.approx([high], rel=1e-6)
+
+
+def test_a_film_whose_journal_turns_backwards_whirls_as_its_mirror_image_does():
+    ahead, back, both = (
+        bearing_answers.bearing(in_films(), np.linspace(*ends), load=200.0)
+        for ends in ((200.0, 1800.0, 5), (-1800.0, -200.0, 5), (-1800.0, 1800.0, 10))
+    )
+    assert both.threshold == pytest.approx(ahead.threshold, rel=1e-9)
+    assert back.threshold == pytest.approx(-ahead.threshold, rel=1e-9)
+    assert back.table().title == ahead.table().title
+    assert " whirls above 1" in ahead.table().title
+    place = ahead.table().heads.index("whirl [1]")
+    shares = [[row[place] for row in of.table().rows] for of in (ahead, back)]
+    np.testing.assert_allclose(shares[1][::-1], shares[0], rtol=1e-6)
 
 
 def test_a_journal_that_does_not_turn_lies_on_its_wall():
