@@ -25,6 +25,7 @@ from .system_at_speed import LinearError
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
 _HALVINGS = 30
+_ROUNDING = 1e-12  # of a force of the film's size
 ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
 
@@ -41,11 +42,12 @@ class BearingCurves:
     on, or loads [N] at which a mass that weighs the load does, if the loads vary, shape (k,);
     threshold: the slowest speed at which `mass` whirls [rad/s], None if it does at none or the
     loads vary; plane_error: of the load, against a two-
-    dimensional solution [1]; viscosity [Pa.s], temperature [degC]: of the lubricant, shape (n,),
-    None where no heat balance gives it; pads: of m pads the first and last angle, the angle of the
-    pivot [rad], the clearance and x, y of the journal from the pad's centre when it is in the
-    bearing's, over the clearance [1], shape (m, 6); tilts: of pads that tilt, how far, and how far
-    the pivot gives, shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m) [N].
+    dimensional solution [1], nan without a load; viscosity [Pa.s], temperature [degC]: of the
+    lubricant, shape (n,), None where no heat balance gives it; pads: of m pads the first and last
+    angle, the angle of the pivot [rad], the clearance and x, y of the journal from the pad's centre
+    when it is in the bearing's, over the clearance [1], shape (m, 6); tilts: of pads that tilt, how
+    far, and how far the pivot gives, shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m)
+    [N].
     """
 
     bearing: str
@@ -114,10 +116,13 @@ def bearing_curves(
     speeds, loads = speeds_and_loads(rotor, name, speeds, load)
     rows = []
     start = None
-    for speed, on in zip(speeds, loads, strict=True):
+    for i, speed in enumerate(speeds):
         alone = BearingAlone(known[name], speed, name)
+        if load is None and abs(loads[i]) <= _ROUNDING * _viscous(alone):
+            loads[i] = 0.0
+        on = complex(loads[i])
         start = alone.rest(on, None if on == 0.0 else start)
-        rows.append(_row(alone, known[name], start))
+        rows.append(_row(alone, known[name], on, start))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     gravity = rotor.gravity or GRAVITY
     mass = float(abs(loads[0])) / gravity
@@ -149,14 +154,16 @@ def bearing_curves(
     )
 
 
-def _row(alone: BearingAlone, part: JournalBearing, d: complex) -> dict[str, object]:
+def _row(alone: BearingAlone, part: JournalBearing, load: complex, d: complex) -> dict[str, object]:
     K, C = alone.coefficients(d)
     mass, whirl = critical_mass(K, C)
     known = alone.outputs(d)
     names = ("eccentricity", "attitude", "film", "pressure", "torque", "power", "flow")
     tilts = alone.tilts(d)
     in_plane = film_in_plane(part, alone.speed, d, tilts=tilts, viscosity=alone.viscosity)
-    error = abs(alone.force(d) - in_plane) / abs(in_plane) if in_plane != 0.0 else math.nan
+    # without a load both are what is left where the forces of the pads cancel
+    is_compared = load != 0.0 and in_plane != 0.0
+    error = abs(alone.force(d) - in_plane) / abs(in_plane) if is_compared else math.nan
     return {name: known[name] for name in names} | {
         "x": d.real,
         "y": d.imag,
@@ -170,6 +177,13 @@ def _row(alone: BearingAlone, part: JournalBearing, d: complex) -> dict[str, obj
         "tilts": np.column_stack([tilts.real, tilts.imag]),
         "pad_loads": alone.pad_loads(d) if part.tilting else np.zeros(0),
     }
+
+
+def _viscous(alone: BearingAlone) -> float:
+    """Return a force of the film's size [N]."""
+    part = alone.part
+    slender = part.journal_radius / part.clearance
+    return alone.viscosity * abs(alone.speed) * slender**2 * part.journal_radius * part.length
 
 
 def _temperatures(part: JournalBearing, speeds: np.ndarray) -> np.ndarray | None:

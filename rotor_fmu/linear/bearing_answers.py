@@ -57,6 +57,8 @@ class BearingCurves(Displayed, linear.BearingCurves):
             shown = [f"{load * d.force:.6g} {d.force_unit}" for load in self.turns]
             where = _where(bool(self.critical_mass[0] < self.mass), shown)
             return f"a mass that weighs its load {where}"
+        if self.mass == 0.0:
+            return "it bears no load"
         mass = f"a mass of {self.mass * d.mass:.4g} {d.mass_unit} on it"
         if self.threshold is None:
             return f"{mass} does not whirl"

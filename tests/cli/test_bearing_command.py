@@ -294,6 +294,16 @@ def test_a_film_whose_journal_turns_backwards_whirls_as_its_mirror_image_does():
     np.testing.assert_allclose(shares[1][::-1], shares[0], rtol=1e-6)
 
 
+def test_a_film_without_a_load_is_neither_judged_by_a_mass_nor_measured_by_its_load():
+    """A vertical machine puts none on it: a mass of 0 kg whirls nowhere, and where the forces of
+    the lobes cancel what is left of them is rounding."""
+    lobes = in_films(pads=(0.5236, 2.618, 4.7124), arc=1.9, preload=0.5)
+    found = bearing_answers.bearing(replace(lobes, inclination=math.pi / 2), [300.0])
+    assert found.table().title == "journal_bearing[1]: it bears no load"
+    assert np.isnan(found.plane_error).all()
+    assert found.critical_mass[0] > 0.0
+
+
 def test_a_journal_that_does_not_turn_lies_on_its_wall():
     found = bearing_curves(in_films(k=1e8), [0.0], load=200.0)
     assert found.y[0] == pytest.approx(-1e-4 + 1e-6 - 200.0 / 1e8, rel=1e-6)
