@@ -93,6 +93,26 @@ def test_the_load_is_carried_wherever_elements_and_shaft_are():
             assert np.linalg.eigvalsh(matrix).min() > -1e-9 * np.abs(matrix).max()
 
 
+@pytest.mark.parametrize("load", [0.0, 1e-13, 1e-4])
+def test_a_preload_is_in_balance_beside_a_defect_under_next_to_no_load(load):
+    """A vertical machine's load is 0 or rounding: the shaft rests beside the defect below it, and
+    the force that is left is rounding too."""
+    part = replace(BALLS, clearance=-5e-6, outer_depth=4e-6, outer_arc=0.5)
+    alone = RollingAlone(part)
+    d = alone.rest(-1j * load)
+    assert -3e-6 < d.imag < -1e-7
+    assert abs(alone.force(d) - 1j * load) < 1e-10 * 8e9 * 5e-6**1.5
+
+
+def test_a_vertical_machine_has_the_stiffness_of_its_preload():
+    text = ROLLING.read_text(encoding="utf-8")
+    rotor = parse_rotor(f"inclination = {math.pi / 2}\n{text}")
+    found, whole = rolling_curves(rotor, bearing="left"), static(rotor)
+    assert abs(found.load).max() < 1e-9
+    assert found.y[0] == pytest.approx(whole.y[0], rel=1e-5)
+    assert found.K[0, 1, 1] > 1e7
+
+
 def test_the_load_of_a_rolling_bearing_is_that_of_the_machine_at_rest():
     rotor = parse_rotor(ROLLING.read_text(encoding="utf-8"))
     found, whole = rolling_curves(rotor, bearing="left"), static(rotor)
