@@ -296,7 +296,7 @@ class RollingCurves(Displayed, linear.RollingCurves):
                 values = np.append(values, values[0])
                 passing.plot(turned, values, line, color=color, lw=1.4, label=label)
         entitle(passing, "As the elements pass", 9)
-        passing.set_xlabel("Cage's angle over that between two elements [1]")
+        passing.set_xlabel("Cage's angle over the elements' pitch [1]")
         passing.set_ylabel(f"Stiffness [{d.stiffness_unit}]")
         passing.margins(y=0.25)
         passing.legend(frameon=False, fontsize=8, ncols=2, loc="upper left")

@@ -23,6 +23,7 @@ from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 
 from rotor_fmu.cli import app
+from rotor_fmu.display import choose as choose_units
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers, bearing_answers
 
@@ -91,6 +92,17 @@ def test_the_load_is_carried_wherever_elements_and_shaft_are():
         stiffness, damping = alone.coefficients(d)
         for matrix in (stiffness, damping):
             assert np.linalg.eigvalsh(matrix).min() > -1e-9 * np.abs(matrix).max()
+
+
+def test_a_picture_holds_all_that_is_written_in_it():
+    """Also in units with long numbers, which leave its panels less room."""
+    choose_units("us", "", ROLLING)
+    figure = bearing_answers.rolling(ROLLING, bearing="left", load=[10.0, 2e3]).figure()
+    choose_units(None, "", ROLLING)
+    figure.canvas.draw()
+    drawn = figure.get_tightbbox(figure.canvas.get_renderer())
+    assert drawn.x0 >= 0.0
+    assert drawn.x1 <= figure.get_figwidth()
 
 
 @pytest.mark.parametrize("load", [0.0, 1e-13, 1e-4])
