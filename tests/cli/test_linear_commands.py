@@ -211,6 +211,28 @@ def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, t
     np.testing.assert_allclose(roots[1].damped[:4], roots[0].damped[:4], rtol=2e-4)
 
 
+def test_a_rotor_that_turns_backwards_has_its_critical_speeds_and_threshold_mirrored():
+    """They are looked for from the slowest speed on, and excited at a frequency above 0."""
+    ahead, back = (
+        answers.campbell(OIL_FILM, np.linspace(*ends, 6), count=4)
+        for ends in ((300.0, 1500.0), (-1500.0, -300.0))
+    )
+    assert back.threshold == pytest.approx(-ahead.threshold, rel=1e-9)
+    said = ahead.table().title.partition("; ")[2]
+    assert said.startswith("unstable above ")
+    assert back.table().title.endswith(said)
+    circles = [
+        sorted(
+            line.get_xydata()[0].tolist()
+            for line in of.figure().axes[0].lines
+            if line.get_marker() == "o"
+        )
+        for of in (ahead, back)
+    ]
+    assert circles[0]
+    np.testing.assert_allclose([[-x, y] for x, y in circles[1]][::-1], circles[0], rtol=1e-6)
+
+
 @pytest.mark.usefixtures("undrawn")
 def test_the_linear_commands_name_the_films(command):
     said = command("modes", "--rotor", str(OIL_FILM), "--speed", "400")
