@@ -128,15 +128,16 @@ def known_name(where: str, name: str, known: Iterable[str]) -> str:
     return name
 
 
-def writable_folder(path: Path) -> Path:
-    """Return the folder, made if need be; `InputError` if it cannot be written to."""
+def writable_folder(path: Path, option: str = "--out") -> Path:
+    """Return the folder, made if need be; `InputError` with the option that gave it if it cannot be
+    written to."""
     try:
         path.mkdir(parents=True, exist_ok=True)
         with TemporaryFile(dir=path):
             pass
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError(f"--out {path}: cannot be written to: {reason}") from error
+        raise InputError(f"{option} {path}: cannot be written to: {reason}") from error
     return path
 
 

@@ -40,7 +40,7 @@ class Campbell(Spectrum):
     mode is so damped that it does not oscillate it is NaN; it goes on where it does again.
 
     eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonics: multiples of the
-    speed that excite; critical: where a mode meets it, by ascending speed; threshold: lowest speed
+    speed that excite; critical: where a mode meets it, by ascending speed; threshold: slowest speed
     above which some mode grows [rad/s], None where none does; contacts: `open` or `pinned`.
     """
 
@@ -231,11 +231,15 @@ def _growth(modes: Modes) -> float:
 
 
 def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:
-    growth = [_growth(m) - _GROWING for m in seen]
+    """Return the slowest speed at which some mode grows [rad/s]; of speeds of either sense of
+    rotation one above 0."""
+    ahead = [m for m in seen if m.speed >= 0.0]
+    outward = ahead if len(ahead) > 1 else seen[::-1]
+    growth = [_growth(m) - _GROWING for m in outward]
     if growth[0] > 0:
-        return float(seen[0].speed)
-    for i in range(1, len(seen)):
+        return float(outward[0].speed)
+    for i in range(1, len(outward)):
         if growth[i] > 0:
-            low, high = seen[i - 1].speed, seen[i].speed
+            low, high = outward[i - 1].speed, outward[i].speed
             return brentq(lambda s: _growth(follow.at(s)) - _GROWING, low, high, rtol=1e-12)
     return None

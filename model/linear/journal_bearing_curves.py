@@ -4,6 +4,7 @@ the mass that they carry without whirling."""
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import get_args
 
 import numpy as np
@@ -24,6 +25,7 @@ from .system_at_speed import LinearError
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
 _HALVINGS = 30
+_ROUNDING = 1e-12  # of a force of the film's size
 ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
 
@@ -36,14 +38,16 @@ class BearingCurves:
     torque [N.m], power [W], flow [m3/s], shape (n,); around: pressure in the middle of the length
     every 3 degrees from the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape
     (n, 2, 2); mass: that the first load weighs [kg]; critical_mass [kg], whirl: frequency at that
-    mass [rad/s]; threshold: speed above which `mass` whirls [rad/s], None if it does at none or the
-    loads vary; threshold_load: on either side of it a mass that weighs the load whirls, or does not
-    [N], None if the speeds vary or there is none; plane_error: of the load, against a two-
-    dimensional solution [1]; viscosity [Pa.s], temperature [degC]: of the lubricant, shape (n,),
-    None where no heat balance gives it; pads: of m pads the first and last angle, the angle of the
-    pivot [rad], the clearance and x, y of the journal from the pad's centre when it is in the
-    bearing's, over the clearance [1], shape (m, 6); tilts: of pads that tilt, how far, and how far
-    the pivot gives, shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m) [N].
+    mass [rad/s]; turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest
+    on, or loads [N] at which a mass that weighs the load does, if the loads vary, shape (k,);
+    threshold: the slowest speed at which `mass` whirls [rad/s], None if it does at none or the
+    loads vary; plane_error: of the load, against a two-
+    dimensional solution [1], nan without a load; viscosity [Pa.s], temperature [degC]: of the
+    lubricant, shape (n,), None where no heat balance gives it; pads: of m pads the first and last
+    angle, the angle of the pivot [rad], the clearance and x, y of the journal from the pad's centre
+    when it is in the bearing's, over the clearance [1], shape (m, 6); tilts: of pads that tilt, how
+    far, and how far the pivot gives, shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m)
+    [N].
     """
 
     bearing: str
@@ -66,8 +70,8 @@ class BearingCurves:
     mass: float
     critical_mass: np.ndarray
     whirl: np.ndarray
+    turns: np.ndarray
     threshold: float | None
-    threshold_load: float | None
     plane_error: np.ndarray
     viscosity: np.ndarray
     temperature: np.ndarray | None
@@ -112,26 +116,29 @@ def bearing_curves(
     speeds, loads = speeds_and_loads(rotor, name, speeds, load)
     rows = []
     start = None
-    for speed, on in zip(speeds, loads, strict=True):
+    for i, speed in enumerate(speeds):
         alone = BearingAlone(known[name], speed, name)
+        if load is None and abs(loads[i]) <= _ROUNDING * _viscous(alone):
+            loads[i] = 0.0
+        on = complex(loads[i])
         start = alone.rest(on, None if on == 0.0 else start)
-        rows.append(_row(alone, known[name], start))
+        rows.append(_row(alone, known[name], on, start))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     gravity = rotor.gravity or GRAVITY
     mass = float(abs(loads[0])) / gravity
     masses = np.abs(loads) / gravity if is_over_load else np.full(len(loads), mass)
     stable = columns["critical_mass"] >= masses
-    threshold = threshold_load = None
-    turns = np.flatnonzero(stable[1:] != stable[:-1])
-    if not is_over_load and not stable[0]:
-        threshold = float(speeds[0])
-    elif len(turns):
-        ends = slice(int(turns[0]), int(turns[0]) + 2)
-        of_ends = (speeds[ends], loads[ends], masses[ends], stable[ends])
-        if is_over_load:
-            threshold_load = _threshold(known[name], name, np.abs(loads[ends]), *of_ends)
-        else:
-            threshold = _threshold(known[name], name, of_ends[0], *of_ends)
+    places = np.arange(len(loads)) if is_over_load else _from_slowest(speeds)
+    varied = np.abs(loads) if is_over_load else speeds
+    turns = [
+        _turn(known[name], name, varied[ends], speeds[ends], loads[ends], masses[ends], stable[a])
+        for a, b in pairwise(places)
+        if stable[a] != stable[b]
+        for ends in [[a, b]]
+    ]
+    threshold = None
+    if not is_over_load:
+        threshold = next(iter(turns), None) if stable[places[0]] else float(speeds[places[0]])
     return BearingCurves(
         bearing=name,
         clearance=known[name].clearance,
@@ -139,22 +146,24 @@ def bearing_curves(
         speeds=np.array(speeds),
         load=np.column_stack([loads.real, loads.imag]),
         mass=mass,
+        turns=np.array(turns),
         threshold=threshold,
-        threshold_load=threshold_load,
         temperature=_temperatures(known[name], np.array(speeds)),
         pads=_pads(known[name]),
         **columns,
     )
 
 
-def _row(alone: BearingAlone, part: JournalBearing, d: complex) -> dict[str, object]:
+def _row(alone: BearingAlone, part: JournalBearing, load: complex, d: complex) -> dict[str, object]:
     K, C = alone.coefficients(d)
     mass, whirl = critical_mass(K, C)
     known = alone.outputs(d)
     names = ("eccentricity", "attitude", "film", "pressure", "torque", "power", "flow")
     tilts = alone.tilts(d)
     in_plane = film_in_plane(part, alone.speed, d, tilts=tilts, viscosity=alone.viscosity)
-    error = abs(alone.force(d) - in_plane) / abs(in_plane) if in_plane != 0.0 else math.nan
+    # without a load both are what is left where the forces of the pads cancel
+    is_compared = load != 0.0 and in_plane != 0.0
+    error = abs(alone.force(d) - in_plane) / abs(in_plane) if is_compared else math.nan
     return {name: known[name] for name in names} | {
         "x": d.real,
         "y": d.imag,
@@ -168,6 +177,13 @@ def _row(alone: BearingAlone, part: JournalBearing, d: complex) -> dict[str, obj
         "tilts": np.column_stack([tilts.real, tilts.imag]),
         "pad_loads": alone.pad_loads(d) if part.tilting else np.zeros(0),
     }
+
+
+def _viscous(alone: BearingAlone) -> float:
+    """Return a force of the film's size [N]."""
+    part = alone.part
+    slender = part.journal_radius / part.clearance
+    return alone.viscosity * abs(alone.speed) * slender**2 * part.journal_radius * part.length
 
 
 def _temperatures(part: JournalBearing, speeds: np.ndarray) -> np.ndarray | None:
@@ -188,27 +204,29 @@ def _pads(part: JournalBearing) -> np.ndarray:
     return np.insert(rows[:, shape], 2, pivots, axis=1)
 
 
-def _threshold(
+def _from_slowest(speeds: np.ndarray) -> np.ndarray:
+    """Return the places of ascending speeds from the slowest on; where some are of either sense of
+    rotation, of those above 0."""
+    return np.flatnonzero(speeds >= 0.0) if speeds[-1] >= 0.0 else np.arange(len(speeds))[::-1]
+
+
+def _turn(
     part: JournalBearing,
     name: str,
     varied: np.ndarray,
     speeds: np.ndarray,
     loads: np.ndarray,
     masses: np.ndarray,
-    stable: np.ndarray,
+    is_first_stable: bool,
 ) -> float:
     """Return the value of what varies, the speed [rad/s] or the load [N], at which the mass that
-    goes with it begins, or ends, to whirl; all arguments of both ends, between which they are
+    goes with it begins, or ends, to whirl; all arrays of both ends, between which they are
     linear."""
-    low, high = (float(end) for end in varied)
-    begin, span = low, high - low
+    low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        share = (middle - begin) / span
-        speed = middle if varied is speeds else float(speeds[0])
-        load = loads[0] + share * (loads[1] - loads[0])
+        speed, load, mass = (of[0] + middle * (of[1] - of[0]) for of in (speeds, loads, masses))
         alone = BearingAlone(part, speed, name)
-        mass = masses[0] + share * (masses[1] - masses[0])
         is_stable = critical_mass(*alone.coefficients(alone.rest(load)))[0] >= mass
-        low, high = (middle, high) if is_stable == stable[0] else (low, middle)
-    return 0.5 * (low + high)
+        low, high = (middle, high) if is_stable == is_first_stable else (low, middle)
+    return float(varied[0] + 0.5 * (low + high) * (varied[1] - varied[0]))

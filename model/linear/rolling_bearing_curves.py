@@ -19,6 +19,7 @@ from .system_at_speed import LinearError
 _BY_D = Weights(1.0, 0.0, 0.0)
 _ITERATIONS, _LEFT, _OPEN = 1000, 1e-10, 1e-6  # forces over the load
 _ROUNDING = 1e-14
+_SMALL = 1e-6  # of an element's preload
 _NEWTON, _SOFT = 8, 1e-12  # steps; of the stiffness, where nothing resists
 _PLACES = 24  # of the cage while an element comes to where that before it was
 
@@ -46,9 +47,11 @@ class RollingAlone(LawProbe):
         """Return where the shaft rests under a load [N]: where its energy, which is convex, is
         least, looked for from `start` on [m]; raises `LinearError` where that was not found."""
         part = self.part
-        if load == 0.0:
+        # a load that is small beside the elements' preload is borne where that is in balance
+        preload = part.k * max(0.0, -part.clearance) ** part.exponent
+        size = max(abs(load), _SMALL * preload)
+        if size == 0.0:
             return 0j
-        size = abs(load)
         pressed = (size / part.k) ** (1.0 / part.exponent)
         # from where one element would carry more than the load
         reach = pressed + abs(part.clearance) + part.outer_depth + part.inner_depth
@@ -85,7 +88,7 @@ class RollingAlone(LawProbe):
             x = newton(found.x)  # the potential's digits may end before those of its slope do
         d = reach * complex(*x)
         if abs(self.force(d) + load) > _OPEN * size:
-            raise LinearError(f"{self.where}: no equilibrium under its load, {size:.4g} N")
+            raise LinearError(f"{self.where}: no equilibrium under its load, {abs(load):.4g} N")
         return d
 
     def element_loads(self, d: complex) -> np.ndarray:

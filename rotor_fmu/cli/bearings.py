@@ -69,13 +69,24 @@ def bearing(
             raise InputError(f"--load {load}: must be one where --speed {speed} is a range")
         if table is not None:
             raise InputError(f"--load {load}: must be one, for the speeds of --table")
-    if table is not None:
-        writable_folder(table.parent)
     result = _result(machine, name, speeds, loads)
-    if table is not None:
-        write_text(_linear_bearing(result, machine, file), table)
-        typer.echo(f"written to {table}")
-    return print_answer(result, out, "bearing")
+    if table is None:
+        return print_answer(result, out, "bearing")
+    text = _linear_bearing(result, machine, file)
+    _check_table(table, file)
+    data = print_answer(result, out, "bearing")
+    write_text(text, table)
+    typer.echo(f"written to {table}")
+    return data
+
+
+def _check_table(table: Path, file: Path) -> None:
+    """Raise `InputError` where no table can be written, or where the machine's file stands."""
+    writable_folder(table.parent, "--table")
+    if table.is_dir():
+        raise InputError(f"--table {table}: is a folder; give the table's name in it")
+    if table.exists() and table.samefile(file):
+        raise InputError(f"--table {table}: is the machine's own file; give another")
 
 
 def _result(
@@ -132,7 +143,8 @@ def _linear_bearing(
             f"--table: {result.bearing} stands between two housings, {part.ring!r} and "
             f"{part.housing or 'ground'!r}; a linear_bearing is between a node and one of them"
         )
-    values: dict[str, Any] = {"node": part.node}
+    # a node that a part was placed on has no number in the file
+    values: dict[str, Any] = {"z": float(f"{machine.nodes[part.node - 1]:.12g}")}
     if housing := getattr(part, "housing", ""):
         values["housing"] = housing
     what, rests = "", "it rests"

@@ -133,9 +133,9 @@ class Campbell(Displayed, linear.Campbell):
         between = f"{low:.5g} and {high:.5g} {d.speed_unit}"
         stability = "stable at all of them"
         if self.threshold is not None:
-            already = "already at" if self.threshold == self.speeds[0] else "above"
-            stability = f"unstable {already} {speed_with_unit(self.threshold)} "
-            stability += f"({self.threshold:.6g} rad/s)"
+            already = "already at" if self.threshold in self.speeds else "above"
+            at = abs(self.threshold)  # of either sense of rotation
+            stability = f"unstable {already} {speed_with_unit(at)} ({at:.6g} rad/s)"
         harmonic = "" if self.harmonics == (1.0,) else f" of {self._orders} times the speed"
         title = f"Critical speeds{harmonic} between {between}, contacts {self.contacts}"
         return Table(f"{title}; {stability}", heads, rows)
@@ -156,7 +156,7 @@ class Campbell(Displayed, linear.Campbell):
                 _whirling(axes, speed, values[:, mode], whirl)
         for order in self.harmonics:
             above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=LIMIT)
-        places = [(_speed(c.speed), c.harmonic * _speed(c.speed)) for c in self.critical]
+        places = [(_speed(c.speed), c.harmonic * abs(_speed(c.speed))) for c in self.critical]
         for place in places:
             above.plot(*place, "o", color="black", mfc="white", ms=5)
         below.axhline(0, color="black", lw=1.0)
@@ -164,7 +164,7 @@ class Campbell(Displayed, linear.Campbell):
             at = _speed(self.threshold)
             for axes in panels:
                 axes.axvline(at, color=PURPLE, lw=1.2, ls=":")
-            text = f"unstable above {shown_speed(self.threshold)} {current().speed_unit}"
+            text = f"unstable above {shown_speed(abs(self.threshold))} {current().speed_unit}"
             # on the side of the line that has more room
             ha, away = ("right", -4) if at > speed[[0, -1]].mean() else ("left", 4)
             within = {"xycoords": ("data", "axes fraction"), "va": "top", "ha": ha}

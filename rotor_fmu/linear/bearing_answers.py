@@ -30,7 +30,8 @@ class BearingCurves(Displayed, linear.BearingCurves):
     def table(self) -> Table:
         """Return a table with one row for each speed; the threshold of stability in the heading."""
         d = current()
-        whirl = np.divide(self.whirl, self.speeds, out=0.0 * self.speeds, where=self.speeds != 0.0)
+        fast = np.abs(self.speeds)
+        whirl = np.divide(self.whirl, fast, out=0.0 * fast, where=fast != 0.0)
         columns = [
             *_speed_and_load(self),
             ("e/c [1]", self.eccentricity),
@@ -53,18 +54,18 @@ class BearingCurves(Displayed, linear.BearingCurves):
         """Return which mass whirls, and where."""
         d = current()
         if _varies_load(self):
-            masses = np.hypot(*self.load.T) * (self.mass / np.hypot(*self.load[0]))
-            whirls = bool(self.critical_mass[0] < masses[0])
-            if self.threshold_load is None:
-                return f"a mass that weighs its load {'whirls' if whirls else 'does not whirl'}"
-            side, load = "below" if whirls else "above", self.threshold_load * d.force
-            return f"a mass that weighs its load whirls {side} {load:.6g} {d.force_unit}"
+            shown = [f"{load * d.force:.6g} {d.force_unit}" for load in self.turns]
+            where = _where(bool(self.critical_mass[0] < self.mass), shown)
+            return f"a mass that weighs its load {where}"
+        if self.mass == 0.0:
+            return "it bears no load"
         mass = f"a mass of {self.mass * d.mass:.4g} {d.mass_unit} on it"
         if self.threshold is None:
             return f"{mass} does not whirl"
-        already = "already " if self.threshold == self.speeds[0] else ""
-        at = f"{speed_with_unit(self.threshold)} ({self.threshold:.6g} rad/s)"
-        return f"{mass} whirls {already}above {at}"
+        is_slowest = self.threshold not in self.turns
+        if is_slowest and not len(self.turns):
+            return f"{mass} whirls already above {_fast(self.threshold)}"
+        return f"{mass} {_where(is_slowest, [_fast(speed) for speed in self.turns])}"
 
     def figure(self) -> Figure:
         """Draw the journal's locus in its clearance, the pressure around it, and stiffness and
@@ -99,12 +100,10 @@ class BearingCurves(Displayed, linear.BearingCurves):
                 for begin, end in zip(turned[::2], turned[1::2], strict=True):
                     around.axvspan(begin, end, color="0.92", lw=0)
                 around.axvline(np.degrees(pivot) % 360.0, color="0.6", lw=0.8, ls="--")
-        threshold = self.threshold_load if what == "Load" else self.threshold
         for axes in over_speed:
             axes.set_xlabel(f"{what} [{unit}]")
-            if threshold is not None:
-                scale = d.force if what == "Load" else d.speed
-                axes.axvline(threshold * scale, color=PURPLE, lw=1.2, ls=":")
+            for turn in self.turns * (d.force if what == "Load" else d.speed):
+                axes.axvline(turn, color=PURPLE, lw=1.2, ls=":")
         entitle(figure, self.table().title)
         return figure
 
@@ -297,7 +296,7 @@ class RollingCurves(Displayed, linear.RollingCurves):
                 values = np.append(values, values[0])
                 passing.plot(turned, values, line, color=color, lw=1.4, label=label)
         entitle(passing, "As the elements pass", 9)
-        passing.set_xlabel("Cage's angle over that between two elements [1]")
+        passing.set_xlabel("Cage's angle over the elements' pitch [1]")
         passing.set_ylabel(f"Stiffness [{d.stiffness_unit}]")
         passing.margins(y=0.25)
         passing.legend(frameon=False, fontsize=8, ncols=2, loc="upper left")
@@ -314,6 +313,23 @@ _Curves = BearingCurves | RingCurves | RollingCurves
 
 def _varies_load(result: _Curves) -> bool:
     return len(result.speeds) > 1 and bool(result.speeds[0] == result.speeds[-1])
+
+
+def _fast(speed: float) -> str:
+    """Return a speed [rad/s] of either sense of rotation as it is shown, and in rad/s."""
+    return f"{speed_with_unit(abs(speed))} ({abs(speed):.6g} rad/s)"
+
+
+def _where(is_first: bool, turns: Sequence[str]) -> str:
+    """Return between which of these values a mass whirls, which at each of them begins to, or ends;
+    is_first: whether it does below them."""
+    if not turns:
+        return "whirls" if is_first else "does not whirl"
+    places = [f"below {turns[0]}"] if is_first else []
+    rest = turns[is_first:]
+    places += [f"from {begin} to {end}" for begin, end in zip(rest[::2], rest[1::2], strict=False)]
+    places += [f"above {rest[-1]}"] if len(rest) % 2 else []
+    return f"whirls {' and '.join(places)}"
 
 
 def _varied(result: _Curves) -> tuple[np.ndarray, str, str]:

@@ -18,14 +18,18 @@ from rotor_fmu.model.linear.rolling_bearing_curves import RollingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.housing import Housing
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 
+from rotor_fmu.cli import app
+from rotor_fmu.display import choose as choose_units
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers, bearing_answers
 
-from ..parts.films import DAMPER, in_films
+from ..parts.films import DAMPER, film, heavy_shaft, in_films
 from ..parts.machines import rigid
+from ..toml_text import table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OIL, ROLLING, SQUEEZE = (
@@ -88,6 +92,37 @@ def test_the_load_is_carried_wherever_elements_and_shaft_are():
         stiffness, damping = alone.coefficients(d)
         for matrix in (stiffness, damping):
             assert np.linalg.eigvalsh(matrix).min() > -1e-9 * np.abs(matrix).max()
+
+
+def test_a_picture_holds_all_that_is_written_in_it():
+    """Also in units with long numbers, which leave its panels less room."""
+    choose_units("us", "", ROLLING)
+    figure = bearing_answers.rolling(ROLLING, bearing="left", load=[10.0, 2e3]).figure()
+    choose_units(None, "", ROLLING)
+    figure.canvas.draw()
+    drawn = figure.get_tightbbox(figure.canvas.get_renderer())
+    assert drawn.x0 >= 0.0
+    assert drawn.x1 <= figure.get_figwidth()
+
+
+@pytest.mark.parametrize("load", [0.0, 1e-13, 1e-4])
+def test_a_preload_is_in_balance_beside_a_defect_under_next_to_no_load(load):
+    """A vertical machine's load is 0 or rounding: the shaft rests beside the defect below it, and
+    the force that is left is rounding too."""
+    part = replace(BALLS, clearance=-5e-6, outer_depth=4e-6, outer_arc=0.5)
+    alone = RollingAlone(part)
+    d = alone.rest(-1j * load)
+    assert -3e-6 < d.imag < -1e-7
+    assert abs(alone.force(d) - 1j * load) < 1e-10 * 8e9 * 5e-6**1.5
+
+
+def test_a_vertical_machine_has_the_stiffness_of_its_preload():
+    text = ROLLING.read_text(encoding="utf-8")
+    rotor = parse_rotor(f"inclination = {math.pi / 2}\n{text}")
+    found, whole = rolling_curves(rotor, bearing="left"), static(rotor)
+    assert abs(found.load).max() < 1e-9
+    assert found.y[0] == pytest.approx(whole.y[0], rel=1e-5)
+    assert found.K[0, 1, 1] > 1e7
 
 
 def test_the_load_of_a_rolling_bearing_is_that_of_the_machine_at_rest():
@@ -222,9 +257,20 @@ def test_a_damper_is_said_with_coefficients_that_a_linear_bearing_takes(command,
     text = SQUEEZE.read_text(encoding="utf-8").split("[[squeeze_film_damper]]")[0]
     linear = table.read_text()
     replaced = tmp_path / "replaced.toml"
-    replaced.write_text(text + linear + linear.replace("node = 1", "node = 3"))
+    replaced.write_text(text + linear + linear.replace("z = 0.0", "z = 0.2"))
     roots = [answers.modes(path, 100.0) for path in (SQUEEZE, replaced)]
     np.testing.assert_allclose(roots[1].eigenvalues, roots[0].eigenvalues, rtol=1e-6)
+
+
+def test_coefficients_of_a_bearing_that_is_placed_by_z_stand_where_it_does(command, tmp_path):
+    """Its node is the third of the shaft as it is solved; the third of the file is elsewhere."""
+    bare = heavy_shaft() + table("[linear_bearing]", z=0.03, kxx=1e7, kyy=1e7, cxx=0.0, cyy=0.0)
+    placed, coefficients = tmp_path / "placed.toml", tmp_path / "coefficients.toml"
+    placed.write_text(bare + film(1).replace("node = 1", "z = 0.17"))
+    command("bearing", str(placed), "--speed", "300", "--table", str(coefficients))
+    replaced = parse_rotor(bare + coefficients.read_text())
+    nodes = [replaced.nodes[part.node - 1] for part in replaced.of_kind(LinearBearing)]
+    assert nodes == pytest.approx([0.03, 0.17], rel=1e-12)
 
 
 # --- oil films over the load ---
@@ -240,11 +286,54 @@ def test_a_film_over_its_load_is_that_of_each_load_and_whirls_below_its_threshol
         np.testing.assert_allclose(over.K[i], one.K[0], rtol=1e-9)
         assert over.eccentricity[i] == pytest.approx(one.eccentricity[0], rel=1e-9)
     assert over.threshold is None
-    at = bearing_curves(rotor, [900.0], load=over.threshold_load)
-    assert at.critical_mass[0] == pytest.approx(over.threshold_load / 9.81, rel=1e-6)
+    (threshold,) = over.turns
+    at = bearing_curves(rotor, [900.0], load=threshold)
+    assert at.critical_mass[0] == pytest.approx(threshold / 9.81, rel=1e-6)
     assert over.critical_mass[0] < loads[0] / 9.81
     with pytest.raises(LinearError, match="2 speeds and 5 loads: one of both may vary"):
         bearing_curves(rotor, [900.0, 950.0], load=loads)
+
+
+def test_a_mass_that_whirls_between_two_loads_is_said_to():
+    """The threshold of a short film is least at 0.45 of the clearance: 2.54 sqrt(g / c), and 2.76
+    where nothing bears."""
+    speed = 2.65 * math.sqrt(9.81 / 1e-4)
+    found = bearing_answers.bearing(in_films(), [speed], load=np.linspace(20.0, 2000.0, 40))
+    low, high = found.turns
+    for load in (low, high):
+        at = bearing_curves(in_films(), [speed], load=load)
+        assert at.critical_mass[0] == pytest.approx(load / 9.81, rel=1e-6)
+    title = f"a mass that weighs its load whirls from {low:.6g} N to {high:.6g} N"
+    assert found.table().title == f"journal_bearing[1]: {title}"
+    lines = [line for line in found.figure().axes[2].lines if len(line.get_xdata()) == 2]
+    assert [line.get_xdata()[0] for line in lines] == [low, high]
+    light = bearing_answers.bearing(in_films(), [speed], load=np.array([low + 1.0, 2000.0]))
+    assert light.table().title.endswith(f"its load whirls below {light.turns[0]:.6g} N")
+    assert light.turns == pytest.approx([high], rel=1e-6)
+
+
+def test_a_film_whose_journal_turns_backwards_whirls_as_its_mirror_image_does():
+    ahead, back, both = (
+        bearing_answers.bearing(in_films(), np.linspace(*ends), load=200.0)
+        for ends in ((200.0, 1800.0, 5), (-1800.0, -200.0, 5), (-1800.0, 1800.0, 10))
+    )
+    assert both.threshold == pytest.approx(ahead.threshold, rel=1e-9)
+    assert back.threshold == pytest.approx(-ahead.threshold, rel=1e-9)
+    assert back.table().title == ahead.table().title
+    assert " whirls above 1" in ahead.table().title
+    place = ahead.table().heads.index("whirl [1]")
+    shares = [[row[place] for row in of.table().rows] for of in (ahead, back)]
+    np.testing.assert_allclose(shares[1][::-1], shares[0], rtol=1e-6)
+
+
+def test_a_film_without_a_load_is_neither_judged_by_a_mass_nor_measured_by_its_load():
+    """A vertical machine puts none on it: a mass of 0 kg whirls nowhere, and where the forces of
+    the lobes cancel what is left of them is rounding."""
+    lobes = in_films(pads=(0.5236, 2.618, 4.7124), arc=1.9, preload=0.5)
+    found = bearing_answers.bearing(replace(lobes, inclination=math.pi / 2), [300.0])
+    assert found.table().title == "journal_bearing[1]: it bears no load"
+    assert np.isnan(found.plane_error).all()
+    assert found.critical_mass[0] > 0.0
 
 
 def test_a_journal_that_does_not_turn_lies_on_its_wall():
@@ -335,3 +424,22 @@ def test_what_cannot_be_asked_is_refused(command, tmp_path, file, arguments, exp
         command("bearing", str(file), *arguments)
     assert expected in str(refused.value)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_table_is_not_written_over_the_machine_nor_where_something_else_cannot(tmp_path):
+    machine, taken = tmp_path / "machine.toml", tmp_path / "taken"
+    machine.write_text(OIL.read_text(encoding="utf-8"))
+    taken.write_text("")
+    before = sorted(tmp_path.iterdir())
+    given = ["bearing", str(machine), "--speed", "300", "--quiet"]
+    for target, out, expected in (
+        (machine, tmp_path / "out", f"--table {machine}: is the machine's own file; give another"),
+        (tmp_path, tmp_path / "out", f"--table {tmp_path}: is a folder; give the table's name"),
+        (taken / "t.toml", tmp_path / "out", f"--table {taken}: cannot be written to: File exists"),
+        (tmp_path / "t.toml", taken, f"--out {taken}: cannot be written to: File exists"),
+    ):
+        with pytest.raises(InputError) as refused:
+            app([*given, "--table", str(target), "--out", str(out)], standalone_mode=False)
+        assert str(refused.value).startswith(expected)
+        assert sorted(tmp_path.iterdir()) == before
+    assert machine.read_text() == OIL.read_text(encoding="utf-8")

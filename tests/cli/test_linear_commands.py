@@ -214,10 +214,32 @@ def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, t
     # the machine with its films, and with what was written in their place, at a speed of the table
     machine = OIL_FILM.read_text().split("[[journal_bearing]]")[0]
     written = table.read_text()
-    linear = machine + written + written.replace("node = 1", "node = 7")
+    linear = machine + written + written.replace("z = 0.0", "z = 0.5")
     (tmp_path / "replaced.toml").write_text(linear)
     roots = [answers.modes(path, 500.0) for path in (OIL_FILM, tmp_path / "replaced.toml")]
     np.testing.assert_allclose(roots[1].damped[:4], roots[0].damped[:4], rtol=2e-4)
+
+
+def test_a_rotor_that_turns_backwards_has_its_critical_speeds_and_threshold_mirrored():
+    """They are looked for from the slowest speed on, and excited at a frequency above 0."""
+    ahead, back = (
+        answers.campbell(OIL_FILM, np.linspace(*ends, 6), count=4)
+        for ends in ((300.0, 1500.0), (-1500.0, -300.0))
+    )
+    assert back.threshold == pytest.approx(-ahead.threshold, rel=1e-9)
+    said = ahead.table().title.partition("; ")[2]
+    assert said.startswith("unstable above ")
+    assert back.table().title.endswith(said)
+    circles = [
+        sorted(
+            line.get_xydata()[0].tolist()
+            for line in of.figure().axes[0].lines
+            if line.get_marker() == "o"
+        )
+        for of in (ahead, back)
+    ]
+    assert circles[0]
+    np.testing.assert_allclose([[-x, y] for x, y in circles[1]][::-1], circles[0], rtol=1e-6)
 
 
 @pytest.mark.usefixtures("undrawn")
