@@ -2,6 +2,7 @@
 
 import json
 import math
+from importlib import import_module
 
 import pytest
 from rotor_fmu.model.settings import PRESETS, choose
@@ -82,6 +83,12 @@ def test_a_tolerance_that_has_no_tenth_is_refused_before_anything_is_run(tmp_pat
     with pytest.raises(rf.InputError, match=r"a finer run .*: solver.tolerance = 2e-10: must be"):
         app(options, standalone_mode=False)
     assert not any(tmp_path.iterdir())
+
+
+def test_so_does_the_python_interface(monkeypatch):
+    monkeypatch.setattr(import_module("rotor_fmu.api.simulate"), "run_recorded", pytest.fail)
+    with pytest.raises(rf.InputError, match=r"a finer run .*: solver.tolerance = 2e-10: must be"):
+        rf.simulate(rf.load(), speed=RAMP, tolerance=2e-9, verify=True)
 
 
 CHOICES = [list(PRESETS).index(name) for name in ("controlled", "paper")]
