@@ -16,7 +16,7 @@ from ..runs.job import Job, make_job
 from ..runs.recording import Recording
 from ..runs.run_down import Run, run_recorded, usual
 from ..runs.settings_text import parse_settings
-from ..runs.verify_run import verified
+from ..runs.verify_run import finer_job, verified
 from .machine import Machine
 from .result import Result
 
@@ -100,6 +100,8 @@ def simulate(
     '390.0 rad/s'
     """
     job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
+    if verify:
+        finer_job(job)  # refused before anything is run
     run, recording = _recorded(machine, job, _record(machine, record, per_turn))
     if verify:
         run, recording = verified(job, run, recording, "finer")

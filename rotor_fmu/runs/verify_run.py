@@ -30,6 +30,8 @@ _PLACES = 5.0
 _FINER, _SHORTER = 0.1, 0.5
 _STEPS = ("h", "h_min", "h_max")
 _SMALL = 1e-3  # share of a part's largest motion below which its motion at the end is none
+# Share of the shaft's length below which there is no motion, about as in a run's error control.
+_STILL = 1e-8
 
 
 class Comparison(NamedTuple):
@@ -108,17 +110,18 @@ def allowed(settings: Settings) -> float:
     return max(AGREES, of_tolerance if settings.mode == "controlled" else 0.0)
 
 
-def compare(run: Run, other: Run, settings: Settings) -> Verification:
-    """Compare a run with a finer one, `other`; settings: of the run."""
+def compare(run: Run, other: Run, settings: Settings, length: float) -> Verification:
+    """Compare a run with a finer one, `other`; settings: of the run; length: of the shaft [m]."""
     peaks, final = [], []
+    still = _STILL * length
     for part in (n.removesuffix(".x_amp") for n in run.columns if n.endswith(".x_amp")):
         names = [f"{part}.{axis}_amp" for axis in "xy"]
-        size = max(_largest(other, name) for name in names)
+        size = max(still, *(_largest(other, name) for name in names))
         peaks += [
             _compared(name, _largest(run, name), _largest(other, name), size) for name in names
         ]
         ends = [(n, _last(run, n), _last(other, n)) for n in (*names, f"{part}.x", f"{part}.y")]
-        size = max(_SMALL * size, *(value for _, _, value in ends[:2]))
+        size = max(still, _SMALL * size, *(value for _, _, value in ends[:2]))
         final += [_compared(*each, size) for each in ends]
     return Verification(
         finer(settings), other.status, tuple(peaks), tuple(final), allowed(settings)
@@ -134,7 +137,7 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
     finer = finer_job(job)
     with shown(label, finer.stop, finer.step, finer.settings) as progress:
         other = run_direct(finer.rotor, finer, progress, is_silent=True)
-    verification = compare(run, other, job.settings)
+    verification = compare(run, other, job.settings, job.rotor.length)
     status = run.status
     if verification.conclusion == NOT_CONFIRMED:
         status = with_doubt(status, NOT_CONFIRMED_CODE)
@@ -143,7 +146,7 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
 
 
 def _compared(name: str, value: float, other: float, size: float) -> Comparison:
-    return Comparison(name, value, other, abs(value - other) / (size or 1.0))
+    return Comparison(name, value, other, abs(value - other) / size)
 
 
 def _largest(run: Run, name: str) -> float:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from importlib import import_module
 
 import pytest
 from rotor_fmu.model.settings import PRESETS, choose
@@ -44,9 +45,13 @@ def test_a_tolerance_is_confirmed_by_a_tenth_of_it_and_both_stand_side_by_side()
     assert rf.simulate(rf.load(), speed=RAMP).verification is None
 
 
-def ended_at(x, amplitude):
+LENGTH = 1.0  # of the shaft [m]
+
+
+def ended_at(x, amplitude, scale=1.0):
     """A run of a part that ends there."""
     columns = {"a.x_amp": [0.5, amplitude], "a.y_amp": [0.5, 0.1], "a.x": [0.0, x], "a.y": [0.0, 0]}
+    columns = {name: [scale * value for value in column] for name, column in columns.items()}
     return Run([0.0, 1.0], columns, "ok", (), 0.0)
 
 
@@ -61,8 +66,14 @@ def ended_at(x, amplitude):
     ],
 )
 def test_what_follows_from_two_runs(x, amplitude, expected):
-    verification = compare(ended_at(1.0, 1.0), ended_at(x, amplitude), choose())
-    assert verification.conclusion == expected
+    for scale in (1.0, 1e-5):
+        one, other = ended_at(1.0, 1.0, scale), ended_at(x, amplitude, scale)
+        assert compare(one, other, choose(), LENGTH).conclusion == expected
+
+
+def test_a_part_that_hardly_moves_is_confirmed():
+    one, other = (ended_at(x, x, 1e-10) for x in (1.0, 1.3))
+    assert compare(one, other, choose(), LENGTH).conclusion == CONFIRMED
 
 
 def test_the_command_tells_it_in_words_and_in_the_summary(tmp_path, monkeypatch, capsys):
@@ -82,6 +93,12 @@ def test_a_tolerance_that_has_no_tenth_is_refused_before_anything_is_run(tmp_pat
     with pytest.raises(rf.InputError, match=r"a finer run .*: solver.tolerance = 2e-10: must be"):
         app(options, standalone_mode=False)
     assert not any(tmp_path.iterdir())
+
+
+def test_so_does_the_python_interface(monkeypatch):
+    monkeypatch.setattr(import_module("rotor_fmu.api.simulate"), "run_recorded", pytest.fail)
+    with pytest.raises(rf.InputError, match=r"a finer run .*: solver.tolerance = 2e-10: must be"):
+        rf.simulate(rf.load(), speed=RAMP, tolerance=2e-9, verify=True)
 
 
 CHOICES = [list(PRESETS).index(name) for name in ("controlled", "paper")]
