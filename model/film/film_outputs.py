@@ -6,8 +6,10 @@ from typing import NamedTuple
 from ..kernels.functions import angle, direction
 from ..kernels.jit import jit, jit_not_inlined
 from .bearing_film import TURNS, pad_count, pad_of, short_share, solved, thinnest
-from .short_film import blunted, shear, short_load
+from .short_film import blunted, shear, short_load, sommerfeld
 from .zone_pressure import floored, vectors, zone_bound
+
+_PEAK_STEPS = 96  # for 1e-3 of the largest pressure
 
 
 class FilmState(NamedTuple):
@@ -35,11 +37,24 @@ def _sheared(D, upstream, first, last):
 
 
 @jit
-def _short_pressure(film, share, theta):
-    """Return the pressure P of Ocvirk's film [1/s] and H^3 at an angle."""
-    e = direction(theta)
+def _short_pressure(film, share, e):
+    """Return the pressure P of Ocvirk's film [1/s] and H^3 in a direction e."""
     h = floored(1.0 - (e.conjugate() * film.D).real, film.floor).thickness
     return share * (e.conjugate() * film.S).real / (h * h * h), h * h * h
+
+
+@jit_not_inlined
+def _short_peak(film, share, D, first, last):
+    """Return the largest pressure P of Ocvirk's film between two angles [1/s], 0 at least; D: of
+    the film no thinner than its floor. It is looked for in equal steps of Sommerfeld's angle, which
+    are short where the film is thin."""
+    span, peak = sommerfeld(D, first, last), 0.0
+    for j in range(_PEAK_STEPS + 1):
+        gamma = complex(span.cosine_0, span.sine_0) * direction(span.swept * j / _PEAK_STEPS)
+        thinness = 1.0 / (1.0 + span.e * gamma.real)
+        at = complex((gamma.real + span.e) * thinness, span.root * gamma.imag * thinness)
+        peak = max(peak, _short_pressure(film, share, span.along * at)[0])
+    return peak
 
 
 @jit_not_inlined
@@ -70,10 +85,11 @@ def film_state(bearing, tables, kinematics):
                 first, last = bound.low[1], bound.high[0]
                 if bearing.short > 0.0:
                     load += share * short_load(film.D, film.S, film.floor, first, last)[0]
+                    peak = _short_peak(film, share, D, first, last)
+                    largest = max(largest, pad.pressure * peak)
                     step = (last - first) / film.n
                     for j in range(1, film.n):
-                        P, cube = _short_pressure(film, share, first + j * step)
-                        largest = max(largest, pad.pressure * P)
+                        P, cube = _short_pressure(film, share, direction(first + j * step))
                         flow += volume * pad.pressure * P * cube * step
                 else:
                     zone, borne = solved(film, bound, work)

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.film.film_outputs import film_state
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.parts.law import Weights
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
@@ -26,6 +28,21 @@ def test_centred_circular_orbits_of_a_short_damper(e):
         radial, tangential = -2 * e**2 / (1 - e**2) ** 2, -math.pi * e / (2 * (1 - e**2) ** 1.5)
         expected = complex(0.0, 2 * tangential) if full else complex(radial, tangential)
         assert force == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("full", [False, True])
+@pytest.mark.parametrize("e", [0.1, 0.5, 0.9])
+def test_the_largest_pressure_of_a_short_damper_is_ocvirks(e, full):
+    """Where the journal moves along its displacement the peak is at the thinnest place; on a
+    circular orbit it is beside it."""
+    damper = BearingAlone(SqueezeFilmDamper(**DAMPER, short=True, full=full), 0.0)
+    v = 100.0 * e * 1e-4
+    angles = np.linspace(0.0, 2.0 * math.pi, 20001)
+    for velocity, wave in ((v, np.cos(angles)), (1j * v, np.sin(angles))):
+        moving = damper._moving(e * 1e-4, velocity)
+        state = interpreted(film_state)(damper._bearing, damper._tables, moving)
+        pressure = 1.5 * 0.01 * 0.02**2 * v * wave / (1e-4 * (1.0 - e * np.cos(angles))) ** 3
+        assert state.largest == pytest.approx(pressure.max(), rel=2e-3)
 
 
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.8])
