@@ -75,8 +75,7 @@ def check_viscosity(where: str, part: Any) -> None:
         for name in ("speed", "temperature"):
             if getattr(part, name):
                 raise QuantityError(f"{where}.{name}: needs {where}.viscosity, a list over it")
-        if part.static_load > 0.0:
-            raise QuantityError(f"{where}.static_load: needs {where}.temperature, for its balance")
+        _refuse_balance(where, part)
         return
     over = "temperature" if part.temperature else "speed"
     points = getattr(part, over)
@@ -90,6 +89,15 @@ def check_viscosity(where: str, part: Any) -> None:
             )
     if part.temperature:
         _check_balance(where, part)
+    else:
+        _refuse_balance(where, part)
+
+
+def _refuse_balance(where: str, part: Any) -> None:
+    """Raise `QuantityError` for a quantity of a heat balance that is not made."""
+    for field in fields(HeatQuantities):
+        if field.name != "speed" and getattr(part, field.name) != field.default:
+            raise QuantityError(f"{where}.{field.name}: needs {where}.temperature, for its balance")
 
 
 def _check_balance(where: str, part: Any) -> None:

@@ -236,8 +236,8 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
                     f"{where}.{name}: {len(value)} given, {len(self.pads)} needed, as many as "
                     f"{where}.pads has"
                 )
-        if not self.pads and (self.arc, self.preload) != (2.0 * math.pi, 0.0):
-            raise QuantityError(f"{where}.pads: is missing; arc and preload need pads")
+        if not self.pads and (self.arc, self.preload, self.offset) != (2.0 * math.pi, 0.0, 0.5):
+            raise QuantityError(f"{where}.pads: is missing; arc, preload and offset need pads")
         self._check_overlap(where)
         self._check_tilting(where)
         self._check_rupture(where)
