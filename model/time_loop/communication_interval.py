@@ -38,6 +38,7 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
     after = total_energy(structure, spin_now(memory.record), motion, work.stores)
     if is_start:
         r.energy_at_start = after
+        r.carried_since = r.t
         open_window(structure, memory)
     else:
         memory.work[FLOW.drive] += after - before

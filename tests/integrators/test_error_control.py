@@ -239,3 +239,12 @@ def test_the_rigs_run_down_takes_few_steps():
     for k in range(1000):
         sim.advance(0.04 * (k + 1), 400.0 - 0.4 * k)
     assert sim.read("solver.steps") < 1.05 * 188_913
+
+
+def test_a_run_from_before_zero_takes_the_steps_of_one_from_zero():
+    taken = []
+    for start in (0.0, -1.0):
+        sim = Simulation(rig(), choose("controlled"), t=start, speed=150.0)
+        sim.advance(start + 0.02, 150.0)
+        taken.append(sim.read("solver.steps"))
+    assert taken[1] == pytest.approx(taken[0], abs=2)
