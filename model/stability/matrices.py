@@ -3,7 +3,7 @@
 import math
 
 from ..kernels.band import add_product, solve
-from ..kernels.functions import inverse
+from ..kernels.functions import direction, inverse, scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..parts.law import Kinematics
@@ -15,6 +15,7 @@ OPEN, ALL, REST = -1, -2, -3
 # Where one is called closed and slipping: penetration over the radius of its wall, and a spin
 # [rad/s] that leaves nothing of the smoothing of friction.
 _DEPTH, _SLIPPING = 0.1, 1e9
+_DIRECTIONS = 64  # in which a wall is looked at
 
 
 @jit
@@ -33,24 +34,37 @@ def is_closed(interfaces, j, case):
 @jit_not_inlined
 def fill_tangents(structure, survey, motion, trial, omega):
     """Fill in the laws' tangents at this speed of rotation [rad/s]: in equilibrium, but for walls
-    at a small penetration at the right, their surfaces slipping in the sense of the rotation.
+    at a small penetration, their surfaces slipping in the sense of the rotation.
 
-    A journal that whirls along a wall is pushed as at the right all the way round, and does not
-    move against the wall's damping. Pads that tilt follow a vibration with the frequency of
-    rotation. trial: the laws' internal states, overwritten.
+    A journal that whirls along a wall does not move against the wall's damping. Pads that tilt
+    follow a vibration with the frequency of rotation. trial: the laws' internal states,
+    overwritten.
     """
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         if interface.has_wall == 0:
             d = relative(interface, motion.q)
             _fill_tangent(structure, survey, motion, trial, j, d, omega, omega)
-            continue
-        d = complex(interface.length, 0.0)
-        d += law_gap(structure.laws, interface, d) + _DEPTH * interface.length
-        sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
+        else:
+            _fill_wall_tangent(structure, survey, motion, trial, j, omega)
+
+
+@jit_not_inlined
+def _fill_wall_tangent(structure, survey, motion, trial, j, omega):
+    """Fill in the tangent of wall j at a small penetration: how far a journal is pushed along its
+    displacement, the mean of all directions, which differ where the wall is worn."""
+    interface = structure.interfaces[j]
+    sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
+    pushed = 0.0j
+    for k in range(_DIRECTIONS):
+        e = direction(2.0 * math.pi * k / _DIRECTIONS)
+        d = scaled(interface.length, e)
+        gap = law_gap(structure.laws, interface, d)
+        d += scaled(gap + _DEPTH * interface.length, e)
         _fill_tangent(structure, survey, motion, trial, j, d, omega, sliding)
-        survey.p_d[j] += survey.q_d[j]
-        survey.q_d[j] = survey.p_v[j] = survey.q_v[j] = 0.0
+        pushed += survey.p_d[j] + survey.q_d[j] * (e * e).conjugate()
+    survey.p_d[j] = scaled(1.0 / _DIRECTIONS, pushed)
+    survey.q_d[j] = survey.p_v[j] = survey.q_v[j] = 0.0
 
 
 @jit_not_inlined

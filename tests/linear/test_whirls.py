@@ -172,3 +172,20 @@ def test_a_kicked_jeffcott_rotor_whips_above_the_separatrix_and_above_mu_c_alone
 
 def test_the_machine_of_the_examples_is_that_of_these_tests():
     assert OVERHUNG.is_file()
+
+
+@pytest.mark.parametrize("wear_angle", [0.5 * math.pi, 1.1])
+def test_whirls_along_a_worn_wall_do_not_depend_on_where_it_is_worn(wear_angle):
+    rotor = rubbing_jeffcott(1.15)
+    (stator,) = (part for part in rotor.parts if isinstance(part, ClearanceContact))
+    one, other = (
+        whirls(
+            rotor.with_parts(
+                ClearanceContact, replace(stator, wear=0.5 * CLEARANCE, wear_angle=angle)
+            )
+        )
+        for angle in (0.0, wear_angle)
+    )
+    assert len(one) == len(other) > 0
+    for a, b in zip(one, other, strict=True):
+        assert a.root == pytest.approx(b.root, rel=1e-3)
