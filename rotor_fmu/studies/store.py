@@ -43,7 +43,7 @@ def read_part(path: Path, **options: Any) -> "pyarrow.Table":
         return pq.read_table(path, **options)
     except pa.ArrowInvalid as error:
         raise InputError(
-            f"{path}: is damaged; without it, the same call makes its rows again"
+            f"{path}: is damaged; without it, the study makes its rows again"
         ) from error
 
 

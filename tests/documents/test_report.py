@@ -231,7 +231,7 @@ def test_a_run_made_again_with_its_signals_has_a_page_that_the_map_links(tmp_pat
         ("empty", ("empty",), "empty: holds no recording.npz"),
         ("study", ("study", "study"), "is a study, which has a page of its own"),
         ("bare", ("bare",), "bare: holds no rows of a study"),
-        ("torn", ("torn",), "torn: its rows cannot be read"),
+        ("torn", ("torn",), "a.parquet: is damaged"),
         ("empty", ("empty", "empty", "empty"), "3 runs: a page shows one or two"),
         ("run", ("run", "--out", "run"), "is a folder; give the page's name"),
         ("other", ("other",), "its recording has no w"),
