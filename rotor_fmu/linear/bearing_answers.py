@@ -12,13 +12,24 @@ from ..model import linear
 from ..model.linear.journal_bearing_curves import ANGLES
 from ..plotting.figure_style import (
     BLUE,
-    COLORS,
     ORANGE,
     PURPLE,
     empty_figure,
     entitle,
     new_panels,
     style,
+)
+from .bearing_columns import (
+    coefficient_columns,
+    draw_coefficients,
+    draw_lines,
+    in_clearance,
+    shown_either_way,
+    shown_span,
+    speed_and_load,
+    varies_load,
+    what_varies,
+    whirls_where,
 )
 from .displayed import Displayed, answer_of
 from .linear_tables import Table
@@ -33,12 +44,12 @@ class BearingCurves(Displayed, linear.BearingCurves):
         fast = np.abs(self.speeds)
         whirl = np.divide(self.whirl, fast, out=0.0 * fast, where=fast != 0.0)
         columns = [
-            *_speed_and_load(self),
+            *speed_and_load(self),
             ("e/c [1]", self.eccentricity),
             ("attitude [deg]", np.degrees(self.attitude)),
             (f"film [{d.small_word}]", self.film * d.small),
             (f"p max [{d.pressure_unit}]", self.pressure * d.pressure),
-            *_coefficient_columns(self),
+            *coefficient_columns(self),
             (f"torque [{d.torque_unit}]", self.torque * d.torque),
             (f"critical mass [{d.mass_unit}]", self.critical_mass * d.mass),
             ("whirl [1]", whirl),
@@ -53,9 +64,9 @@ class BearingCurves(Displayed, linear.BearingCurves):
     def _stability(self) -> str:
         """Return which mass whirls, and where."""
         d = current()
-        if _varies_load(self):
+        if varies_load(self):
             shown = [f"{load * d.force:.6g} {d.force_unit}" for load in self.turns]
-            where = _where(bool(self.critical_mass[0] < self.mass), shown)
+            where = whirls_where(bool(self.critical_mass[0] < self.mass), shown)
             return f"a mass that weighs its load {where}"
         if self.mass == 0.0:
             return "it bears no load"
@@ -64,8 +75,10 @@ class BearingCurves(Displayed, linear.BearingCurves):
             return f"{mass} does not whirl"
         is_slowest = self.threshold not in self.turns
         if is_slowest and not len(self.turns):
-            return f"{mass} whirls already above {_fast(self.threshold)}"
-        return f"{mass} {_where(is_slowest, [_fast(speed) for speed in self.turns])}"
+            return f"{mass} whirls already above {shown_either_way(self.threshold)}"
+        return (
+            f"{mass} {whirls_where(is_slowest, [shown_either_way(speed) for speed in self.turns])}"
+        )
 
     def figure(self) -> Figure:
         """Draw the journal's locus in its clearance, the pressure around it, and stiffness and
@@ -75,7 +88,7 @@ class BearingCurves(Displayed, linear.BearingCurves):
         locus, around, *over_speed = panels
         x, y = self.x / self.clearance, self.y / self.clearance
         locus.plot(x, y, "-", color=BLUE, lw=1.4)
-        d, (varied, unit, what) = current(), _varied(self)
+        d, (varied, unit, what) = current(), what_varies(self)
         for i, color in ((0, BLUE), (len(x) - 1, ORANGE)):
             label = f"{varied[i]:.4g} {unit}"
             locus.plot(x[i], y[i], "o", color=color, label=label)
@@ -84,14 +97,14 @@ class BearingCurves(Displayed, linear.BearingCurves):
                 self._draw_pads(locus, i, color if tilts else "black")
             if len(x) == 1:
                 break
-        _in_clearance(locus, "Journal at rest in its clearance")
+        in_clearance(locus, "Journal at rest in its clearance")
         around.set_xlabel("Angle from the right, anticlockwise [deg]")
         around.set_xticks(range(0, 361, 90))
         around.set_ylabel(f"Pressure [{d.pressure_unit}]")
         entitle(around, "Film in the middle of its length", 9)
         around.legend(frameon=False, fontsize=8)
         mark = "o-" if len(x) < 3 else "-"
-        _draw_coefficients(over_speed, self, mark)
+        draw_coefficients(over_speed, self, mark)
         if tilts:
             self._draw_pads_over(over_speed[2:], varied, mark)
             for first, last, pivot, *_ in self.pads:
@@ -133,7 +146,7 @@ class BearingCurves(Displayed, linear.BearingCurves):
             (panels[1], self.pad_loads * d.force, f"Load of a pad [{d.force_unit}]"),
         ):
             labels = [f"pad {n}" for n in range(1, values.shape[1] + 1)]
-            _draw_lines(axes, over, values.T, labels, mark)
+            draw_lines(axes, over, values.T, labels, mark)
             axes.set_ylabel(name)
 
 
@@ -171,7 +184,7 @@ class DamperCurves(Displayed, linear.DamperCurves):
         place.plot(self.x / self.clearance, self.y / self.clearance, "o", color=BLUE)
         d = current()
         load = f"{np.hypot(*self.load) * d.force:.4g} {d.force_unit}"
-        _in_clearance(place, f"Ring at rest under {load}")
+        in_clearance(place, f"Ring at rest under {load}")
         for axes, values, name in (
             (pressure, self.pressure * d.pressure, f"Largest pressure [{d.pressure_unit}]"),
             (stiffness, self.stiffness * d.stiffness, f"Stiffness [{d.stiffness_unit}]"),
@@ -201,24 +214,24 @@ class RingCurves(Displayed, linear.RingCurves):
         """Return a table with one row for each speed or load."""
         d = current()
         columns = (
-            *_speed_and_load(self),
+            *speed_and_load(self),
             (f"ring [{d.speed_unit}]", self.ring_speed * d.speed),
             ("ratio [1]", self.ratio),
             ("e/c [1]", self.eccentricity),
             ("outer e/c [1]", self.outer_eccentricity),
-            *_coefficient_columns(self),
+            *coefficient_columns(self),
             (f"torque [{d.torque_unit}]", self.torque * d.torque),
             ("power [W]", self.power),
             ("outer [W]", self.outer_power),
         )
-        title = f"{self.bearing}: the ring turns at {_span(self.ratio)} of the rotor's speed"
+        title = f"{self.bearing}: the ring turns at {shown_span(self.ratio)} of the rotor's speed"
         return Table.of(title, columns)
 
     def figure(self) -> Figure:
         """Draw journal and ring at rest, the ring's speed over the rotor's, and stiffness and
         damping over the speed or load."""
         figure, (locus, ratio, *panels) = new_panels(8.4, 7.4, 2, 2)
-        d, (varied, unit, what) = current(), _varied(self)
+        d, (varied, unit, what) = current(), what_varies(self)
         mark = "o-" if len(varied) < 3 else "-"
         for x, y, label, color in (
             (self.x, self.y, "journal", BLUE),
@@ -235,7 +248,7 @@ class RingCurves(Displayed, linear.RingCurves):
         ratio.plot(varied, self.ratio, mark, ms=4, color=BLUE, lw=1.4)
         ratio.set_ylabel("Speed of the ring over the rotor's [1]")
         ratio.set_ylim(bottom=0.0)
-        _draw_coefficients(panels, self, mark)
+        draw_coefficients(panels, self, mark)
         for axes in (ratio, *panels):
             axes.set_xlabel(f"{what} [{unit}]")
         entitle(figure, self.table().title)
@@ -249,16 +262,16 @@ class RollingCurves(Displayed, linear.RollingCurves):
         """Return a table with one row for each load; in the heading the cage's speed."""
         d = current()
         columns = (
-            *_speed_and_load(self),
+            *speed_and_load(self),
             (f"x [{d.small_word}]", self.x * d.small),
             (f"y [{d.small_word}]", self.y * d.small),
             (f"largest [{d.force_unit}]", self.largest * d.force),
             ("loaded", self.loaded),
-            *_coefficient_columns(self),
+            *coefficient_columns(self),
             *(
                 (
                     f"k{axis}{axis} passing [{d.stiffness_unit}]",
-                    [_span(k[:, i, i] * d.stiffness) for k in self.K_passing],
+                    [shown_span(k[:, i, i] * d.stiffness) for k in self.K_passing],
                 )
                 for i, axis in enumerate("xy")
             ),
@@ -273,7 +286,7 @@ class RollingCurves(Displayed, linear.RollingCurves):
     def figure(self) -> Figure:
         """Draw what each element carries under the last load, the stiffness as they pass, and, of
         several loads or speeds, stiffness and damping over them."""
-        varied, unit, what = _varied(self)
+        varied, unit, what = what_varies(self)
         last = len(varied) - 1
         rows = 2 if last else 1
         figure = empty_figure(8.4, 0.3 + 3.55 * rows)
@@ -301,95 +314,11 @@ class RollingCurves(Displayed, linear.RollingCurves):
         passing.margins(y=0.25)
         passing.legend(frameon=False, fontsize=8, ncols=2, loc="upper left")
         if over:
-            _draw_coefficients(over, self, "o-" if last < 3 else "-")
+            draw_coefficients(over, self, "o-" if last < 3 else "-")
         for axes in over:
             axes.set_xlabel(f"{what} [{unit}]")
         entitle(figure, self.table().title)
         return figure
-
-
-_Curves = BearingCurves | RingCurves | RollingCurves
-
-
-def _varies_load(result: _Curves) -> bool:
-    return len(result.speeds) > 1 and bool(result.speeds[0] == result.speeds[-1])
-
-
-def _fast(speed: float) -> str:
-    """Return a speed [rad/s] of either sense of rotation as it is shown, and in rad/s."""
-    return f"{speed_with_unit(abs(speed))} ({abs(speed):.6g} rad/s)"
-
-
-def _where(is_first: bool, turns: Sequence[str]) -> str:
-    """Return between which of these values a mass whirls, which at each of them begins to, or ends;
-    is_first: whether it does below them."""
-    if not turns:
-        return "whirls" if is_first else "does not whirl"
-    places = [f"below {turns[0]}"] if is_first else []
-    rest = turns[is_first:]
-    places += [f"from {begin} to {end}" for begin, end in zip(rest[::2], rest[1::2], strict=False)]
-    places += [f"above {rest[-1]}"] if len(rest) % 2 else []
-    return f"whirls {' and '.join(places)}"
-
-
-def _varied(result: _Curves) -> tuple[np.ndarray, str, str]:
-    """Return what varies, the speed or the load, in the unit that is shown, its unit and name."""
-    d = current()
-    if _varies_load(result):
-        return np.hypot(*result.load.T) * d.force, d.force_unit, "Load"
-    return result.speeds * d.speed, d.speed_unit, "Speed"
-
-
-def _speed_and_load(result: _Curves) -> tuple[tuple[str, np.ndarray], ...]:
-    d = current()
-    return (
-        (f"speed [{d.speed_unit}]", result.speeds * d.speed),
-        (f"load [{d.force_unit}]", np.hypot(*result.load.T) * d.force),
-    )
-
-
-def _coefficient_columns(result: _Curves) -> list[tuple[str, np.ndarray]]:
-    d = current()
-    K, C = (np.reshape(of, (-1, 4)).T for of in (result.K * d.stiffness, result.C * d.damping))
-    heads = (
-        *(f"kxx [{d.stiffness_unit}]", "kxy", "kyx", "kyy"),
-        *(f"cxx [{d.damping_unit}]", "cxy", "cyx", "cyy"),
-    )
-    return list(zip(heads, (*K, *C), strict=True))
-
-
-def _span(values: np.ndarray) -> str:
-    low, high = f"{values.min():.4g}", f"{values.max():.4g}"
-    return low if low == high else f"{low} to {high}"
-
-
-def _in_clearance(axes: Axes, title: str) -> None:
-    axes.set_aspect("equal")
-    axes.set(xlabel="x over the clearance [1]", ylabel="y over the clearance [1]")
-    entitle(axes, title, 9)
-
-
-def _draw_coefficients(panels: Sequence[Axes], result: _Curves, mark: str) -> None:
-    """Draw stiffness and damping."""
-    d, over = current(), _varied(result)[0]
-    for axes, of, name in (
-        (panels[0], result.K * d.stiffness, f"Stiffness [{d.stiffness_unit}]"),
-        (panels[1], result.C * d.damping, f"Damping [{d.damping_unit}]"),
-    ):
-        letter = "k" if axes is panels[0] else "c"
-        labels = [f"{letter}{pair}" for pair in ("xx", "xy", "yx", "yy")]
-        _draw_lines(axes, over, of.reshape(-1, 4).T, labels, mark, 2)
-        axes.set_ylabel(name)
-
-
-def _draw_lines(
-    axes: Axes, over: np.ndarray, values: np.ndarray, labels: list[str], mark: str, group: int = 1
-) -> None:
-    """Draw lines, every other group of them dashed: those of the same values are seen."""
-    for n, (of, label, color) in enumerate(zip(values, labels, COLORS, strict=False)):
-        dashes = mark.replace("-", "--") if n // group % 2 else mark
-        axes.plot(over, of, dashes, ms=4, color=color, lw=1.4, label=label)
-    axes.legend(frameon=False, fontsize=8, ncols=2)
 
 
 bearing = answer_of(BearingCurves, linear.bearing_curves)
