@@ -16,6 +16,7 @@ from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
+from ..operating_speeds import operating_speeds
 from .input_signals import RampGiven, Signals, make_signals, read_signals
 from .progress import shown
 from .recording import Recording
@@ -23,6 +24,7 @@ from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
 from .settings_text import parse_settings
 
 _MOST_ROWS = 2e6
+_USUAL_ROWS = 1e4
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,7 @@ def make_job(
         build_simulation(rotor, table, everything, lambda message: None)
     except EquilibriumError as error:
         raise InputError(str(error)) from error
-    step = step or min(_step_of(settings), stop)
+    step = step or min(_step_of(settings, stop, operating_speeds(rotor).trip), stop)
     if stop / step > _MOST_ROWS:
         raise InputError(
             f"stop = {stop:g} s: would give {stop / step:.3g} rows at the communication step of "
@@ -128,10 +130,15 @@ def _check_rows(stop: float, step: float | None, columns: int) -> None:
         )
 
 
-def _step_of(settings: Settings) -> float:
-    """Return the communication step of a run-down [s]: fine enough for pictures, but no finer than
-    the steps that an adaptive mode is to choose by itself."""
-    return {"adaptive": 0.04, "controlled": 0.004}.get(settings.mode, max(settings.h, 0.002))
+def _step_of(settings: Settings, stop: float, fastest: float) -> float:
+    """Return the communication step of a run [s]: fine enough for pictures, but no finer than the
+    steps that an adaptive mode is to choose by itself. A machine that turns in less, at its fastest
+    [rad/s], has a row a turn, of `_USUAL_ROWS` at most."""
+    if settings.mode == "adaptive":
+        return 0.04
+    turn = max(math.tau / fastest, stop / _USUAL_ROWS)
+    is_controlled = settings.mode == "controlled"
+    return min(0.004, turn) if is_controlled else max(settings.h, min(0.002, turn))
 
 
 def execute(job: Job, fmu: Path | None, label: str) -> Run:

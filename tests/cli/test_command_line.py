@@ -1,6 +1,7 @@
 """The command line: what a user may give, and what happens when it cannot be."""
 
 import json
+import math
 import re
 import runpy
 import signal
@@ -12,6 +13,8 @@ from pathlib import Path
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
+import rotor_fmu as rf
+from rotor_fmu.api.simulate import plan
 from rotor_fmu.cli import COMMANDS, main
 
 
@@ -161,6 +164,17 @@ def test_a_run_writes_its_figures_and_pictures(process, tmp_path):
     head = "time [s],phi [rad],w [rad/s],a [rad/s2],tau [N.m],tau_load [N.m],J [kg.m2],"
     assert rows[0].startswith(f"{head}tau_wave [N.m],step_work [J],")
     assert len(rows) == 1 + 101
+
+
+def test_a_machine_that_turns_in_less_than_the_usual_step_has_a_row_a_turn():
+    fast = rf.parse(rig_toml().replace("rated_speed = 400.0", "rated_speed = 4e4"))
+    for machine, stop, expected in (
+        (rf.load(), 40.0, 0.004),
+        (fast, 0.4, math.tau / 4e4),
+        (fast, 20.0, 0.002),
+        (fast, 400.0, 0.004),
+    ):
+        assert plan(machine, 100.0, None, stop, None, None, None, None).step == expected
 
 
 def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_earlier_one(
