@@ -86,8 +86,12 @@ static int is_sound(const Table *t)
                               t->continues_at,
                               t->stops_at_contact_at,
                               t->has_sensitivities_at,
+                              t->is_past_limit_at,
                               t->time_at,
+                              t->time_of_host_at,
                               t->omega_at,
+                              t->alpha_at,
+                              t->torque_at,
                               t->surveyed_at,
                               t->surveyed_from,
                               t->surveyed_to};
