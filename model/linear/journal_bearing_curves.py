@@ -41,13 +41,12 @@ class BearingCurves:
     mass [rad/s]; turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest
     on, or loads [N] at which a mass that weighs the load does, if the loads vary, shape (k,);
     threshold: the slowest speed at which `mass` whirls [rad/s], None if it does at none or the
-    loads vary; plane_error: of the load, against a two-
-    dimensional solution [1], nan without a load; viscosity [Pa.s], temperature [degC]: of the
-    lubricant, shape (n,), None where no heat balance gives it; pads: of m pads the first and last
-    angle, the angle of the pivot [rad], the clearance and x, y of the journal from the pad's centre
-    when it is in the bearing's, over the clearance [1], shape (m, 6); tilts: of pads that tilt, how
-    far, and how far the pivot gives, shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m)
-    [N].
+    loads vary; plane_error: of the load, against a two-dimensional solution [1], nan without a
+    load; viscosity [Pa.s], temperature [degC]: of the lubricant, shape (n,), None where no heat
+    balance gives it; pads: of m pads the first and last angle, the angle of the pivot [rad], the
+    clearance and x, y of the journal from the pad's centre when it is in the bearing's, over the
+    clearance [1], shape (m, 6); tilts: of pads that tilt, how far, and how far the pivot gives,
+    shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m) [N].
     """
 
     bearing: str
@@ -130,11 +129,15 @@ def bearing_curves(
     stable = columns["critical_mass"] >= masses
     places = np.arange(len(loads)) if is_over_load else _from_slowest(speeds)
     varied = np.abs(loads) if is_over_load else speeds
+
+    def ends_of(a: int, b: int) -> list[np.ndarray]:
+        """Return what varies, speeds, loads and masses at two places."""
+        return [of[[a, b]] for of in (varied, speeds, loads, masses)]
+
     turns = [
-        _turn(known[name], name, varied[ends], speeds[ends], loads[ends], masses[ends], stable[a])
+        _turn(known[name], name, *ends_of(a, b), is_first_stable=bool(stable[a]))
         for a, b in pairwise(places)
         if stable[a] != stable[b]
-        for ends in [[a, b]]
     ]
     threshold = None
     if not is_over_load:
@@ -217,6 +220,7 @@ def _turn(
     speeds: np.ndarray,
     loads: np.ndarray,
     masses: np.ndarray,
+    *,
     is_first_stable: bool,
 ) -> float:
     """Return the value of what varies, the speed [rad/s] or the load [N], at which the mass that
