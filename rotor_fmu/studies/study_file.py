@@ -157,6 +157,10 @@ def _design(table: dict[str, Any], axes: tuple[Axis, ...]) -> Design:
     if kind != GRID and "size" not in table:
         raise InputError(f"design {kind}: needs size")
     size = whole("design size", table["size"]) if "size" in table else 0
+    if kind == GRID and size:
+        raise InputError(
+            f"design size = {size}: a grid has none; kind must be one of {', '.join(DESIGNS[1:])}"
+        )
     seed = whole("design seed", table.get("seed", 0), 0)
     levels = whole("design levels", table.get("levels", 4), 2)
     if levels % 2:

@@ -150,6 +150,11 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("[vary]", '"solver.newton_limit" = 9.5\n[vary]', "newton_limit = 9.5: must be an integer"),
         ("[limits]", "[design]\nlevels = 3\n[limits]", "design levels = 3: must be even"),
         (
+            "[limits]",
+            "[design]\nsize = 20\n[limits]",
+            "design size = 20: a grid has none; kind must",
+        ),
+        (
             'peak = "disc[3].x_amp"',
             'amplitude = "w", bins = { from = 0, to = 1, count = 1000000000000 }',
             "bins count = 1000000000000: must be an integer from 1 to 10000000",
