@@ -1,9 +1,10 @@
 """A machine: its file, its quantities and its picture."""
 
 import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..machine_file.loading import load_rotor, si_text
 from ..model.machine.rotor import Rotor
@@ -16,6 +17,7 @@ from .linear_analyses import LinearAnalyses
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..model.periodic.branch import Solution
     from ..periodic.result import ResponseResult
 
 
@@ -109,8 +111,8 @@ class Machine(LinearAnalyses):
         return png(self.show())
 
 
-def _ask(question: str) -> None:
-    warnings.warn(RotorWarning(question), stacklevel=4)
+def _warn(text: str) -> None:
+    warnings.warn(RotorWarning(text), stacklevel=4)
 
 
 def load(path: Path | str | None = None) -> Machine:
@@ -142,7 +144,7 @@ def load(path: Path | str | None = None) -> Machine:
     >>> rf.load().name
     'zigulic2003'
     """
-    toml, rotor = load_rotor(None if path is None else Path(path), _ask, option="")
+    toml, rotor = load_rotor(None if path is None else Path(path), _warn, option="")
     return Machine(rotor, toml)
 
 
@@ -176,15 +178,90 @@ def parse(toml: str) -> Machine:
     return Machine(parse_rotor(plain), plain)
 
 
-def response(machine: Machine | Rotor | Path | str, **options: Any) -> "ResponseResult":
-    """Periodic motions of a machine with its contacts, over its speed or another parameter: see
-    `rotor_fmu.periodic.request.answer` for the options.
+def response(
+    machine: Machine | Rotor | Path | str,
+    *,
+    speed: float | tuple[float, float],
+    over: tuple[str, float, float] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    loads: Mapping[str, float] | None = None,
+    period: int = 1,
+    harmonics: int = 60,
+    share: float = 1e-4,
+    stability: bool = True,
+    step: float = 0.1,
+    seeds: Sequence[float] = (),
+    whirl: bool = False,
+    start: "Solution | None" = None,
+    branches: bool = False,
+) -> "ResponseResult":
+    """Compute periodic motions of a machine with its contacts, over its speed or a parameter.
 
+    Parameters
+    ----------
+    machine : Machine, Path or str
+        The machine, or its file.
+    speed : tuple of float, or float
+        Range of the speed, or with `over` the one speed [rad/s].
+    over : tuple of str, float and float, optional
+        Name of one of `machine.parameters` and its range, in SI units.
+    parameters : mapping of str to float, optional
+        Other values of the machine's parameters, in SI units.
+    loads : mapping of str to float, optional
+        Constant forces on ports, such as `disc[2].fy` [N].
+    period : int, optional
+        Revolutions in a period, from 1 to 16.
+    harmonics : int, optional
+        Most harmonics of a motion.
+    share : float, optional
+        Amplitude of the highest harmonic over that of the motion, at most [1].
+    stability : bool, optional
+        Whether Floquet multipliers are computed.
+    step : float, optional
+        Longest step along the curve, in clearances and shares of the range [1].
+    seeds : sequence of float, optional
+        Values of the varied quantity at which runs in time search for further branches.
+    whirl : bool, optional
+        Whether the machine runs without its unbalance, in a whirl of unknown frequency (dry whirl,
+        oil whirl).
+    start : Solution, optional
+        A motion of `at` or `points` of an earlier result, from which alone branches are followed.
+    branches : bool, optional
+        Whether branches that begin at period doublings and branch points are followed too.
+
+    Returns
+    -------
+    ResponseResult
+        Branches with their points, and bifurcations.
+
+    Raises
+    ------
+    InputError
+        For impossible or unknown values.
+
+    Examples
+    --------
     >>> import rotor_fmu as rf
-    >>> found = rf.response("examples/jeffcott_rub/jeffcott.toml", speed=(60, 240))
-    >>> [(b.kind, round(b.value, 2)) for b in found.bifurcations]
+    >>> curve = rf.response("examples/jeffcott_rub/jeffcott.toml", speed=(60, 240))
+    >>> [(b.kind, round(b.value, 2)) for b in curve.bifurcations]
     [('fold', 202.21), ('grazing', 138.5)]
     """
-    from ..periodic.request import answer  # with SciPy, which runs do without
+    from ..periodic.request import compute_response, response_request  # with SciPy
 
-    return answer(machine.rotor if isinstance(machine, Machine) else machine, **options)
+    request = response_request(
+        machine.rotor if isinstance(machine, Machine) else machine,
+        speed=speed,
+        over=over,
+        parameters=parameters,
+        loads=loads,
+        period=period,
+        harmonics=harmonics,
+        share=share,
+        stability=stability,
+        step=step,
+        seeds=seeds,
+        whirl=whirl,
+        start=start,
+        branches=branches,
+    )
+    return compute_response(request)

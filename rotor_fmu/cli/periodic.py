@@ -1,4 +1,4 @@
-"""`rotor-fmu response`: periodic answers over the speed or another parameter."""
+"""`rotor-fmu response`: periodic motions over the speed or another parameter."""
 
 import math
 import sys
@@ -111,7 +111,7 @@ def response(
     of = {str(name): described.unit for name, described, _ in machine.parameters()}
     at, varied = _varied(speed or _usual(machine, over), over, of)
     unit = "rad/s" if varied is None else of.get(varied[0], "1")
-    asked: dict[str, Any] = {
+    options: dict[str, Any] = {
         "speed": at,
         "over": varied,
         "parameters": _pairs("--set", values, lambda name: of.get(name, "1")),
@@ -124,8 +124,8 @@ def response(
         "whirl": whirl,
         "branches": branches,
     }
-    second = None if fold_over is None else _second(fold_over, machine, asked, of)
-    result = _found(machine, toml, asked, out, current().of_si(unit))
+    second = None if fold_over is None else _second(fold_over, machine, options, of)
+    result = _computed(machine, toml, options, out, current().of_si(unit))
     summary = dict(result.summary)
     if not result.is_stopped:
         if second is not None:
@@ -136,21 +136,21 @@ def response(
     return summary
 
 
-def _found(
-    machine: Rotor, toml: str, asked: dict[str, Any], out: Path, axis: Shown
+def _computed(
+    machine: Rotor, toml: str, options: dict[str, Any], out: Path, axis: Shown
 ) -> "ResponseResult":
     """Compute a response, continuing from the points that are saved in the folder."""
     from ..model.periodic.laws import waits_for_compiler
-    from ..periodic.request import found, question
+    from ..periodic.request import compute_response, response_request
 
-    task = question(machine, **asked)
+    request = response_request(machine, **options)
     writable_folder(out)
     from ..periodic.saved_events import saved_journal
 
-    length = task.task.high - task.task.low
-    with saved_journal(out, toml, asked) as saved, _progress(length, saved.before, axis) as add:
+    length = request.task.high - request.task.low
+    with saved_journal(out, toml, options) as saved, _progress(length, saved.before, axis) as add:
 
-        def tell(label: str, point: "Solution") -> None:
+        def report_point(label: str, point: "Solution") -> None:
             """Take one more point of a branch."""
             add(label, point.value, f", {point.orbit.H} harmonics")
 
@@ -158,7 +158,7 @@ def _found(
             print(
                 "response: compiling the laws of all parts, once on this machine", file=sys.stderr
             )
-        return found(task, tell, saved.journal)
+        return compute_response(request, report_point, saved.journal)
 
 
 def _show(result: "ResponseResult", name: str, summary: dict[str, Any], out: Path) -> None:
@@ -226,16 +226,16 @@ def _varied(
 
 
 def _second(
-    text: str, machine: Rotor, asked: Mapping[str, Any], units: Mapping[str, str]
+    text: str, machine: Rotor, options: Mapping[str, Any], units: Mapping[str, str]
 ) -> tuple[str, float, float]:
     """Return the quantity of `--fold-over` and its range, checked before anything is computed."""
     from ..model.periodic.queries import check_second
-    from ..periodic.request import question
+    from ..periodic.request import response_request
     from ..periodic.result import check_names
 
     name, low, high = _range(text, "--fold-over", units)
     check_names(machine, {name: low})
-    check_second(question(machine, **asked).rotor, name, low, high)
+    check_second(response_request(machine, **options).rotor, name, low, high)
     return name, low, high
 
 
@@ -243,12 +243,14 @@ def _folds(
     result: "ResponseResult", name: str, low: float, high: float, axis: Shown, out: Path
 ) -> dict[str, Any]:
     """Return where the first fold lies over the quantity of `--fold-over`, and draw it; where there
-    is none, say so: the curve itself is an answer. axis: how the quantity is shown."""
+    is none, say so: the curve itself is a result. axis: how the quantity is shown."""
     from ..plotting.figure_style import save
 
     try:
         with _progress(high - low, 0, axis) as add:
-            folds = result.fold_curve(name, low, high, tell=lambda value: add("folds", value, ""))
+            folds = result.fold_curve(
+                name, low, high, report_value=lambda value: add("folds", value, "")
+            )
     except InputError as error:
         typer.echo(f"--fold-over {name}: {error}")
         return {"second": [], "first": [], "name": name, "ends": []}

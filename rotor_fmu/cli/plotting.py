@@ -175,11 +175,11 @@ def _report_of_machine(
     out: Path,
 ) -> dict[str, Any]:
     """Write the page of a machine and its numbers beside it."""
-    from ..machine_report.report_page import Question, machine_report
+    from ..machine_report.report_page import ReportOptions, machine_report
 
     check_page(out)
-    asked = Question(*ends, probes, mode, clearances, couplings)
-    result = machine_report(machine, asked)
+    options = ReportOptions(*ends, probes, mode, clearances, couplings)
+    result = machine_report(machine, options)
     write_text(result.html, out)
     write_json(dict(result.numbers), out.with_suffix(".json"))
     for conclusion in result.conclusions:

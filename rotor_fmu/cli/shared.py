@@ -67,7 +67,7 @@ def _table(ctx: typer.Context) -> Any:
 
     given = ctx.params.get("rotor")
     try:
-        return interface(load_rotor(Path(given) if given else None, lambda question: None)[1])
+        return interface(load_rotor(Path(given) if given else None, lambda warning: None)[1])
     except InputError:
         return ()
 

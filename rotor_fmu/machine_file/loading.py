@@ -17,7 +17,7 @@ from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.machine.toml_text import toml_text
 from ..model.quantities import QuantityError
-from .plausibility import questions
+from .plausibility import implausible_values
 from .units_in_files import in_si_units
 
 _EXTENDS = "extends"
@@ -121,23 +121,23 @@ def _has_tables(value: list[Any]) -> bool:
     return all(isinstance(item, dict) for item in value)
 
 
-def _to_screen(question: str) -> None:
-    print(f"rotor-fmu: warning: {question}", file=sys.stderr, flush=True)
+def _to_screen(warning: str) -> None:
+    print(f"rotor-fmu: warning: {warning}", file=sys.stderr, flush=True)
 
 
 def load_rotor(
-    path: Path | None, ask: Callable[[str], None] = _to_screen, option: str = "--rotor"
+    path: Path | None, warn: Callable[[str], None] = _to_screen, option: str = "--rotor"
 ) -> tuple[str, Rotor]:
     """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
-    one; ask: takes the notes on an import from ROSS, and questions about values that nobody means;
+    one; warn: is given the notes on an import from ROSS, and warnings of implausible values;
     option: that names the file."""
-    asked: list[str] = []
-    text = rig_toml() if path is None else machine_text(option, path, asked.append)
+    warnings: list[str] = []
+    text = rig_toml() if path is None else machine_text(option, path, warnings.append)
     try:
         rotor = parse_rotor(text)
-        asked += questions(rotor)
+        warnings += implausible_values(rotor)
     except QuantityError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from error
-    for question in asked:
-        ask(f"{path}: {question}" if path else question)
+    for warning in warnings:
+        warn(f"{path}: {warning}" if path else warning)
     return text, rotor

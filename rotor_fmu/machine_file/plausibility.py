@@ -1,4 +1,4 @@
-"""Values that a machine may have but that nobody means: asked about, not refused."""
+"""Values that are probably meant in another unit: warned about, not refused."""
 
 import math
 from collections.abc import Iterator
@@ -50,7 +50,7 @@ _RIM = 1500.0  # m/s, above which steel bursts
 _RPM = math.pi / 30
 
 
-def questions(rotor: Rotor) -> list[str]:
+def implausible_values(rotor: Rotor) -> list[str]:
     """Return a sentence for each value of a machine that is probably meant in another unit, or that
     does not fit the machine's other values."""
     return [*_ranges(rotor), *_relations(rotor)]
@@ -59,23 +59,23 @@ def questions(rotor: Rotor) -> list[str]:
 def _ranges(rotor: Rotor) -> Iterator[str]:
     of_model = _SOFT[0] <= rotor.material.young < _SOFT[1]
     known = {n: usual for n, usual in _MATERIAL.items() if not (of_model and n == "density")}
-    yield from _asked("material", rotor.material, known)
-    yield from _asked("", rotor, _OF_THE_MACHINE)
-    shaft = _question("shaft: its length", rotor.length, "m", _SHAFT)
+    yield from _implausible("material", rotor.material, known)
+    yield from _implausible("", rotor, _OF_THE_MACHINE)
+    shaft = _warning("shaft: its length", rotor.length, "m", _SHAFT)
     if shaft:
         yield shaft
     for i, section in enumerate(rotor.sections, 1):
         for side in ("outer_left", "outer_right"):
             where = f"shaft.element[{i}].{side}"
-            asked = _question(where, getattr(section, side), "m", _OF_PARTS["diameter"])
-            if asked:
-                yield asked
+            warning = _warning(where, getattr(section, side), "m", _OF_PARTS["diameter"])
+            if warning:
+                yield warning
                 return  # the others are as large
     for where, part in rotor.named_parts():
-        yield from _asked(where, part, _OF_PARTS)
+        yield from _implausible(where, part, _OF_PARTS)
 
 
-def _asked(where: str, item: Any, usual: dict[str, Usual]) -> Iterator[str]:
+def _implausible(where: str, item: Any, usual: dict[str, Usual]) -> Iterator[str]:
     for name, declared in quantities(item).items():
         value = getattr(item, name)
         if name in usual and isinstance(value, (int, float)):
@@ -83,13 +83,13 @@ def _asked(where: str, item: Any, usual: dict[str, Usual]) -> Iterator[str]:
             usually = usual[name]
             if declared.rule.least < 0.0 <= usually.low:  # of either sign
                 usually = usually._replace(low=-usually.high)
-            asked = _question(shown, value, declared.unit, usually)
-            if asked:
-                yield asked
+            warning = _warning(shown, value, declared.unit, usually)
+            if warning:
+                yield warning
 
 
-def _question(shown: str, value: float, unit: str, usual: Usual) -> str:
-    """Return the question about a value that is unusual, or nothing."""
+def _warning(shown: str, value: float, unit: str, usual: Usual) -> str:
+    """Return the warning about a value that is unusual, or nothing."""
     if usual.low <= value <= usual.high:
         return ""
     with_unit = f"{value:g}" if unit == "1" else f"{value:g} {unit}"
@@ -109,8 +109,8 @@ def _relations(rotor: Rotor) -> Iterator[str]:
                 f"{radius:g} m{_smaller(clearance, radius)}"
             )
         for element in part.elements(where, density):
-            is_asked = getattr(part, "mass", None) == getattr(element, "mass", 0.0)
-            if isinstance(element, BodyElement) and element.mass > _HEAVY and not is_asked:
+            is_stated = getattr(part, "mass", None) == getattr(element, "mass", 0.0)
+            if isinstance(element, BodyElement) and element.mass > _HEAVY and not is_stated:
                 yield f"{where}: has a mass of {element.mass / 1e3:.4g} t; are its lengths in m?"
     yield from _speed(rotor)
 
@@ -121,7 +121,7 @@ def _smaller(value: float, largest: float) -> str:
 
 
 def _speed(rotor: Rotor) -> Iterator[str]:
-    """Yield the question about a speed at which the largest disc would burst."""
+    """Yield the warning about a speed at which the largest disc would burst."""
     radii = [disc.diameter / 2 for disc in rotor.discs]
     radius = max(radii, default=0.0)
     if not rotor.operation.speeds or radius > _OF_PARTS["diameter"].high / 2:

@@ -38,8 +38,8 @@ class Report:
 
 
 @dataclass(frozen=True)
-class Question:
-    """What a report is asked about.
+class ReportOptions:
+    """The speeds and places that a report is about.
 
     low, high: minimum and maximum continuous speed [rad/s]; probes: nodes (from 1), None: those
     that move most; mode: whose placed unbalances act, None: the machine's own; clearances: radial,
@@ -54,31 +54,31 @@ class Question:
     couplings: Mapping[int, float] | None = None
 
 
-def machine_report(rotor: Rotor, asked: Question) -> Report:
-    """Return the report of a machine. Raises `LinearError` for a question that cannot be."""
-    low, high = asked.low, asked.high
+def machine_report(rotor: Rotor, options: ReportOptions) -> Report:
+    """Return the report of a machine. Raises `LinearError` for impossible options."""
+    low, high = options.low, options.high
     top = LOOKED_AT * high
     first = lowest_speed(rotor, top)
     speeds = np.linspace(first, top, _SPEEDS)
     listed = inventory(rotor)
     unbalances = None
-    if asked.mode is not None:
-        placed = placed_unbalances(rotor, asked.mode, high)
+    if options.mode is not None:
+        placed = placed_unbalances(rotor, options.mode, high)
         unbalances = [(p.node, p.amount, p.phase) for p in placed]
     at_speed = answers.modes(rotor, high, count=_MODES)
     diagram = answers.campbell(rotor, speeds)
     over_stiffness = acceptance.critical_map(rotor)
     curve = np.linspace(first, top, _CURVE)
     response = answers.response_with_peaks(
-        rotor, curve, nodes=asked.probes or (), unbalances=unbalances
+        rotor, curve, nodes=options.probes or (), unbalances=unbalances
     )
-    probes = list(asked.probes or response.nodes())
+    probes = list(options.probes or response.nodes())
     check = acceptance.unbalance_check(
-        rotor, low, high, probes, unbalances=unbalances, clearances=asked.clearances
+        rotor, low, high, probes, unbalances=unbalances, clearances=options.clearances
     )
     scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
-    level_1 = stability_answers.level_1(rotor, high, anticipated=asked.couplings or 0.0)
-    level_2 = stability_answers.level_2(rotor, high, cross_couplings=asked.couplings)
+    level_1 = stability_answers.level_1(rotor, high, anticipated=options.couplings or 0.0)
+    level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0))
     conclusions = _conclusions(check, level_1, level_2, rub)
     sections = {
@@ -99,7 +99,7 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
             ),
         ],
         "Response to unbalance": [
-            f"<p>{escape(_acting(unbalances, asked.mode))}</p>",
+            f"<p>{escape(_acting(unbalances, options.mode))}</p>",
             figure_html(response.figure(probes, (low, high)), "Steady response at the probes"),
             _html(check.table()),
             figure_html(check.figure(), "Amplification factors and separation margins"),

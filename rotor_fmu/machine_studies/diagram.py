@@ -45,7 +45,7 @@ class Panel(NamedTuple):
 def diagrams(study: Study, data: "xarray.Dataset", say: Say) -> "dict[str, Figure]":
     """Return the diagram of every Poincare section that a study keeps, by its column.
 
-    say: hears of what is computed, and of what cannot be drawn. Raises `InputError` for a study
+    say: is given each computation, and whatever cannot be drawn. Raises `InputError` for a study
     that keeps none and `RunFailed` where every run failed.
     """
     runs, sections = sections_of(study)
@@ -130,7 +130,7 @@ def _response(
     runs: MachineRuns, axis: Axis | None, settings: Mapping[str, float], over: np.ndarray, say: Say
 ) -> "ResponseResult | None":
     """Return the periodic motions over the range of a diagram, None where there can be none."""
-    from ..periodic.request import answer
+    from ..periodic.request import compute_response, response_request
 
     rotor = machine_of(runs.toml, False).rotor
     names = {str(name) for name, _, _ in rotor.parameters()}
@@ -140,7 +140,8 @@ def _response(
     try:
         if axis is None or axis.targets == (_SPEED,):
             say(f"periodic motions from {shown_speed(low)} to {speed_with_unit(high)}")
-            return answer(rotor, speed=(low, high), parameters=given, branches=True)
+            request = response_request(rotor, speed=(low, high), parameters=given, branches=True)
+            return compute_response(request)
         if len(axis.targets) > 1 or axis.targets[0] not in names:
             raise InputError(f"{axis.name}: sets more than one quantity, or none of the machine")
         speed = settings.get(_SPEED, n["speed"])
@@ -148,8 +149,9 @@ def _response(
         unit = "" if of.word in ("", "1") else f" {of.word}"
         ends = f"{of.factor * low:.6g} to {of.factor * high:.6g}{unit}"
         say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
-        asked = (axis.targets[0], low, high)
-        return answer(rotor, speed=speed, over=asked, parameters=given, branches=True)
+        varied = (axis.targets[0], low, high)
+        request = response_request(rotor, speed=speed, over=varied, parameters=given, branches=True)
+        return compute_response(request)
     except InputError as error:
         say(f"without periodic motions: {error}")
         return None

@@ -140,14 +140,15 @@ class ResponseRuns(MachineRuns):
 
     def response(self, values: Mapping[str, float]) -> "ResponseResult":
         """Return the response of a run. Raises `InputError` for impossible values."""
-        from ..periodic.request import answer
+        from ..periodic.request import compute_response, response_request
 
         how, of_machine = self.split(values)
-        return answer(self.machine.rotor, parameters=of_machine, **_options(how))
+        request = response_request(self.machine.rotor, parameters=of_machine, **_options(how))
+        return compute_response(request)
 
 
 def _options(how: Excitation) -> dict[str, Any]:
-    """Return the options of `answer` for the numbers of a response."""
+    """Return the options of `response_request` for the numbers of a response."""
     n = how.numbers
     ends = n["from"], n["to"]
     return {

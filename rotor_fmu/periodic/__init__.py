@@ -1,1 +1,1 @@
-"""Periodic answers over speed, for Python and as the command `rotor-fmu response`."""
+"""Periodic motions over speed, for Python and as the command `rotor-fmu response`."""

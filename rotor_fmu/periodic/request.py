@@ -1,9 +1,10 @@
-"""Periodic answers about a machine, for Python: `rf.response(...)`."""
+"""The request for a response of a machine, and its computation: `rf.response`, `rotor-fmu response`
+and studies."""
 
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +25,8 @@ from .result import ResponseResult, check_names
 
 
 def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | None:
-    """Complex forces on the ports of loads by their names, `disc[2].fy` [N]; `InputError` for a
-    name that is none."""
+    """Return the complex forces on the ports of loads by their names, `disc[2].fy` [N]. Raises
+    `InputError` for an unknown name."""
     if not loads:
         return None
     known = {
@@ -46,44 +47,24 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
     return total
 
 
-def answer(
-    machine: Rotor | Path | str,
-    *,
-    tell: ReportPoint = lambda _, __: None,
-    journal: EventLog | None = None,
-    **options: Any,
-) -> ResponseResult:
-    """Periodic motions of a machine over its speed, or over another parameter.
-
-    speed: FROM and TO [rad/s], or, with `over`, the one speed; over: a name of `machine.parameters`
-    with FROM and TO; parameters: other values of the machine's; loads: constant forces on ports,
-    such as `disc[2].fy` [N]; period: revolutions in a period; harmonics: at most, share: what the
-    highest may be of the motion; stability: whether Floquet multipliers are computed; step: the
-    longest along the curve, in clearances and shares of the range; seeds: values of the parameter
-    where runs in time look for further branches; whirl: of the machine without its unbalance, the
-    whirl by itself (dry whirl, oil whirl), whose frequency is unknown; start: a motion, of `at` or
-    `points`, from which alone branches are followed; branches: whether those that begin at period
-    doublings and branch points are followed too; tell: hears of every point; journal: of what an
-    earlier call came to, and of what this one does. Raises `InputError` for what cannot be.
-    """
-    return found(question(machine, **options), tell, journal)
-
-
-class Question(NamedTuple):
-    """A machine, with its parameters as they were asked for, and what is asked of it."""
+class ResponseRequest(NamedTuple):
+    """A machine, with the parameters given for it, and the task to be solved."""
 
     rotor: Rotor
     task: Task
 
 
-def found(
-    asked: Question, tell: ReportPoint = lambda _, __: None, journal: EventLog | None = None
+def compute_response(
+    request: ResponseRequest,
+    report_point: ReportPoint = lambda _, __: None,
+    log: EventLog | None = None,
 ) -> ResponseResult:
-    """The answer to a question; see `answer`."""
-    return ResponseResult(response(asked.rotor, asked.task, tell, journal))
+    """Compute a response; report_point: is called with every point; log: of what an earlier call
+    computed, to which this one adds."""
+    return ResponseResult(response(request.rotor, request.task, report_point, log))
 
 
-def question(
+def response_request(
     machine: Rotor | Path | str,
     *,
     speed: float | tuple[float, float],
@@ -99,9 +80,9 @@ def question(
     whirl: bool = False,
     start: Solution | None = None,
     branches: bool = False,
-) -> Question:
-    """The question of `answer`, with its options, checked before anything is computed. Raises
-    `InputError` for what cannot be."""
+) -> ResponseRequest:
+    """Return the request of a response, checked; for the options see `rotor_fmu.response`. Raises
+    `InputError`."""
     rotor = rotor_of(machine)
     if parameters:
         check_names(rotor, parameters)
@@ -130,7 +111,7 @@ def question(
     factor, unit = current().of_si(known[name])
 
     def shown(value: float) -> str:
-        """A value of what is varied, in the unit that is shown."""
+        """Return a value of the varied quantity in the unit that is shown."""
         return f"{factor * value:.5g}"
 
     for seed in seeds:
@@ -153,4 +134,4 @@ def question(
         branches,
     )
     check(rotor, task)
-    return Question(rotor, task)
+    return ResponseRequest(rotor, task)

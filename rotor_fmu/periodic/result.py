@@ -75,7 +75,7 @@ class ResponseResult:
     """
 
     def __init__(self, result: Response) -> None:
-        self._found = result
+        self._response = result
         self.parameter = result.task.name
         self.branches = result.branches
         self.probes = probes(result.rotor)
@@ -90,17 +90,17 @@ class ResponseResult:
     @property
     def machine(self) -> str:
         """Name of the machine."""
-        return self._found.rotor.name
+        return self._response.rotor.name
 
     @property
     def is_stopped(self) -> bool:
         """Whether the search was interrupted."""
-        return self._found.is_stopped
+        return self._response.is_stopped
 
     @property
     def unit(self) -> str:
         """Of the parameter."""
-        return self._found.unit
+        return self._response.unit
 
     @property
     def axis(self) -> Shown:
@@ -111,7 +111,7 @@ class ResponseResult:
     def notes(self) -> tuple[Message, ...]:
         """What is to be said of the branches, in the units that are shown."""
         shown = self.axis.factor, self.axis.word
-        notes = self._found.notes
+        notes = self._response.notes
         return tuple(n.shown(*shown) if isinstance(n, Note) else n for n in notes)
 
     @property
@@ -174,11 +174,11 @@ class ResponseResult:
 
     def at(self, value: float) -> list[Solution]:
         """All motions at a value of the parameter, exact, stable ones and others."""
-        return motions_at(self._found, value)
+        return motions_at(self._response, value)
 
     def check(self, point: Solution, turns: int = 50) -> Persistence:
         """Start the integrator on a motion: whether it stays there for so many turns."""
-        return persists_in_time(self._found, point, turns)
+        return persists_in_time(self._response, point, turns)
 
     def amplitude(self, point: Solution | Bifurcation, name: str, quantity: str = "r_amp") -> float:
         """A quantity of a probe, as `curve` has them, of a motion [m, rad]."""
@@ -208,21 +208,21 @@ class ResponseResult:
         high: float,
         i: int = 0,
         *,
-        tell: Callable[[float], object] = lambda _: None,
+        report_value: Callable[[float], object] = lambda _: None,
     ) -> FoldCurve:
         """Where the i-th smooth fold lies over another parameter: the map of jumps.
 
-        tell: is called with the parameter's value at each of its points. Raises `InputError` where
-        there is no such fold or parameter.
+        report_value: is called with the parameter's value at each of its points. Raises
+        `InputError` where there is no such fold or parameter.
         """
         folds = [b for b in self.bifurcations if b.kind == FOLD]
         if not folds:
             raise InputError("the curve has no smooth fold")
         if not 0 <= i < len(folds):
             raise InputError(f"i = {i}: must be from 0 to {len(folds) - 1}, a fold of the curve")
-        check_names(self._found.rotor, {name: 0.0})
+        check_names(self._response.rotor, {name: 0.0})
         try:
-            return folds_over(self._found, folds[i], name, low, high, tell)
+            return folds_over(self._response, folds[i], name, low, high, report_value)
         except NotConverged as error:
             raise InputError(f"{name}: no curve of folds begins there: {error}") from error
 
@@ -257,7 +257,7 @@ class ResponseResult:
         """The map of jumps: the parameter at the fold over another one, `name`."""
         from .response_plots import fold_figure
 
-        units = {str(known): about.unit for known, about, _ in self._found.rotor.parameters()}
+        units = {str(known): about.unit for known, about, _ in self._response.rotor.parameters()}
         return fold_figure(self, name, units[name], folds)
 
     def table(self) -> Table:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import rotor_fmu as rf
+from rotor_fmu.periodic.request import compute_response, response_request
 from rotor_fmu.periodic.saved_events import FILE, saved_journal
 
 from .machines import FAINT_RUB, jeffcott, sagging
@@ -36,7 +37,8 @@ class Stopping:
 def called(folder, machine, stop_at=0, **options):
     asked = OPTIONS | options
     with saved_journal(folder, machine.toml, asked) as saved:
-        return rf.response(machine, **asked, tell=Stopping(stop_at), journal=saved.journal)
+        request = response_request(machine.rotor, **asked)
+        return compute_response(request, Stopping(stop_at), saved.journal)
 
 
 def equal(one, other):
@@ -169,10 +171,9 @@ def test_the_command_shows_how_far_it_is(capsys, monkeypatch):
 
     monkeypatch.setattr(screen, "time", Clock)
     with periodic._progress(180.0, before=3, axis=Display().of_si("rad/s")) as add:
-        rf.response(
-            jeffcott(),
-            speed=(60.0, 110.0),
-            tell=lambda label, point: add(label, point.value, f", {point.orbit.H} harmonics"),
+        compute_response(
+            response_request(jeffcott().rotor, speed=(60.0, 110.0)),
+            lambda label, point: add(label, point.value, f", {point.orbit.H} harmonics"),
         )
     said = capsys.readouterr().err.splitlines()
     assert len(said) > 3
