@@ -6,28 +6,29 @@ bearing to ground; here a housing. An element that cannot be imported is an erro
 """
 
 import json
-import math
-import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..quantities import QuantityError
-from .table_reader import a_table, nearest, number, printable
+from .ross_element import Element
+from .table_reader import a_table, printable
 
 _SHAFT, _DISC, _MASS = "ShaftElement", "DiskElement", "PointMass"
 _BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
+# those that ROSS computes, and saves with their coefficients
+_COMPUTED = (
+    *("BallBearingElement", "RollerBearingElement", "MagneticBearingElement"),
+    *("BearingFluidFlow", "CylindricalBearing", "PlainJournal", "TiltingPad", "SqueezeFilmDamper"),
+    *("LabyrinthSeal", "HolePatternSeal", "HybridSeal"),
+)
 _COEFFICIENTS = tuple(f"{of}{axes}" for of in "kc" for axes in ("xx", "xy", "yx", "yy"))
 _MASSES = ("mxx", "mxy", "myx", "myy")
 _NOT_LATERAL = ("kzz", "czz", "mzz", "radial_clearance", "seal_leakage")
-# Entries that draw, name or repeat something, those of the classes beside the coefficients, and of
-# old solvers.
-_IDLE = ("tag", "color", "scale_factor", "interpolation", "sparse", "n_eigen")
+_OF_BEARINGS = ("n", "n_link", "frequency", "speed", *_COEFFICIENTS, *_MASSES, *_NOT_LATERAL)
 _HEAD = ("ross_version", "parameters", "_note")
 _SPEEDS = {"min_w": "minimum_speed", "rated_w": "rated_speed", "max_w": "maximum_continuous_speed"}
 _MODAL = ("modal_damping_ratio", "default_damping_ratio")
-# What ROSS 3 writes into a TOML file for a number that NumPy made.
-_OF_NUMPY = re.compile(r"np\.(?:float|int)\d+\(([-+.\deE]+)\)")
 _SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
 
 
@@ -58,64 +59,6 @@ def parse_ross(text: str, name: str = "rotor", *, is_json: bool = False) -> Impo
     return _Reader(data, name).read()
 
 
-class _Element(NamedTuple):
-    """One table of the file: its key, its class, its values."""
-
-    where: str
-    kind: str
-    values: dict[str, Any]
-
-    def number(self, key: str, default: float | None = None) -> float:
-        """Return a finite number."""
-        value = self.values.get(key, default)
-        value = number(default if value is None else value)
-        if isinstance(value, str) and (of_numpy := _OF_NUMPY.fullmatch(value)):
-            value = float(of_numpy[1])
-        if value is None:
-            raise QuantityError(f"{self.where}.{key} is missing")
-        if not isinstance(value, float):
-            raise QuantityError(f"{self.where}.{key} = {value!r}: must be a number")
-        if not math.isfinite(value):
-            raise QuantityError(f"{self.where}.{key} = {value}: must be finite")
-        return value
-
-    def node(self, key: str = "n") -> int:
-        """Return a node, from 0."""
-        value = self.values.get(key)
-        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise QuantityError(f"{self.where}.{key} = {value!r}: must be an integer from 0")
-        return value
-
-    def column(self, key: str) -> float | list[float]:
-        """Return a coefficient: a number, or a list over the speed."""
-        value = self.values.get(key, 0.0)
-        if value is None or value == []:
-            return 0.0
-        if not isinstance(value, list):
-            return self.number(key, 0.0)
-        if any(isinstance(item, list) for item in value):
-            raise QuantityError(
-                f"{self.where}.{key}: a table over the speed and the whirl frequency has no "
-                "meaning in time; save it over the speed alone"
-            )
-        cells = [self._replace(values={key: item}).number(key) for item in value]
-        return cells[0] if len(set(cells)) == 1 else cells
-
-    def refuse_nonzero(self, *keys: str) -> None:
-        """Raise `QuantityError` for a key with another value than 0."""
-        for key in keys:
-            if (value := self.column(key)) != 0:
-                raise QuantityError(f"{self.where}.{key} = {value}: must be 0; it is not supported")
-
-    def refuse_others(self, *known: str) -> None:
-        """Raise `QuantityError` for an unknown key with a value."""
-        for key, value in self.values.items():
-            if value is not None and key not in (*known, *_IDLE):
-                hint = nearest(key, known)
-                where = f"{self.where}.{printable(key)}"
-                raise QuantityError(f"{where}: unknown key, {hint}not carried over")
-
-
 class _Reader:
     """The file, element by element."""
 
@@ -127,15 +70,26 @@ class _Reader:
         for key, value in data.items():
             if key in _HEAD:
                 continue
-            kind, where = key.partition("_")[0], printable(key)
-            if kind not in (_SHAFT, _DISC, _MASS, *_BEARINGS):
-                raise QuantityError(
-                    f"{where}: a {printable(kind)} of ROSS is not supported; remove it, or save "
-                    "its coefficients as a BearingElement"
-                )
-            self._elements.append(_Element(where, kind, a_table(where, value)))
+            self._elements.append(self._element(key, value))
         head = a_table("parameters", data.get("parameters", {}))
-        self._parameters = _Element("parameters", "parameters", head)
+        self._parameters = Element("parameters", "parameters", head)
+
+    def _element(self, key: str, value: object) -> Element:
+        """Return an element; a bearing or seal that ROSS computed is one by its coefficients."""
+        kind, where = key.partition("_")[0], printable(key)
+        values = a_table(where, value)
+        if kind in (_SHAFT, _DISC, _MASS, *_BEARINGS):
+            return Element(where, kind, values)
+        if kind not in _COMPUTED or "kxx" not in values or "cxx" not in values:
+            raise QuantityError(
+                f"{where}: a {printable(kind)} of ROSS is not supported; remove it, or save "
+                "its coefficients as a BearingElement"
+            )
+        self._notes.append(
+            f"{where}: imported by its coefficients; what ROSS computed them from is left out"
+        )
+        own = {name: of for name, of in values.items() if name in _OF_BEARINGS}
+        return Element(where, "SealElement" if "Seal" in kind else "BearingElement", own)
 
     def read(self) -> Imported:
         """Return the tables of a machine file."""
@@ -169,7 +123,7 @@ class _Reader:
         speeds = {ours: self._parameters.number(w, 0.0) for w, ours in _SPEEDS.items()}
         return {name: speed for name, speed in speeds.items() if speed != 0}
 
-    def _damping(self, shaft: list[_Element]) -> float:
+    def _damping(self, shaft: list[Element]) -> float:
         """Return the viscous damping [s]; that of the whole rotor, of ROSS 3, is in the place of
         the elements' own."""
         self._parameters.refuse_others(*_SPEEDS, "alpha", "beta", *_MODAL)
@@ -185,7 +139,7 @@ class _Reader:
             )
         return beta
 
-    def _of(self, *kinds: str) -> list[_Element]:
+    def _of(self, *kinds: str) -> list[Element]:
         return [element for element in self._elements if element.kind in kinds]
 
     @staticmethod
@@ -193,12 +147,12 @@ class _Reader:
         tables.setdefault(kind, []).append(table)
 
     @staticmethod
-    def _on_shaft(element: _Element, last: int) -> dict[str, Any]:
+    def _on_shaft(element: Element, last: int) -> dict[str, Any]:
         if element.node() > last:
             raise QuantityError(f"{element.where}.n = {element.node()}: the shaft ends at {last}")
         return {"node": element.node() + 1}
 
-    def _sections(self, shaft: list[_Element], materials: dict[str, Any]) -> list[dict[str, Any]]:
+    def _sections(self, shaft: list[Element], materials: dict[str, Any]) -> list[dict[str, Any]]:
         """Return the sections from left to right, the inmost layer first."""
         if not shaft:
             raise QuantityError("ShaftElement_... is missing")
@@ -217,7 +171,7 @@ class _Reader:
             sections.append(core | ({"layer": layers} if layers else {}))
         return sections
 
-    def _section(self, element: _Element, materials: dict[str, Any]) -> dict[str, Any]:
+    def _section(self, element: Element, materials: dict[str, Any]) -> dict[str, Any]:
         flags = ("shear_effects", "rotary_inertia", "gyroscopic")
         sides = ("idl", "odl", "idr", "odr")
         loads = ("axial_force", "torque", "alpha", "beta")
@@ -247,11 +201,11 @@ class _Reader:
         }
 
     @staticmethod
-    def _material(element: _Element, materials: dict[str, Any]) -> str:
+    def _material(element: Element, materials: dict[str, Any]) -> str:
         values = element.values.get("material")
         if not isinstance(values, dict):
             raise QuantityError(f"{element.where}.material = {values!r}: must be a table")
-        inner = _Element(f"{element.where}.material", "Material", values)
+        inner = Element(f"{element.where}.material", "Material", values)
         young, shear = inner.number("E"), inner.number("G_s")
         if not shear > 0:
             raise QuantityError(f"{inner.where}.G_s = {shear:g} Pa: must be > 0")
@@ -269,12 +223,12 @@ class _Reader:
             name = f"{base} {count}"
         return name
 
-    def _masses(self, element: _Element) -> tuple[float, float]:
+    def _masses(self, element: Element) -> tuple[float, float]:
         element.refuse_others("n", "m", "mx", "my", "mz")
         plain = element.values.get("m")
         return element.number("mx", plain), element.number("my", plain)
 
-    def _mass(self, element: _Element) -> float:
+    def _mass(self, element: Element) -> float:
         x, y = self._masses(element)
         if x != y:
             raise QuantityError(
@@ -282,7 +236,7 @@ class _Reader:
             )
         return x
 
-    def _pedestals(self, last: int) -> dict[int, tuple[dict[str, Any], _Element]]:
+    def _pedestals(self, last: int) -> dict[int, tuple[dict[str, Any], Element]]:
         """Return the housings by their nodes, with the bearings that hold them to ground."""
         result = {}
         linked = {
@@ -316,10 +270,9 @@ class _Reader:
             result[n] = housing, ground
         return result
 
-    def _coefficients(self, element: _Element) -> dict[str, Any]:
+    def _coefficients(self, element: Element) -> dict[str, Any]:
         """Return the eight coefficients, and the speeds where they are tables."""
-        axes = ("frequency", "speed")
-        element.refuse_others("n", "n_link", *axes, *_COEFFICIENTS, *_MASSES, *_NOT_LATERAL)
+        element.refuse_others(*_OF_BEARINGS)
         for key in _MASSES:
             if element.column(key) != 0:
                 raise QuantityError(
@@ -333,7 +286,8 @@ class _Reader:
         tables = {key: column for key, column in own.items() if isinstance(column, list)}
         if not tables:
             return own
-        axis = "speed" if self._is_3 else "frequency"
+        is_over_speed = self._is_3 or isinstance(element.column("speed"), list)
+        axis = "speed" if is_over_speed else "frequency"
         if self._is_3 and isinstance(element.column("frequency"), list):
             raise QuantityError(
                 f"{element.where}.frequency: a table over the whirl frequency has no meaning in "
@@ -352,7 +306,7 @@ class _Reader:
         return own | {"speed": speeds}
 
     def _bearing(
-        self, element: _Element, last: int, pedestals: Mapping[int, tuple[dict[str, Any], _Element]]
+        self, element: Element, last: int, pedestals: Mapping[int, tuple[dict[str, Any], Element]]
     ) -> dict[str, Any]:
         table = self._on_shaft(element, last)
         if element.values.get("n_link") is not None:

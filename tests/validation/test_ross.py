@@ -54,6 +54,23 @@ def test_response_to_unbalance_is_that_of_ross(file):
         np.testing.assert_allclose(getattr(result, axis), expected, rtol=CLOSE, atol=0)
 
 
+def test_bearings_that_ross_computed_are_imported_by_their_coefficients_and_that_is_said():
+    text = text_of("computed_bearings.toml")
+    result = parse_ross(text)
+    ball, film = result.tables["linear_bearing"]
+    assert ball["kxx"] > 1e6
+    assert film["speed"] == [200.0, 500.0, 900.0, 1500.0]
+    assert "n_balls" not in ball
+    for name in ("BallBearingElement_ball", "CylindricalBearing_film"):
+        assert any(
+            note.startswith(f"{name}: imported by its coefficients") for note in result.notes
+        )
+    with pytest.raises(
+        QuantityError, match="a BallBearingElement of ROSS is not supported; remove"
+    ):
+        parse_ross(text.replace("kxx = ", "key = "))
+
+
 def test_where_formulations_differ_it_is_by_a_little_and_said_how():
     """Tapers: ROSS takes the shape of a cylinder with the shear of the middle section, this project
     the taper's own; Hutchinson's coefficient lacks a factor 1 + poisson in ROSS 2."""

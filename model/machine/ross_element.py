@@ -1,0 +1,72 @@
+"""An element of a rotor that ROSS saved: one table of the file, with its values checked."""
+
+import math
+import re
+from typing import Any, NamedTuple
+
+from ..quantities import QuantityError
+from .table_reader import nearest, number, printable
+
+# Entries that draw, name or repeat something, those of the classes beside the coefficients, and of
+# old solvers.
+_IDLE = ("tag", "color", "scale_factor", "interpolation", "sparse", "n_eigen")
+# What ROSS 3 writes into a TOML file for a number that NumPy made.
+_OF_NUMPY = re.compile(r"np\.(?:float|int)\d+\(([-+.\deE]+)\)")
+
+
+class Element(NamedTuple):
+    """One table of the file: its key, its class, its values."""
+
+    where: str
+    kind: str
+    values: dict[str, Any]
+
+    def number(self, key: str, default: float | None = None) -> float:
+        """Return a finite number."""
+        value = self.values.get(key, default)
+        value = number(default if value is None else value)
+        if isinstance(value, str) and (of_numpy := _OF_NUMPY.fullmatch(value)):
+            value = float(of_numpy[1])
+        if value is None:
+            raise QuantityError(f"{self.where}.{key} is missing")
+        if not isinstance(value, float):
+            raise QuantityError(f"{self.where}.{key} = {value!r}: must be a number")
+        if not math.isfinite(value):
+            raise QuantityError(f"{self.where}.{key} = {value}: must be finite")
+        return value
+
+    def node(self, key: str = "n") -> int:
+        """Return a node, from 0."""
+        value = self.values.get(key)
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise QuantityError(f"{self.where}.{key} = {value!r}: must be an integer from 0")
+        return value
+
+    def column(self, key: str) -> float | list[float]:
+        """Return a coefficient: a number, or a list over the speed."""
+        value = self.values.get(key, 0.0)
+        if value is None or value == []:
+            return 0.0
+        if not isinstance(value, list):
+            return self.number(key, 0.0)
+        if any(isinstance(item, list) for item in value):
+            raise QuantityError(
+                f"{self.where}.{key}: a table over the speed and the whirl frequency has no "
+                "meaning in time; save it over the speed alone"
+            )
+        cells = [self._replace(values={key: item}).number(key) for item in value]
+        return cells[0] if len(set(cells)) == 1 else cells
+
+    def refuse_nonzero(self, *keys: str) -> None:
+        """Raise `QuantityError` for a key with another value than 0."""
+        for key in keys:
+            if (value := self.column(key)) != 0:
+                raise QuantityError(f"{self.where}.{key} = {value}: must be 0; it is not supported")
+
+    def refuse_others(self, *known: str) -> None:
+        """Raise `QuantityError` for an unknown key with a value."""
+        for key, value in self.values.items():
+            if value is not None and key not in (*known, *_IDLE):
+                hint = nearest(key, known)
+                where = f"{self.where}.{printable(key)}"
+                raise QuantityError(f"{where}: unknown key, {hint}not carried over")
