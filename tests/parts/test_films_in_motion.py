@@ -11,6 +11,9 @@ from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
+from rotor_fmu.machine_file.loading import machine_text
+
+from ..known import EXAMPLES
 from ..toml_text import table
 from .films import DAMPER, OF_A_FILM, THRESHOLDS, film, heavy_shaft, in_films, run_of
 from .machines import shaft
@@ -98,6 +101,17 @@ def test_a_start_at_standstill_lies_on_its_wall_and_lifts_off():
     assert run.read("energy.friction_loss") > 0
     lost = run.read("energy.film_loss") + run.read("energy.friction_loss")
     assert abs(run.read("energy.residual")) < 1e-4 * lost
+
+
+def test_fixed_steps_start_up_on_a_wall_behind_little_oil():
+    """Its film is thinner than its roughness over a few elements only."""
+    text = machine_text("--rotor", EXAMPLES / "oil_film" / "rotor.toml")
+    for old, new in (("viscosity = 0.02", "viscosity = 0.0005"), ("k = 1e8", "k = 1e7")):
+        text = text.replace(old, new)
+    run = Simulation(parse_rotor(text), choose("robust"), rate=300.0, warn=lambda _: None)
+    for i in range(25):
+        run.advance(2e-3 * (i + 1), 0.6 * i, rate=300.0)
+    assert run.read("solver.newton") < 10 * run.read("solver.steps")
 
 
 def test_ledger_closes_through_a_threshold_and_a_rub():
