@@ -15,7 +15,7 @@ from .api.simulate import simulate
 from .display import current, speed_with_unit
 from .errors import InputError, RunFailed
 from .linear.answers import modes
-from .linear.displayed import Displayed
+from .linear.displayed import Displayed, of_machine
 from .linear.linear_plots import titled
 from .linear.linear_tables import Table
 from .model.machine.rotor import Rotor
@@ -199,8 +199,7 @@ def balance(
         influence=found.influence,
         touches=bench.touches,
     )
-    object.__setattr__(result, "machine_name", rotor.name)
-    return result
+    return of_machine(result, rotor)
 
 
 def _usual_trial(rotor: Rotor, speed: float, planes: int) -> float:
