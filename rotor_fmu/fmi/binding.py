@@ -50,19 +50,17 @@ def build_simulation(
     table: Sequence[Variable],
     values: Mapping[str, float],
     warn: Callable[[Message], None],
-    tolerance: float | None = None,
     record: Record | Sequence[str] = (),
 ) -> Simulation:
     """Return the simulation that an FMU with these values of its inputs and parameters stands for,
     at rest under the loads among them; its time is counted from the start.
 
-    tolerance: the experiment's [1], which a value of the FMU's own overrides; record: signals to
-    record at every step (`Simulation`). Raises `QuantityError`, `SettingsError` and
-    `EquilibriumError`.
+    record: signals to record at every step (`Simulation`). Raises `QuantityError`, `SettingsError`
+    and `EquilibriumError`.
     """
     loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
     changed = changed_rotor(rotor, table, values)
-    settings = settings_of(values, tolerance, warn)
+    settings = settings_of(values, warn)
     is_free = "tau_drive" in values
     return Simulation(
         changed,

@@ -126,15 +126,12 @@ def meaning(variable: Variable) -> tuple[float, float]:
 
 
 def settings_of(
-    values: Mapping[str, float],
-    tolerance: float | None = None,
-    warn: Callable[[Message], None] = lambda message: None,
+    values: Mapping[str, float], warn: Callable[[Message], None] = lambda message: None
 ) -> Settings:
     """Return the settings that values of the solver's parameters, by name, stand for.
 
-    tolerance: the experiment's [1], which a value of the FMU's own overrides. A value that changes
-    nothing in the mode chosen goes to `warn`. Raises `SettingsError` for an impossible value, by
-    the parameter's name.
+    A value that changes nothing in the mode chosen goes to `warn`. Raises `SettingsError` for an
+    impossible value, by the parameter's name.
     """
     given = np.full(len(GIVEN), np.nan)
     for at, variable in enumerate(GIVEN):
@@ -142,7 +139,7 @@ def settings_of(
         if values[variable.name] != unset:
             given[at] = values[variable.name] - shift
     try:
-        settings, said = settings_of_given(given, int(values[REDUCTION.name]), tolerance)
+        settings, said = settings_of_given(given, int(values[REDUCTION.name]))
     except SettingsError as error:
         raise SettingsError(f"{PREFIX}{error}") from error
     for sentence in said:
