@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import vibration
-from ..cells import cell
+from ..cells import cell, html_table
 from ..display import current, shown_speed
 from ..run_status import FAILED, OK
 from ..runs.recording import Recording
@@ -165,12 +165,5 @@ def _sinks(run: Recording, of: str) -> str:
 
 
 def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table as HTML; heads that are all empty are left out."""
-    head = "".join(f'<th scope="col">{escape(text)}</th>' for text in heads)
-    lines = ["".join(f"<td>{escape(cell(value))}</td>" for value in row) for row in rows]
-    body = "".join(f"<tr>{line}</tr>" for line in lines)
-    top = f"<thead><tr>{head}</tr></thead>" if any(heads) else ""
-    return (
-        f'<div class="table"><table><caption>{escape(caption)}</caption>{top}'
-        f"<tbody>{body}</tbody></table></div>"
-    )
+    """Return a table as HTML, in a box that scrolls; heads that are all empty are left out."""
+    return f'<div class="table">{html_table(caption, heads, rows)}</div>'
