@@ -5,6 +5,7 @@ import os
 import re
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -160,10 +161,7 @@ def _say_result(definition: Study, out: Path, progress: Progress) -> dict[str, A
 
     data = open_dataset(out)
     states = data.status.values.astype(str)
-    counts: dict[str, int] = {}
-    for status in states:
-        kind = "failed" if status.startswith(FAILED) else status
-        counts[kind] = counts.get(kind, 0) + 1
+    counts = Counter("failed" if status.startswith(FAILED) else status for status in states)
     shown = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
     typer.echo(f"{definition.name}: {progress.runs} runs, {progress.now} of them now: {shown}")
     figures: dict[str, Any] = {

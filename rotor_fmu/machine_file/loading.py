@@ -89,9 +89,7 @@ def _tables(
     base = data.get(_EXTENDS)
     if base is None:
         return data
-    if not isinstance(base, str):
-        raise InputError(f"{path}: {_EXTENDS} = {base!r}: must be the name of a file")
-    if "\0" in base:
+    if not isinstance(base, str) or "\0" in base:
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: must be the name of a file")
     other = path.parent / base
     if other.resolve() in (p.resolve() for p in (*above, path)) or len(above) >= _MOST:
