@@ -1,6 +1,7 @@
 """Values of the FMU's variables -> a `Simulation`: shared by the slave and the command line."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -33,16 +34,11 @@ def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, 
 def coupling_options(values: Mapping[str, float]) -> CouplingOptions:
     """Return what values of the FMU's parameters ask of a run beside its motion: limits at which it
     ends, sensitivities, the line that drives a free rotor."""
-    given = {
-        of.field: values.get(of.name, 0.0) for of in coupling_parameters("tau_drive" in values)
-    }
-    return CouplingOptions(
-        has_sensitivities=bool(given["has_sensitivities"]),
-        limit_displacement=given["limit_displacement"],
-        limit_force=given["limit_force"],
-        stops_at_contact=bool(given["stops_at_contact"]),
-        drive_impedance=given.get("drive_impedance", 0.0),
-    )
+    options: dict[str, Any] = {}
+    for of in coupling_parameters("tau_drive" in values):
+        value = values.get(of.name, 0.0)
+        options[of.field] = bool(value) if of.quantity.is_switch else value
+    return CouplingOptions(**options)
 
 
 def build_simulation(
