@@ -18,8 +18,8 @@ from .linear.answers import modes
 from .linear.displayed import Displayed, of_machine
 from .linear.linear_plots import titled
 from .linear.linear_tables import Table
+from .model.linear.supports import walls
 from .model.machine.rotor import Rotor
-from .model.parts.base import InterfaceElement
 from .model.parts.port import Sensor
 from .model.parts.unbalance import Unbalance
 from .model.quantities import STANDARD_GRAVITY
@@ -218,11 +218,7 @@ class _Bench:
         self._done = 0
         sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
-        self._contacts = [
-            name
-            for name, interface in rotor.elements_of_kind(InterfaceElement)
-            if interface.law.has_wall
-        ]
+        self._contacts = list(walls(rotor))
         self.touches = False
 
     def rows(self) -> list[tuple[int, str, float]]:
