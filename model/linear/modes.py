@@ -94,12 +94,8 @@ class Modes(Spectrum):
         backward."""
         forward, backward = (np.abs(p) ** 2 for p in self._parts())
         each = (forward - backward) / (forward + backward).max(axis=1, keepdims=True)
-        return tuple(
-            PLANAR if degenerate else _word(nodes, whole)
-            for nodes, whole, degenerate in zip(
-                each, self.forwardness, self.is_degenerate, strict=True
-            )
-        )
+        seen = zip(each, self.forwardness, self.is_degenerate, strict=True)
+        return tuple(PLANAR if is_any else _word(nodes, whole) for nodes, whole, is_any in seen)
 
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         return (self.x + 1j * self.y) / 2, (self.x - 1j * self.y).conj() / 2

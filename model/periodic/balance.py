@@ -194,14 +194,10 @@ class HarmonicBalance:
         of_states = orbit.omega * derivative(orbit.states)
         if self.s:
             of_states -= series_of(samples.spectrum(laws.rates, self.H))
+        of_b = (self.row_scale[:, None] * of_b).ravel() / self.length_scale
+        of_states = (of_states / (self.state_scale * self.frequency_scale)).ravel()
         tail = [self._phase_condition(orbit)] if self.is_autonomous else []
-        return np.concatenate(
-            [
-                (self.row_scale[:, None] * of_b).ravel() / self.length_scale,
-                (of_states / (self.state_scale * self.frequency_scale)).ravel(),
-                tail,
-            ]
-        )
+        return np.concatenate([of_b, of_states, tail])
 
     @cached_property
     def frequency_scale(self) -> float:

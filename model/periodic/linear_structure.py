@@ -135,11 +135,8 @@ class CondensedMachine:
         kappa_v, kappa_h = self._kappa
         kappa = kappa_v * speed + math.copysign(kappa_h * (speed != 0), speed)
         by_d, by_v = self._linear_laws(speed)
-        return ReducedMatrices(
-            self._M,
-            self._D + speed * self._gyroscopic - by_v,
-            self._K - kappa * self._circulatory - by_d,
-        )
+        D = self._D + speed * self._gyroscopic - by_v
+        return ReducedMatrices(self._M, D, self._K - kappa * self._circulatory - by_d)
 
     def _linear_laws(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the tangents of the linear laws with respect to displacements and velocities."""
