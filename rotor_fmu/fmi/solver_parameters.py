@@ -7,6 +7,7 @@ run means "as the preset".
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -100,21 +101,18 @@ def chosen_at_build(
     for name in starts:
         if name in fixed:
             raise SettingsError(f"{name}: is chosen with the step for real time")
-    chosen = tuple(
-        replace(v, start=fixed[v.name], is_unset_at_start=False, text=_TEXTS.get(v.name, v.text))
-        if v.name in fixed
-        else replace(v, start=_as_kind(v, starts[v.name]))
-        if v.name in starts
-        else v
-        for v in table
-    )
+    chosen = []
+    for v in table:
+        changes: dict[str, Any] = {}
+        if v.name in fixed:
+            text = _TEXTS.get(v.name, v.text)
+            changes = {"start": fixed[v.name], "is_unset_at_start": False, "text": text}
+        elif v.name in starts:
+            changes = {"start": starts[v.name] if v.kind == "Real" else int(starts[v.name])}
+        chosen.append(replace(v, **changes))
     if starts:
         settings_of({v.name: float(v.start or 0.0) for v in chosen if v.name.startswith(PREFIX)})
-    return chosen
-
-
-def _as_kind(variable: Variable, value: float) -> float | int:
-    return value if variable.kind == "Real" else int(value)
+    return tuple(chosen)
 
 
 def meaning(variable: Variable) -> tuple[float, float]:
