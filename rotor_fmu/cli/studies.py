@@ -197,9 +197,9 @@ def _in_units(definition: Study, row: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _named(text: str, unit: str, form: str = " [{}]") -> str:
-    """Return a text with the unit behind it, if there is one."""
-    return text if unit in ("", "1") else text + form.format(unit)
+def _named(name: str, unit: str) -> str:
+    """Return a name with the unit behind it, if there is one."""
+    return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
 def _print_table(rows: list[dict[str, Any]]) -> None:
@@ -229,8 +229,7 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
     _print_table(rows)
     for name, result in report["limits"].items():
         if result["count"]:
-            factor, unit = shown[name].factor, shown[name].word
-            limit = _named(f"{factor * result['limit']:.6g}", unit, " {}")
+            limit = shown[name].text(result["limit"], digits=6)
             typer.echo(f"{name} > {limit}: {_counted(result)}")
     for sentence in report["says"]:
         typer.echo(sentence)

@@ -137,8 +137,7 @@ def _response(
             raise InputError(f"{axis.name}: sets more than one quantity, or none of the machine")
         speed = settings.get(_SPEED, n["speed"])
         of = current().of_si(axis.unit)
-        unit = "" if of.word in ("", "1") else f" {of.word}"
-        ends = f"{of.factor * low:.6g} to {of.factor * high:.6g}{unit}"
+        ends = f"{of.factor * low:.6g} to {of.text(high, digits=6)}"
         say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
         asked = (axis.targets[0], low, high)
         return answer(rotor, speed=speed, over=asked, parameters=given, branches=True)
