@@ -269,11 +269,7 @@ def _contact_run(
     inside = (w >= operating[0]) & (w <= operating[1])
     where = np.flatnonzero(touches)
     first, last = (float(w[i]) for i in where[[0, -1]]) if len(where) else (math.nan, math.nan)
-    return ContactRun(
-        name,
-        first,
-        last,
-        float(weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)),
-        float(weight[touches].sum() / weight.sum()),
-        float(result[f"{name}.fn"][after].max(initial=0.0)),
-    )
+    share_in_range = weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)
+    share = weight[touches].sum() / weight.sum()
+    force = result[f"{name}.fn"][after].max(initial=0.0)
+    return ContactRun(name, first, last, float(share_in_range), float(share), float(force))

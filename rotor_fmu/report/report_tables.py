@@ -72,16 +72,13 @@ def tables(run: Recording, summary: Mapping[str, Any], runs: int = 1) -> str:
 
 
 def _ran(run: Recording, summary: Mapping[str, Any], of: str) -> str:
-    rows: list[Sequence[object]] = [
-        ["status", "failed" if run.status.startswith(FAILED) else run.status]
-    ]
+    status = "failed" if run.status.startswith(FAILED) else run.status
+    rows: list[Sequence[object]] = [["status", status]]
     if len(run.t):
+        speeds = f"speed, from and to [{current().speed_unit}]"
         rows += [
             ["reached [s]", run.t[-1]],
-            [
-                f"speed, from and to [{current().speed_unit}]",
-                f"{_speed(run, 0)} to {_speed(run, -1)}",
-            ],
+            [speeds, f"{_speed(run, 0)} to {_speed(run, -1)}"],
             ["turns", float(np.abs(np.diff(run.phi)).sum()) / (2 * math.pi)],
         ]
     rows.append(["samples", len(run.t)])
