@@ -91,7 +91,6 @@ def bound_unless_compiled(entry: Any, block: np.ndarray) -> Callable[..., Any]:
     return bound(entry, block, Backend.LIBRARY if is_made else Backend.PYTHON)
 
 
-def bound_entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoints:
-    """Return the functions for a block, run by `backend`, by default the selected one."""
-    names = EntryPoints._fields
-    return EntryPoints(*(bound(getattr(entry_points, name), block, backend) for name in names))
+def bound_entry_points(block: np.ndarray) -> EntryPoints:
+    """Return the functions for a block, run by the selected backend."""
+    return EntryPoints(*(bound(getattr(entry_points, name), block) for name in EntryPoints._fields))

@@ -127,8 +127,8 @@ class Simulation:
         numbers.h = settings.h
         numbers.max_iterations = settings.max_iterations
         numbers.continues = continues_speed
-        self._is_free = drive_torque is not None
-        numbers.is_free = self._is_free
+        self.is_free = drive_torque is not None  # its speed is a state
+        numbers.is_free = self.is_free
         for name, value in asdict(coupling).items():
             numbers[name] = value
         if loads is not None:
@@ -141,7 +141,7 @@ class Simulation:
         ]
         self._loads = self._run.memory.loads
         self._load_rates = self._run.memory.load_rates
-        self._observed = self._run.outputs.observed
+        self.observed = self._run.outputs.observed  # in the order of `names`, a live array
         self._arguments = np.zeros(MOST_ARGUMENTS)
         contacts = interface_names(rotor)
         self._places = {
@@ -176,19 +176,9 @@ class Simulation:
         return float(self._time[0])
 
     @property
-    def is_free(self) -> bool:
-        """Whether a torque drives the rotor, so that its speed is a state."""
-        return self._is_free
-
-    @property
     def motion(self) -> Motion:
         """The present state (live arrays, read-only by convention)."""
         return self._run.motion
-
-    @property
-    def observed(self) -> np.ndarray:
-        """All observed quantities, in the order of `names` (a live array)."""
-        return self._observed
 
     def read(self, name: str) -> float:
         """Return one observed quantity by its name, as in `observed_names`."""

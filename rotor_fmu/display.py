@@ -30,10 +30,10 @@ class Shown(NamedTuple):
         """The unit in letters that every terminal has."""
         return _in_letters(self.unit)
 
-    def text(self, value: float) -> str:
+    def text(self, value: float, digits: int = 5) -> str:
         """Return a value in the SI unit as it is shown, with the unit if there is one."""
         behind = "" if self.unit in ("", "1") else f" {self.word}"
-        return f"{self.factor * value:.5g}{behind}"
+        return f"{self.factor * value:.{digits}g}{behind}"
 
 
 @dataclass(frozen=True)

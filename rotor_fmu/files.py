@@ -1,7 +1,8 @@
 """Files that are written whole or not at all."""
 
+import csv
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -30,6 +31,15 @@ def unfinished(path: Path) -> Iterator[Path]:
         if error.filename in (None, str(part)):
             error.filename = str(path)
         raise
+
+
+def write_csv(columns: Mapping[str, Iterable[float]], path: Path) -> None:
+    """A CSV file of columns by their heads, whole or not at all."""
+    with unfinished(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        for row in zip(*columns.values(), strict=True):
+            writer.writerow([f"{value:.9g}" for value in row])
 
 
 def write_text(text: str, path: Path) -> None:

@@ -49,28 +49,22 @@ def progress_of(label: str, total: float, first: float) -> Iterator[Update]:
     every = _BAR_EVERY if console.is_terminal else _LINE_EVERY
     due = time.monotonic() + (0.0 if console.is_terminal else first)
 
-    def is_due(is_end: bool) -> bool:
-        nonlocal due
-        now = time.monotonic()
-        if now < due and not is_end:
-            return False
-        due = now + every
-        return True
+    def when_due(show: Callable[[float, str], None]) -> Update:
+        def update(done: float, text: Callable[[], str], is_end: bool = False) -> None:
+            nonlocal due
+            now = time.monotonic()
+            if now >= due or is_end:
+                due = now + every
+                show(done, text())
+
+        return update
 
     if not console.is_terminal:
-
-        def line(done: float, text: Callable[[], str], is_end: bool = False) -> None:
-            if is_due(is_end):
-                console.print(f"{label}: {text()}", soft_wrap=True, markup=False)
-
-        yield line
+        yield when_due(
+            lambda _, text: console.print(f"{label}: {text}", soft_wrap=True, markup=False)
+        )
         return
     columns = (*Progress.get_default_columns()[:-1], TextColumn("{task.fields[text]}"))
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(escape(label), total=total, text="")
-
-        def update(done: float, text: Callable[[], str], is_end: bool = False) -> None:
-            if is_due(is_end):
-                bar.update(task, completed=done, text=text())
-
-        yield update
+        yield when_due(lambda done, text: bar.update(task, completed=done, text=text))

@@ -15,11 +15,11 @@ from .api.simulate import simulate
 from .display import current, speed_with_unit
 from .errors import InputError, RunFailed
 from .linear.answers import modes
-from .linear.displayed import Displayed
+from .linear.displayed import Displayed, of_machine
 from .linear.linear_plots import titled
 from .linear.linear_tables import Table
+from .model.linear.supports import walls
 from .model.machine.rotor import Rotor
-from .model.parts.base import InterfaceElement
 from .model.parts.port import Sensor
 from .model.parts.unbalance import Unbalance
 from .model.quantities import STANDARD_GRAVITY
@@ -199,8 +199,7 @@ def balance(
         influence=found.influence,
         touches=bench.touches,
     )
-    object.__setattr__(result, "machine_name", rotor.name)
-    return result
+    return of_machine(result, rotor)
 
 
 def _usual_trial(rotor: Rotor, speed: float, planes: int) -> float:
@@ -219,11 +218,7 @@ class _Bench:
         self._done = 0
         sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
-        self._contacts = [
-            name
-            for name, interface in rotor.elements_of_kind(InterfaceElement)
-            if interface.law.has_wall
-        ]
+        self._contacts = list(walls(rotor))
         self.touches = False
 
     def rows(self) -> list[tuple[int, str, float]]:

@@ -295,12 +295,6 @@ def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
 def _pade(delay: float) -> tuple[np.ndarray, np.ndarray]:
     """Return numerator and denominator of a rational function near to exp(-s delay)."""
     n = _PADE
-    terms = [
-        math.factorial(2 * n - k)
-        * math.factorial(n)
-        / (math.factorial(2 * n) * math.factorial(k) * math.factorial(n - k))
-        * delay**k
-        for k in range(n, -1, -1)
-    ]
-    signs = [(-1.0) ** k for k in range(n, -1, -1)]
-    return np.array(terms) * signs, np.array(terms)
+    powers = range(n, -1, -1)
+    terms = np.array([math.comb(n, k) / math.perm(2 * n, k) * delay**k for k in powers])
+    return terms * [(-1.0) ** k for k in powers], terms

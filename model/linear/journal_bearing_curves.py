@@ -128,14 +128,9 @@ def bearing_curves(
     masses = np.abs(loads) / gravity if is_over_load else np.full(len(loads), mass)
     stable = columns["critical_mass"] >= masses
     places = np.arange(len(loads)) if is_over_load else _from_slowest(speeds)
-    varied = np.abs(loads) if is_over_load else speeds
-
-    def ends_of(a: int, b: int) -> list[np.ndarray]:
-        """Return what varies, speeds, loads and masses at two places."""
-        return [of[[a, b]] for of in (varied, speeds, loads, masses)]
-
+    courses = np.abs(loads) if is_over_load else speeds, speeds, loads, masses
     turns = [
-        _turn(known[name], name, *ends_of(a, b), is_first_stable=bool(stable[a]))
+        _turn(known[name], name, [of[[a, b]] for of in courses], bool(stable[a]))
         for a, b in pairwise(places)
         if stable[a] != stable[b]
     ]
@@ -213,23 +208,15 @@ def _from_slowest(speeds: np.ndarray) -> np.ndarray:
     return np.flatnonzero(speeds >= 0.0) if speeds[-1] >= 0.0 else np.arange(len(speeds))[::-1]
 
 
-def _turn(
-    part: JournalBearing,
-    name: str,
-    varied: np.ndarray,
-    speeds: np.ndarray,
-    loads: np.ndarray,
-    masses: np.ndarray,
-    *,
-    is_first_stable: bool,
-) -> float:
+def _turn(part: JournalBearing, name: str, ends: list[np.ndarray], is_first_stable: bool) -> float:
     """Return the value of what varies, the speed [rad/s] or the load [N], at which the mass that
-    goes with it begins, or ends, to whirl; all arrays of both ends, between which they are
-    linear."""
+    goes with it begins, or ends, to whirl; ends: what varies, speed, load and mass at both ends,
+    between which they are linear."""
+    varied, *others = ends
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        speed, load, mass = (of[0] + middle * (of[1] - of[0]) for of in (speeds, loads, masses))
+        speed, load, mass = (of[0] + middle * (of[1] - of[0]) for of in others)
         alone = BearingAlone(part, speed, name)
         is_stable = critical_mass(*alone.coefficients(alone.rest(load)))[0] >= mass
         low, high = (middle, high) if is_stable == is_first_stable else (low, middle)

@@ -293,8 +293,8 @@ class LinearMachine:
         left = force - full.strained.T @ pull - K - 1j * omega * D
         left = left + omega**2 * M - self.across.T @ acting.ravel()
         rows = np.column_stack([2 * self.pinned, 2 * self.pinned + 1]).ravel()
-        result = _forces_of_pins(self.across[rows], left)
-        return result.reshape(-1, 2)
+        across = self.across[rows].toarray().T[:-2]  # ground's rows aside
+        return np.linalg.lstsq(across, left[:-2], rcond=None)[0].reshape(-1, 2)
 
     def _holds(self, linear: Linear) -> bool:
         """Return whether the stiffness resists every motion as a rigid body."""
@@ -336,9 +336,3 @@ class LinearMachine:
                 "none: give the machine gravity, or its pads preload"
             )
         return result
-
-
-def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:
-    """Return the forces f of the pins with across^T f = left, ground's rows aside."""
-    rows = across.toarray().T[:-2]
-    return np.linalg.lstsq(rows, left[:-2], rcond=None)[0]

@@ -94,12 +94,8 @@ class Modes(Spectrum):
         backward."""
         forward, backward = (np.abs(p) ** 2 for p in self._parts())
         each = (forward - backward) / (forward + backward).max(axis=1, keepdims=True)
-        return tuple(
-            PLANAR if degenerate else _word(nodes, whole)
-            for nodes, whole, degenerate in zip(
-                each, self.forwardness, self.is_degenerate, strict=True
-            )
-        )
+        seen = zip(each, self.forwardness, self.is_degenerate, strict=True)
+        return tuple(PLANAR if is_any else _word(nodes, whole) for nodes, whole, is_any in seen)
 
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         return (self.x + 1j * self.y) / 2, (self.x - 1j * self.y).conj() / 2
@@ -152,7 +148,23 @@ def modes_of(machine: LinearMachine, linear: Linear, count: int) -> Modes:
     result = np.argsort(np.abs(values))[:count]
     values, shapes = values[result], shapes[:, result]
     degenerate = _untangle(values, shapes, machine)
-    return _as_modes(machine, linear.speed, values, shapes, degenerate, decays, residuals[result])
+    n = 2 * len(machine.nodes)
+    x, y = _scaled((machine.expand @ shapes).T, n)
+    return Modes(
+        speed=linear.speed,
+        contacts=machine.contacts,
+        z=machine.nodes,
+        eigenvalues=values,
+        x=x[:, :n:2],
+        y=y[:, :n:2],
+        slope_x=x[:, 1:n:2],
+        slope_y=y[:, 1:n:2],
+        housing_x=x[:, n:-1],
+        housing_y=y[:, n:-1],
+        is_degenerate=degenerate,
+        decays=decays,
+        residuals=residuals[result],
+    )
 
 
 def check_speed(speed: float) -> None:
@@ -264,40 +276,16 @@ def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) ->
     return degenerate
 
 
-def _as_modes(
-    machine: LinearMachine,
-    speed: float,
-    values: np.ndarray,
-    shapes: np.ndarray,
-    degenerate: np.ndarray,
-    decays: np.ndarray,
-    residuals: np.ndarray,
-) -> Modes:
-    whole = (machine.expand @ shapes).T
+def _scaled(whole: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return x and y of shapes, each with the largest orbit of a node, among the first n rows, of
+    size 1."""
     x, y = whole[:, ::2], whole[:, 1::2]
-    nodes = len(machine.nodes)
-    n = 2 * nodes
     forward, backward = np.abs(x + 1j * y) / 2, np.abs(x - 1j * y) / 2
     axis = (forward + backward)[:, :n:2]
     at = np.argmax(axis, axis=1)
-    each = np.arange(len(values))
+    each = np.arange(len(whole))
     # phase: x at the largest orbit real, or y where there is no x
     lead = np.where(np.abs(x[each, 2 * at]) >= np.abs(y[each, 2 * at]), x[each, 2 * at], 0)
     lead = np.where(lead == 0, y[each, 2 * at], lead)
     factor = (np.abs(lead) / (lead * axis[each, at]))[:, None]
-    x, y = x * factor, y * factor
-    return Modes(
-        speed=speed,
-        contacts=machine.contacts,
-        z=machine.nodes,
-        eigenvalues=values,
-        x=x[:, :n:2],
-        y=y[:, :n:2],
-        slope_x=x[:, 1:n:2],
-        slope_y=y[:, 1:n:2],
-        housing_x=x[:, n:-1],
-        housing_y=y[:, n:-1],
-        is_degenerate=degenerate,
-        decays=decays,
-        residuals=residuals,
-    )
+    return x * factor, y * factor

@@ -30,6 +30,11 @@ def interfaces(rotor: Rotor) -> Iterator[InterfaceElement]:
     return (element for _, element in rotor.elements_of_kind(InterfaceElement))
 
 
+def walls(rotor: Rotor) -> dict[str, InterfaceElement]:
+    """Return the interfaces with a wall, whose sources have a `clearance`, by the parts' names."""
+    return {where: e for where, e in rotor.elements_of_kind(InterfaceElement) if e.law.has_wall}
+
+
 def are_linear(rotor: Rotor) -> np.ndarray:
     """Return which interfaces have a force that is linear in displacement and velocity."""
     return np.array([e.law is LINEAR_BEARING for e in interfaces(rotor)], bool)

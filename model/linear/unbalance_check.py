@@ -10,10 +10,10 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from .amplification import Margin, Peak, largest, margin, peaks
-from .linear_machine import LinearError
+from .linear_machine import OPEN, LinearError
 from .static import check_node, lowest_speed
 from .unbalance import SteadyWhirl
-from .unbalance_peaks import distance_of, major_of, with_criticals
+from .unbalance_peaks import Gap, distance_of, gaps, major_of, with_criticals
 from .unbalance_placement import vibration_limit
 
 _POINTS = 301
@@ -191,30 +191,14 @@ class _Response:
     ) -> None:
         self.whirl = SteadyWhirl(rotor, contacts, unbalances)
         self.machine = self.whirl.machine
-        self._gaps = self._clearances(rotor, clearances)
-
-    def _clearances(
-        self, rotor: Rotor, clearances: Mapping[int, float]
-    ) -> list[tuple[str, float, int, int]]:
-        """Return name, clearance, and the dofs whose distance closes it."""
-        result = []
-        ground = self.machine.expand.shape[0] // 2 - 1
+        self._gaps = []
         for node, clearance in clearances.items():
             if not (0 < clearance < math.inf):
                 raise LinearError(f"clearance of node {node} = {clearance:g} m: must be > 0")
             dof = 2 * (check_node(self.machine, node) - 1)
-            result.append((f"node {node}", clearance, dof, ground))
-        if self.machine.contacts == "open":
-            parts = dict(rotor.named_parts())
-            interfaces = self.machine.structure.interfaces
-            for name, i in zip(
-                self.machine.supports.interfaces, range(len(interfaces)), strict=True
-            ):
-                gap = getattr(parts[name], "clearance", None)
-                if interfaces.has_wall[i] and gap is not None:
-                    end = int(interfaces.end[i]) % (ground + 1)
-                    result.append((name, float(gap), int(interfaces.dof[i]), end))
-        return result
+            self._gaps.append(Gap(f"node {node}", clearance, dof, -1))
+        if self.machine.contacts == OPEN:
+            self._gaps += gaps(rotor, self.machine)
 
     def axis(self, node: int, axis: int, speed: float) -> float:
         """Return the amplitude of a node in x or y [m]."""
@@ -225,8 +209,8 @@ class _Response:
     def clearance_levels(self, speeds: np.ndarray, scale: float) -> list[ClearanceLevel]:
         """Return how much of each clearance is taken."""
         result = []
-        for name, clearance, dof, end in self._gaps:
-            speed, major = largest(partial(distance_of, self.whirl, dof, end), speeds)
+        for gap in self._gaps:
+            speed, major = largest(partial(distance_of, self.whirl, gap), speeds)
             scaled = max(scale, 1.0) * major if major else 0.0
-            result.append(ClearanceLevel(name, clearance, major, speed, scaled))
+            result.append(ClearanceLevel(gap.name, gap.clearance, major, speed, scaled))
         return result

@@ -4,19 +4,41 @@ one is narrower than the distance of speeds spaced evenly."""
 import math
 from collections.abc import Sequence
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from ..machine.rotor import Rotor
 from .amplification import with_modes, with_tops
 from .campbell import campbell
+from .linear_machine import LinearMachine
 from .orbit import semi_axes
 from .static import check_node, lowest_speed
+from .supports import walls
 from .unbalance import SteadyWhirl, UnbalanceResponse
 
 _MODES = 12
 _POINTS = 13  # of the Campbell diagram
 _BEYOND = 1.2  # times the highest speed, that a critical speed whose flank lies below is found
+
+
+class Gap(NamedTuple):
+    """A radial clearance [m] with the name of what it belongs to, and the dofs whose distance
+    closes it (-1: ground)."""
+
+    name: str
+    clearance: float
+    dof: int
+    end: int
+
+
+def gaps(rotor: Rotor, machine: LinearMachine) -> list[Gap]:
+    """Return the clearances of a machine's contacts."""
+    dofs, ends = machine.structure.interfaces.dof, machine.structure.interfaces.end
+    return [
+        Gap(name, float(wall.source.clearance), int(dofs[i]), int(ends[i]))
+        for i, (name, wall) in zip(machine.pinned, walls(rotor).items(), strict=True)
+    ]
 
 
 def with_criticals(
@@ -38,10 +60,10 @@ def major_of(whirl: SteadyWhirl, node: int, speed: float) -> float:
     return float(semi_axes(*whirl.at(speed)[2 * (node - 1)])[0])
 
 
-def distance_of(whirl: SteadyWhirl, dof: int, end: int, speed: float) -> float:
-    """Return the major semi-axis of the distance of two dofs at a speed [rad/s] in m."""
+def distance_of(whirl: SteadyWhirl, gap: Gap, speed: float) -> float:
+    """Return the major semi-axis of the motion across a gap at a speed [rad/s] in m."""
     moved = whirl.at(speed)
-    return float(semi_axes(*(moved[dof] - moved[end]))[0])
+    return float(semi_axes(*(moved[gap.dof] - moved[gap.end]))[0])
 
 
 def response_with_peaks(

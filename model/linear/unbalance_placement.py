@@ -15,7 +15,6 @@ edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -81,10 +80,9 @@ def placed_unbalances(
         raise LinearError(f"mode = {mode}: must be from 1 to {len(shapes)}")
     weighed = replace(rotor, gravity=STANDARD_GRAVITY, gravity_angle=0.0, inclination=0.0)
     bearings = _bearing_masses(weighed, undamped, speed)
-    places = _places(rotor, shapes[mode - 1], bearings)
     return [
         PlacedUnbalance(node, factor * residual_unbalance(mass, speed), phase, mass)
-        for node, phase, mass in places
+        for node, phase, mass in _places(rotor, shapes[mode - 1], bearings)
     ]
 
 
@@ -119,20 +117,12 @@ def _places(
     lobes = _lobes(shape, first, last)
     if len(lobes) == 1:
         return [(lobes[0], 0.0, abs(sum(bearings.values())))]
-    signs = [shape[node - 1] > 0 for node in lobes]
-    return [
-        (
-            node,
-            0.0 if sign == signs[0] else math.pi,
-            abs(bearings[_nearest(rotor, bearings, node)]),
-        )
-        for node, sign in zip(lobes, signs, strict=True)
-    ]
-
-
-def _nearest(rotor: Rotor, bearings: Iterable[int], node: int) -> int:
-    """Return the node of the bearing that is nearest to a node."""
-    return min(bearings, key=lambda b: abs(rotor.nodes[b - 1] - rotor.nodes[node - 1]))
+    result, z = [], rotor.nodes
+    for node in lobes:
+        is_against = (shape[node - 1] > 0) != (shape[lobes[0] - 1] > 0)
+        nearest = min(bearings, key=lambda bearing: abs(z[bearing - 1] - z[node - 1]))
+        result.append((node, math.pi if is_against else 0.0, abs(bearings[nearest])))
+    return result
 
 
 def _lobes(shape: np.ndarray, first: int, last: int) -> list[int]:

@@ -11,23 +11,15 @@ the speed over `turns`, or an unknown for self-excited motions (whirl without un
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from ..quantities import QuantityError
 from .arclength import TOLERANCE
 from .force_corners import SampledOrbit
-from .fourier import (
-    add_real,
-    amplitudes,
-    coefficients,
-    derivative,
-    products,
-    resized,
-    series_of,
-)
+from .fourier import add_real, amplitudes, coefficients, derivative, products, resized, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
 
 _CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
@@ -202,14 +194,10 @@ class HarmonicBalance:
         of_states = orbit.omega * derivative(orbit.states)
         if self.s:
             of_states -= series_of(samples.spectrum(laws.rates, self.H))
+        of_b = (self.row_scale[:, None] * of_b).ravel() / self.length_scale
+        of_states = (of_states / (self.state_scale * self.frequency_scale)).ravel()
         tail = [self._phase_condition(orbit)] if self.is_autonomous else []
-        return np.concatenate(
-            [
-                (self.row_scale[:, None] * of_b).ravel() / self.length_scale,
-                (of_states / (self.state_scale * self.frequency_scale)).ravel(),
-                tail,
-            ]
-        )
+        return np.concatenate([of_b, of_states, tail])
 
     @cached_property
     def frequency_scale(self) -> float:
@@ -308,8 +296,3 @@ def last_share(b: np.ndarray) -> float:
     size, H = np.abs(amplitudes(b)).max(axis=1, initial=0.0), len(b) // 2
     last = max(2, H // 4)
     return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < H else 1.0
-
-
-def cached(function: Callable[[float], Any]) -> Callable[[float], Any]:
-    """Return the function with a cache of its results at the last eight values."""
-    return lru_cache(maxsize=8)(function)

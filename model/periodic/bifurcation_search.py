@@ -55,11 +55,6 @@ def _bifurcation(problem: PeriodicEquations, located: _Located) -> Bifurcation:
     return with_motion(problem, made)
 
 
-def _is_one(multiplier: complex) -> bool:
-    """Return whether a multiplier is 1 within the precision of a double multiplier."""
-    return abs(multiplier - 1.0) < _NEAR_ONE
-
-
 def bifurcations_between(
     problem: PeriodicEquations,
     before: CurvePoint,
@@ -79,9 +74,8 @@ def bifurcations_between(
         if crossed is None or any(crossed.is_one_with(each) for each in located):
             continue
         # where the curve turns in a corner multipliers jump
-        is_at_one = crossed.kind == BRANCHING or (
-            problem.is_autonomous and _is_one(crossed.multiplier)
-        )
+        is_one = abs(crossed.multiplier - 1.0) < _NEAR_ONE
+        is_at_one = crossed.kind == BRANCHING or (problem.is_autonomous and is_one)
         if not turns or (crossed.is_smooth and not is_at_one):
             located.append(crossed)
     located.sort(key=lambda each: distance(before, each.point, problem.parameter.scale))
@@ -92,14 +86,8 @@ def _locate_fold(
     problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, has_stability: bool
 ) -> _Located:
     """Return the fold, where the tangent has no component along the parameter."""
-    point, is_smooth = _locate_root(
-        problem,
-        before,
-        after,
-        lambda p: p.tangent_value,
-        before.tangent_value,
-        after.tangent_value,
-    )
+    ends = before.tangent_value, after.tangent_value
+    point, is_smooth = _locate_root(problem, before, after, lambda p: p.tangent_value, *ends)
     multiplier = complex(math.nan)
     if is_smooth and has_stability:
         values = _multipliers(problem, point)

@@ -72,17 +72,8 @@ def start_along(
         of, orbit, H = problem.balance, problem.split(x, value), 0
     else:
         of, orbit, H = problem, None, problem.H
-    return BranchStart(
-        H,
-        problem.reference,
-        problem.turns,
-        of.omega_scale,
-        of.length_scale,
-        x,
-        value,
-        directions,
-        orbit,
-    )
+    equations = H, problem.reference, problem.turns, of.omega_scale, of.length_scale
+    return BranchStart(*equations, x, value, directions, orbit)
 
 
 def follow_all(search: BranchSearch, new: Starts) -> None:

@@ -182,10 +182,8 @@ def tangents_by_y(machine: CondensedMachine, along: ForcesAndTangents) -> np.nda
     n samples, shape (n, b + s, 2 b + s)."""
     n, s, b, B = len(along.force), machine.laws.states, machine.b, machine.B
     out = np.zeros((n, b + s, 2 * b + s))
-    out[:, :b, :b], out[:, :b, b : 2 * b] = (
-        machine.tangents_in_b(along.by_d),
-        machine.tangents_in_b(along.by_v),
-    )
+    out[:, :b, :b] = machine.tangents_in_b(along.by_d)
+    out[:, :b, b : 2 * b] = machine.tangents_in_b(along.by_v)
     out[:, :b, 2 * b :] = B.T @ along.by_states
     out[:, b:, :b] = along.rates_by_d @ B
     out[:, b:, b : 2 * b] = along.rates_by_v @ B

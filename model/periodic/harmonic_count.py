@@ -70,11 +70,9 @@ def _converted_direction(
     problem: HarmonicBalance, direction: np.ndarray, other: HarmonicBalance
 ) -> np.ndarray:
     """Return a direction of the curve, which may be empty, with another number of harmonics."""
-    return (
-        np.append(problem.converted(direction[:-1], other), direction[-1])
-        if len(direction)
-        else direction
-    )
+    if not len(direction):
+        return direction
+    return np.append(problem.converted(direction[:-1], other), direction[-1])
 
 
 def with_fewer_harmonics(

@@ -13,19 +13,12 @@ from .. import backend
 from ..linear.real_matrices import in_plane
 from ..parts import LAWS
 from ..parts.law_probe import BY_D, BY_V
-from ..parts.linear_bearing import LINEAR_BEARING
 from ..step.laws_along_motion import Samples, block_of, call_laws, fill, find_gaps
 from ..structure.structure import Structure, sizes_of_laws, starts_of
 from . import entry_points
 
 _BLOCKS = 4  # blocks, one for each number of samples that is asked for
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
-
-
-def is_linear(structure: Structure) -> np.ndarray:
-    """Return for each interface whether its law is linear in displacement and velocity."""
-    linear = LAWS.index(LINEAR_BEARING)
-    return np.asarray(structure.interfaces.law == linear)
 
 
 class Forces(NamedTuple):

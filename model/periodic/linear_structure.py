@@ -17,10 +17,11 @@ import numpy as np
 from ..linear import LinearError, LinearMachine
 from ..linear.linear_machine import OPEN
 from ..linear.real_matrices import TURN, in_plane
+from ..linear.supports import are_linear
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
 from ..structure.structure import Structure
-from .laws import LawsAlongMotion, is_linear
+from .laws import LawsAlongMotion
 
 
 class ReducedMatrices(NamedTuple):
@@ -57,7 +58,7 @@ class CondensedMachine:
         machine = LinearMachine(rotor, OPEN)
         self.rotor, self.machine, s = rotor, machine, machine.structure
         self.structure = s
-        linear = is_linear(s)
+        linear = are_linear(rotor)
         self.is_nonlinear, self._loads = ~linear, loads
         self.laws = LawsAlongMotion(s, ~linear)
         rows = np.repeat(~linear, 2)
@@ -84,11 +85,8 @@ class CondensedMachine:
         if not _is_same_but_laws(self.structure, s, self._linear):
             return CondensedMachine(rotor, self._loads)
         result = copy(self)
-        result.rotor, result.structure, result.laws = (
-            rotor,
-            s,
-            LawsAlongMotion(s, self.is_nonlinear),
-        )
+        result.rotor, result.structure = rotor, s
+        result.laws = LawsAlongMotion(s, self.is_nonlinear)
         return result
 
     def _set_matrices(self, machine: LinearMachine, across: np.ndarray) -> None:
@@ -137,11 +135,8 @@ class CondensedMachine:
         kappa_v, kappa_h = self._kappa
         kappa = kappa_v * speed + math.copysign(kappa_h * (speed != 0), speed)
         by_d, by_v = self._linear_laws(speed)
-        return ReducedMatrices(
-            self._M,
-            self._D + speed * self._gyroscopic - by_v,
-            self._K - kappa * self._circulatory - by_d,
-        )
+        D = self._D + speed * self._gyroscopic - by_v
+        return ReducedMatrices(self._M, D, self._K - kappa * self._circulatory - by_d)
 
     def _linear_laws(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the tangents of the linear laws with respect to displacements and velocities."""

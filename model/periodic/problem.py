@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, cast
 
 import numpy as np
@@ -14,12 +15,13 @@ from ..message_templates import Message
 from ..parts.rolling_bearing import ROLLING_BEARING, cage_ratio
 from ..quantities import QuantityError
 from .arclength import ContinuationSteps
-from .balance import HarmonicBalance, Orbit, Parameter, cached
+from .balance import HarmonicBalance, Orbit, Parameter
 from .branch import Branch
 from .harmonic_count import Accuracy
 from .linear_structure import CondensedMachine
 
 SPEED = "speed"
+KEPT = 8  # machines, or equations, at the last values of a parameter
 
 Machines = Callable[[float], CondensedMachine]  # of a value of the parameter
 
@@ -168,4 +170,4 @@ def machines_of(rotor: Rotor, task: Task) -> Machines:
         machine = CondensedMachine(rotor, task.loads)
         return lambda _: machine
     first = CondensedMachine(rotor.with_value(task.name, task.low), task.loads)
-    return cached(lambda value: first.with_rotor(rotor.with_value(task.name, value)))
+    return lru_cache(KEPT)(lambda value: first.with_rotor(rotor.with_value(task.name, value)))

@@ -2,17 +2,18 @@
 over a second parameter."""
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
 from ..machine.rotor import Rotor
 from . import arclength
 from .arclength import CurvePoint, NotConverged
-from .balance import HarmonicBalance, cached
+from .balance import HarmonicBalance
 from .branch import FOLD, Bifurcation, Solution, solution
 from .folds import FoldCurve, fold_curve
 from .method_switch import PeriodicEquations
-from .problem import SPEED, Machines, PeriodicError, Response, machines_of
+from .problem import KEPT, SPEED, Machines, PeriodicError, Response, machines_of
 from .shooting import Shooting
 from .starting_points import Persistence, integrate_from_orbit
 
@@ -137,7 +138,7 @@ def folds_over(
     first = result.machines()
     base = task.problem(first, fold.value, fold.orbit.H, turns=fold.orbit.turns)
 
-    @cached
+    @lru_cache(KEPT)
     def problem_at(value: float) -> HarmonicBalance:
         """Return the equations about the fold, at a value of the second parameter."""
         changed = rotor.with_value(name, value)

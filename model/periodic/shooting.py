@@ -113,13 +113,10 @@ class Shooting:
         self._ends = mesh.uniform_mesh()
         for _ in range(_RENEWALS):
             self._motion_of_mesh = self._interface_motion(machine, orbit)
-            force, tangent = self._forces_and_tangents(
-                self.reference, self._ends, self._motion_of_mesh
-            )
-            ends, self._ends = (
-                self._ends,
-                mesh.adapted_mesh(machine, self._motion_of_mesh, force, self._ends),
-            )
+            near = self.reference, self._ends, self._motion_of_mesh
+            force, tangent = self._forces_and_tangents(*near)
+            ends = self._ends
+            self._ends = mesh.adapted_mesh(machine, self._motion_of_mesh, force, ends)
         self._ends = ends
         h = np.diff(self._ends)
         self._mean = np.einsum("t,i,tiao->ao", h, quadrature_weights(), tangent)
@@ -189,10 +186,8 @@ class Shooting:
                 return known
         modal_system = self.modal_system(value)
         load_response = modal_system.load_response(self.turns, mesh.mesh_points(ends))
-        result = (
-            propagators(modal_system.modes, np.diff(ends) * 2 * math.pi / modal_system.omega),
-            load_response,
-        )
+        h = np.diff(ends) * 2 * math.pi / modal_system.omega
+        result = propagators(modal_system.modes, h), load_response
         self._propagator_cache = [(result, value, ends), *self._propagator_cache[:3]]
         return result
 
@@ -237,10 +232,8 @@ class Shooting:
         kept."""
         period = self._adopted(self._integrated(x, value))
         b = self.balance.b
-        far = (
-            float(np.abs(period.y - self._motion_of_mesh)[..., :b].max())
-            / self.balance.length_scale
-        )
+        moved = np.abs(period.y - self._motion_of_mesh)[..., :b]
+        far = float(moved.max()) / self.balance.length_scale
         if far > _FAR_BEYOND:
             self._renewals = _RENEWALS
         if far > _RENEW_BEYOND and self._renewals:

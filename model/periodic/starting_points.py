@@ -69,12 +69,8 @@ def _circles(problem: HarmonicBalance, open_contacts: Orbit) -> Iterator[Orbit]:
     turn = 2 * problem.turns
     for radius in _RADII:
         for phase in _PHASES:
-            d = (
-                problem.length_scale
-                * radius
-                * np.exp(1j * phase)
-                * np.tile([1.0, -1.0j], problem.d // 2)
-            )
+            size = problem.length_scale * radius * np.exp(1j * phase)
+            d = size * np.tile([1.0, -1.0j], problem.d // 2)
             b = open_contacts.b.copy()
             at = problem.machine_at(open_contacts.parameter)
             b[turn - 1], b[turn] = at.b_of_displacements(d.real), at.b_of_displacements(-d.imag)

@@ -44,23 +44,12 @@ class Machine(LinearAnalyses):
 
     @property
     def name(self) -> str:
-        """Name of the machine in its file.
-
-        Returns
-        -------
-        str
-            The name.
-        """
+        """Name of the machine in its file."""
         return self.rotor.name
 
     @property
     def units(self) -> dict[str, str]:
-        """Signals that a run can record, with the unit of each.
-
-        Returns
-        -------
-        dict of str to str
-            Unit by name, in the order of the signals.
+        """Units of the signals that a run can record, by name.
 
         Examples
         --------
@@ -72,12 +61,7 @@ class Machine(LinearAnalyses):
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Parameters that `simulate` can change, with their values in the file.
-
-        Returns
-        -------
-        dict of str to float
-            Value by name, in SI units.
+        """Values in the file of the parameters that `simulate` can change, by name, in SI units.
 
         Examples
         --------

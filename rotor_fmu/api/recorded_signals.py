@@ -28,91 +28,47 @@ class RecordedSignals:
 
     @property
     def t(self) -> np.ndarray:
-        """Times of the rows.
-
-        Returns
-        -------
-        numpy.ndarray
-            Times [s], shape (n,).
-        """
+        """Times of the rows [s], shape (n,)."""
         return self.recording.t
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the recorded signals.
-
-        Returns
-        -------
-        tuple of str
-            The names, in their order.
-        """
+        """Names of the recorded signals, in their order."""
         return tuple(self.recording.columns)
 
     @property
     def units(self) -> dict[str, str]:
-        """Units of the recorded signals.
-
-        Returns
-        -------
-        dict of str to str
-            Unit by name.
-        """
+        """Units of the recorded signals, by name."""
         return {name: self.recording.units[name] for name in self.names}
 
     @property
     def speed(self) -> np.ndarray:
-        """Speed of rotation.
-
-        Returns
-        -------
-        numpy.ndarray
-            Speeds [rad/s], shape (n,).
-        """
+        """Speed of rotation [rad/s], shape (n,)."""
         return self.recording.columns["w"]
 
     @property
     def status(self) -> str:
-        """Status of the run.
-
-        Returns
-        -------
-        str
-            `ok`, `doubtful` and the codes of its warnings, or `failed` and the reason.
-        """
+        """Status of the run: `ok`, `doubtful` and the codes of its warnings, or `failed` and the
+        reason."""
         return str(self.recording.about.get("status", "ok"))
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """Messages of the solver.
-
-        Returns
-        -------
-        tuple of str
-            The messages, in their order.
-        """
+        """Messages of the solver, in their order."""
         return tuple(self.recording.about.get("messages", ()))
 
     @property
     def codes(self) -> tuple[str, ...]:
-        """Codes of the messages, for programs.
-
-        Returns
-        -------
-        tuple of str
-            Of each of `messages` its code, such as `overdamped`; empty where it has none.
-        """
+        """Code of each of `messages`, for programs, such as `overdamped`; empty where it has
+        none."""
         return tuple(self.recording.about.get("codes", ()))
 
     @property
     def verification(self) -> dict[str, Any] | None:
-        """Comparison with the same run, solved more finely.
+        """Comparison with the same run, solved more finely; None where it was not asked for.
 
-        Returns
-        -------
-        dict or None
-            Its `conclusion` (`confirmed`; `sensitive` where the amplitudes agree and the places at
-            the end do not; `not confirmed`), and `peaks` and `final` of both runs; None where it
-            was not asked for.
+        Its `conclusion` is `confirmed`, `sensitive` where the amplitudes agree and the places at
+        the end do not, or `not confirmed`; `peaks` and `final` are those of both runs.
 
         Examples
         --------

@@ -61,13 +61,8 @@ class Result(RecordedSignals):
         """Peaks over the speed of every part whose amplitude is recorded, after the start-up: 2 s
         or 125 turns, whichever is shorter, or a fifth of a run that is shorter still.
 
-        An amplitude that is largest at an edge of the run has no peak.
-
-        Returns
-        -------
-        Peaks
-            A tuple of `Peak`; where it is empty, printing it, or its attribute `why`, gives the
-            reason.
+        An amplitude that is largest at an edge of the run has no peak. Where there is none,
+        printing the peaks, or their attribute `why`, gives the reason.
 
         Examples
         --------

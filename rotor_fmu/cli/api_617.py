@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from ..errors import InputError, writable_folder
-from ..files import unfinished
+from ..files import write_csv
 from ..output_options import with_output_options
 from ..screen import progress_of
 from ..units import in_si, split
@@ -226,8 +226,6 @@ def _unbalance(text: str) -> tuple[int, float, float]:
 
 def _write_response(result: Any, nodes: list[int], path: Path) -> None:
     """A row a speed: of each node the amplitudes 0-p, the phases and the semi-axes."""
-    import csv
-
     columns = {"speed [rad/s]": result.speeds}
     for node in nodes:
         at = node - 1
@@ -239,11 +237,7 @@ def _write_response(result: Any, nodes: list[int], path: Path) -> None:
             f"node[{node}].major [m]": result.major[:, at],
             f"node[{node}].minor [m]": result.minor[:, at],
         }
-    with unfinished(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        for row in zip(*columns.values(), strict=True):
-            writer.writerow([f"{value:.9g}" for value in row])
+    write_csv(columns, path)
 
 
 @with_output_options

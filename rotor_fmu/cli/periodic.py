@@ -272,14 +272,8 @@ def _checked(result: "ResponseResult") -> list[dict[str, Any]]:
     rows, axis = [], result.axis
     for point in points:
         seen = result.check(point)
-        rows.append(
-            {
-                "value": point.value,
-                "stable": point.is_stable,
-                "stays": seen.stays,
-                "distance": seen.distance,
-            }
-        )
+        row = {"value": point.value, "stable": point.is_stable}
+        rows.append(row | {"stays": seen.stays, "distance": seen.distance})
         what = "stable" if point.is_stable else "unstable"
         value = axis.text(point.value)
         typer.echo(

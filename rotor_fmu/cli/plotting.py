@@ -1,7 +1,7 @@
 """`rotor-fmu plot`, `report` and `page`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,6 +16,9 @@ from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_o
 from .shared import Page, RotorFile, Units, check_page, one_of, places
 from .show_result import machine_in_units
 from .speeds import OperatingRange, Rated, operating_range
+
+if TYPE_CHECKING:
+    from ..machine_report.report_page import ReportOptions
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
@@ -162,23 +165,16 @@ def report(
     gaps = clearances_of(clearance)
     check_nodes(machine, "node", (*(node or []), *gaps))
     couplings = cross_couplings(machine, ends[1], stage, cross_coupling)
-    return _report_of_machine(machine, ends, node, mode, gaps, couplings, out)
+    from ..machine_report.report_page import ReportOptions
+
+    return _report_of_machine(machine, ReportOptions(*ends, node, mode, gaps, couplings), out)
 
 
-def _report_of_machine(
-    machine: Rotor,
-    ends: tuple[float, float],
-    probes: list[int] | None,
-    mode: int | None,
-    clearances: dict[int, float],
-    couplings: dict[int, float],
-    out: Path,
-) -> dict[str, Any]:
+def _report_of_machine(machine: Rotor, options: "ReportOptions", out: Path) -> dict[str, Any]:
     """Write the page of a machine and its numbers beside it."""
-    from ..machine_report.report_page import ReportOptions, machine_report
+    from ..machine_report.report_page import machine_report
 
     check_page(out)
-    options = ReportOptions(*ends, probes, mode, clearances, couplings)
     result = machine_report(machine, options)
     write_text(result.html, out)
     write_json(dict(result.numbers), out.with_suffix(".json"))

@@ -181,7 +181,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
     """Write CSV file, recording, pictures and page, and return the figures of the run."""
     from ..report.run_page import write_report
     from ..run_pictures.run_folder import write_run_pictures
-    from ..runs.run_files import write_csv
+    from ..runs.run_files import write_points
     from ..runs.summary import summary
 
     job, result, recording, apart = outcome
@@ -190,7 +190,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
         "recorded_apart": apart,
         "verification": recording.about.get("verification"),
     }
-    write_csv(result, {v.name: v.unit for v in job.table}, out / f"{name}.csv")
+    write_points(result, {v.name: v.unit for v in job.table}, out / f"{name}.csv")
     recording.save(out / "recording.npz")
     title = f"{job.rotor.name}, preset {preset}" if preset else job.rotor.name
     is_adaptive = job.settings.mode == "adaptive"

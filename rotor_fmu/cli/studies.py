@@ -5,6 +5,7 @@ import os
 import re
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -160,10 +161,7 @@ def _say_result(definition: Study, out: Path, progress: Progress) -> dict[str, A
 
     data = open_dataset(out)
     states = data.status.values.astype(str)
-    counts: dict[str, int] = {}
-    for status in states:
-        kind = "failed" if status.startswith(FAILED) else status
-        counts[kind] = counts.get(kind, 0) + 1
+    counts = Counter("failed" if status.startswith(FAILED) else status for status in states)
     shown = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
     typer.echo(f"{definition.name}: {progress.runs} runs, {progress.now} of them now: {shown}")
     figures: dict[str, Any] = {
@@ -199,9 +197,9 @@ def _in_units(definition: Study, row: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _named(text: str, unit: str, form: str = " [{}]") -> str:
-    """Return a text with the unit behind it, if there is one."""
-    return text if unit in ("", "1") else text + form.format(unit)
+def _named(name: str, unit: str) -> str:
+    """Return a name with the unit behind it, if there is one."""
+    return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
 def _print_table(rows: list[dict[str, Any]]) -> None:
@@ -231,8 +229,7 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
     _print_table(rows)
     for name, result in report["limits"].items():
         if result["count"]:
-            factor, unit = shown[name].factor, shown[name].word
-            limit = _named(f"{factor * result['limit']:.6g}", unit, " {}")
+            limit = shown[name].text(result["limit"], digits=6)
             typer.echo(f"{name} > {limit}: {_counted(result)}")
     for sentence in report["says"]:
         typer.echo(sentence)

@@ -1,6 +1,7 @@
 """Values of the FMU's variables -> a `Simulation`: shared by the slave and the command line."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -33,16 +34,11 @@ def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, 
 def coupling_options(values: Mapping[str, float]) -> CouplingOptions:
     """Return what values of the FMU's parameters ask of a run beside its motion: limits at which it
     ends, sensitivities, the line that drives a free rotor."""
-    given = {
-        of.field: values.get(of.name, 0.0) for of in coupling_parameters("tau_drive" in values)
-    }
-    return CouplingOptions(
-        has_sensitivities=bool(given["has_sensitivities"]),
-        limit_displacement=given["limit_displacement"],
-        limit_force=given["limit_force"],
-        stops_at_contact=bool(given["stops_at_contact"]),
-        drive_impedance=given.get("drive_impedance", 0.0),
-    )
+    options: dict[str, Any] = {}
+    for of in coupling_parameters("tau_drive" in values):
+        value = values.get(of.name, 0.0)
+        options[of.field] = bool(value) if of.quantity.is_switch else value
+    return CouplingOptions(**options)
 
 
 def build_simulation(
@@ -50,19 +46,17 @@ def build_simulation(
     table: Sequence[Variable],
     values: Mapping[str, float],
     warn: Callable[[Message], None],
-    tolerance: float | None = None,
     record: Record | Sequence[str] = (),
 ) -> Simulation:
     """Return the simulation that an FMU with these values of its inputs and parameters stands for,
     at rest under the loads among them; its time is counted from the start.
 
-    tolerance: the experiment's [1], which a value of the FMU's own overrides; record: signals to
-    record at every step (`Simulation`). Raises `QuantityError`, `SettingsError` and
-    `EquilibriumError`.
+    record: signals to record at every step (`Simulation`). Raises `QuantityError`, `SettingsError`
+    and `EquilibriumError`.
     """
     loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
     changed = changed_rotor(rotor, table, values)
-    settings = settings_of(values, tolerance, warn)
+    settings = settings_of(values, warn)
     is_free = "tau_drive" in values
     return Simulation(
         changed,

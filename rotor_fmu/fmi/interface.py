@@ -29,26 +29,16 @@ def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
 
 
 def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
-    drive = Variable(
-        "speed",
-        "Real",
-        "input",
-        "speed of rotation about z, x towards y; continued until the next communication point by "
-        "its derivative, without one as speed_continuation says",
-        "rad/s",
-        operating_speeds(rotor).rated,
-        nominal=100.0,
-    )
     if is_free:
-        drive = Variable(
-            "tau_drive",
-            "Real",
-            "input",
-            f"torque of the drive on the rotor about z, x towards y; {_HELD}",
-            "N.m",
-            0.0,
-            nominal=0.1,
+        text = f"torque of the drive on the rotor about z, x towards y; {_HELD}"
+        drive = Variable("tau_drive", "Real", "input", text, "N.m", 0.0, nominal=0.1)
+    else:
+        text = (
+            "speed of rotation about z, x towards y; continued until the next communication point "
+            "by its derivative, without one as speed_continuation says"
         )
+        rated = operating_speeds(rotor).rated
+        drive = Variable("speed", "Real", "input", text, "rad/s", rated, nominal=100.0)
     return [drive, *(load for port in ports(rotor) for load in _loads(rotor, *port))]
 
 
@@ -61,21 +51,14 @@ def ports(rotor: Rotor) -> list[tuple[str, PortElement]]:
 def _loads(rotor: Rotor, name: str, port: PortElement) -> list[Variable]:
     """Return the external forces on a port along both axes [N], or the acceleration of the base
     [m/s2]."""
-    of, text, unit, nominal = "a", f"acceleration of {port.where}", "m/s2", 1.0
+    of, what, unit, nominal = "a", f"acceleration of {port.where}", "m/s2", 1.0
     if port.node != BASE:
         where = f"{port.where} at z = {rotor.nodes[port.node - 1]:g} m"
-        of, text, unit, nominal = "f", f"external force on {where}", "N", 10.0
+        of, what, unit, nominal = "f", f"external force on {where}", "N", 10.0
+    texts = {axis: f"{what}, {direction}; {_HELD}" for axis, direction in _DIRECTIONS}
     return [
-        Variable(
-            f"{name}.{of}{axis}",
-            "Real",
-            "input",
-            f"{text}, {direction}; {_HELD}",
-            unit,
-            0.0,
-            nominal=nominal,
-        )
-        for axis, direction in _DIRECTIONS
+        Variable(f"{name}.{of}{axis}", "Real", "input", text, unit, 0.0, nominal=nominal)
+        for axis, text in texts.items()
     ]
 
 

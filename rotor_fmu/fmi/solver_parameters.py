@@ -7,6 +7,7 @@ run means "as the preset".
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -100,21 +101,18 @@ def chosen_at_build(
     for name in starts:
         if name in fixed:
             raise SettingsError(f"{name}: is chosen with the step for real time")
-    chosen = tuple(
-        replace(v, start=fixed[v.name], is_unset_at_start=False, text=_TEXTS.get(v.name, v.text))
-        if v.name in fixed
-        else replace(v, start=_as_kind(v, starts[v.name]))
-        if v.name in starts
-        else v
-        for v in table
-    )
+    chosen = []
+    for v in table:
+        changes: dict[str, Any] = {}
+        if v.name in fixed:
+            text = _TEXTS.get(v.name, v.text)
+            changes = {"start": fixed[v.name], "is_unset_at_start": False, "text": text}
+        elif v.name in starts:
+            changes = {"start": starts[v.name] if v.kind == "Real" else int(starts[v.name])}
+        chosen.append(replace(v, **changes))
     if starts:
         settings_of({v.name: float(v.start or 0.0) for v in chosen if v.name.startswith(PREFIX)})
-    return chosen
-
-
-def _as_kind(variable: Variable, value: float) -> float | int:
-    return value if variable.kind == "Real" else int(value)
+    return tuple(chosen)
 
 
 def meaning(variable: Variable) -> tuple[float, float]:
@@ -126,15 +124,12 @@ def meaning(variable: Variable) -> tuple[float, float]:
 
 
 def settings_of(
-    values: Mapping[str, float],
-    tolerance: float | None = None,
-    warn: Callable[[Message], None] = lambda message: None,
+    values: Mapping[str, float], warn: Callable[[Message], None] = lambda message: None
 ) -> Settings:
     """Return the settings that values of the solver's parameters, by name, stand for.
 
-    tolerance: the experiment's [1], which a value of the FMU's own overrides. A value that changes
-    nothing in the mode chosen goes to `warn`. Raises `SettingsError` for an impossible value, by
-    the parameter's name.
+    A value that changes nothing in the mode chosen goes to `warn`. Raises `SettingsError` for an
+    impossible value, by the parameter's name.
     """
     given = np.full(len(GIVEN), np.nan)
     for at, variable in enumerate(GIVEN):
@@ -142,7 +137,7 @@ def settings_of(
         if values[variable.name] != unset:
             given[at] = values[variable.name] - shift
     try:
-        settings, said = settings_of_given(given, int(values[REDUCTION.name]), tolerance)
+        settings, said = settings_of_given(given, int(values[REDUCTION.name]))
     except SettingsError as error:
         raise SettingsError(f"{PREFIX}{error}") from error
     for sentence in said:

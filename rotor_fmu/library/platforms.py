@@ -24,52 +24,16 @@ class Platform:
         return self.fmi2
 
 
-# FMI 2.0 names no ARM platforms: those are called as in FMI 3.0, the words turned round.
-PLATFORMS = {
-    platform.name: platform
-    for platform in (
-        Platform(
-            "linux64",
-            "x86_64-linux",
-            "x86_64-unknown-linux-gnu",
-            "x86-64",
-            "x86_64-linux-gnu.2.17",
-            ".so",
-        ),
-        Platform(
-            "win64",
-            "x86_64-windows",
-            "x86_64-w64-windows-gnu",
-            "x86-64",
-            "x86_64-windows-gnu",
-            ".dll",
-        ),
-        Platform(
-            "darwin64",
-            "x86_64-darwin",
-            "x86_64-apple-macosx11.0.0",
-            "x86-64",
-            "x86_64-macos",
-            ".dylib",
-        ),
-        Platform(
-            "aarch64-linux",
-            "aarch64-linux",
-            "aarch64-unknown-linux-gnu",
-            "generic",
-            "aarch64-linux-gnu.2.17",
-            ".so",
-        ),
-        Platform(
-            "aarch64-darwin",
-            "aarch64-darwin",
-            "arm64-apple-macosx11.0.0",
-            "apple-m1",
-            "aarch64-macos",
-            ".dylib",
-        ),
-    )
-}
+# The fields of each in their order. FMI 2.0 names no ARM platforms: those are called as in FMI 3.0,
+# the words turned round.
+_TABLE = """
+linux64         x86_64-linux    x86_64-unknown-linux-gnu    x86-64    x86_64-linux-gnu.2.17   .so
+win64           x86_64-windows  x86_64-w64-windows-gnu      x86-64    x86_64-windows-gnu      .dll
+darwin64        x86_64-darwin   x86_64-apple-macosx11.0.0   x86-64    x86_64-macos            .dylib
+aarch64-linux   aarch64-linux   aarch64-unknown-linux-gnu   generic   aarch64-linux-gnu.2.17  .so
+aarch64-darwin  aarch64-darwin  arm64-apple-macosx11.0.0    apple-m1  aarch64-macos           .dylib
+"""
+PLATFORMS = {row.split()[0]: Platform(*row.split()) for row in _TABLE.strip().splitlines()}
 
 
 # What a page carries: no platform of an FMU. Its memory has 32-bit addresses.

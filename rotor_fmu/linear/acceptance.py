@@ -28,7 +28,7 @@ from ..plotting.figure_style import (
     entitle,
     new_figure,
 )
-from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
+from .displayed import Displayed, Machine, answer_of, displayed, of_machine, rotor_of
 from .linear_plots import plain_ticks, shade, titled
 from .linear_tables import Table
 
@@ -262,9 +262,7 @@ def critical_peaks(
 ) -> CriticalPeaks:
     """Return `model.linear.critical_peaks` of a machine."""
     rotor = rotor_of(machine)
-    result = CriticalPeaks(linear.critical_peaks(rotor, top, nodes, **options))
-    object.__setattr__(result, "machine_name", rotor.name)
-    return result
+    return of_machine(CriticalPeaks(linear.critical_peaks(rotor, top, nodes, **options)), rotor)
 
 
 unbalance_check = answer_of(UnbalanceCheck, linear.unbalance_check)

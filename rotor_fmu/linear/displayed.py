@@ -62,12 +62,20 @@ def rotor_of(machine: Machine) -> Rotor:
 
 
 def displayed(
-    kind: type, analyse: Callable[..., Any], machine: Machine, *given: Any, **options: Any
+    kind: Callable[..., Any],
+    analyse: Callable[..., Any],
+    machine: Machine,
+    *given: Any,
+    **options: Any,
 ) -> Any:
     """Return what `analyse`, of `model.linear`, says of a machine, as the class that shows it."""
     rotor = rotor_of(machine)
     result = analyse(rotor, *given, **options)
-    shown = kind(**{field.name: getattr(result, field.name) for field in fields(result)})
+    return of_machine(kind(**{f.name: getattr(result, f.name) for f in fields(result)}), rotor)
+
+
+def of_machine(shown: Any, rotor: Rotor) -> Any:
+    """Return an answer, which takes its machine's name and shear."""
     object.__setattr__(shown, "machine_name", rotor.name)
     object.__setattr__(shown, "shear", tuple(map(_shear, rotor.sections)))
     return shown

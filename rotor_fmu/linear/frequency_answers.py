@@ -4,6 +4,7 @@ import math
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from ..plotting.figure_style import (
     new_figure,
     new_panels,
 )
-from .displayed import Displayed, Machine, answer_of, rotor_of
+from .displayed import Displayed, Machine, answer_of, displayed
 from .linear_plots import plain_ticks, titled
 from .linear_tables import Table, peaks, turns
 
@@ -150,10 +151,8 @@ def sensitivity(
 ) -> Sensitivity:
     """Return `model.linear.frequency_response.sensitivity` of a machine; zones: the largest
     sensitivities of zones A, B and C [1]."""
-    result = model.sensitivity(rotor_of(machine), *arguments, **options)
-    return Sensitivity(
-        **{field.name: getattr(result, field.name) for field in fields(result)}, zones=tuple(zones)
-    )
+    kind = partial(Sensitivity, zones=tuple(zones))
+    return displayed(kind, model.sensitivity, machine, *arguments, **options)
 
 
 def _shown(node: int, offset: float) -> str:

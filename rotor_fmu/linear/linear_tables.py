@@ -1,12 +1,11 @@
 """Tables of linear analyses: as text, as HTML for notebooks, and as numbers for JSON."""
 
-import html
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..cells import cell
+from ..cells import cell, html_table
 from ..display import speed_with_unit
 
 _PROMINENT = 1e-4  # of a peak, by which it rises above what lies beside it: less is rounding
@@ -44,13 +43,7 @@ class Table(NamedTuple):
 
     def html(self) -> str:
         """Return the table as HTML, for a notebook."""
-        heads = "".join(f"<th>{html.escape(head)}</th>" for head in self.heads)
-        rows = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(cell(value))}</td>" for value in row) + "</tr>"
-            for row in self.rows
-        )
-        title = f"<caption>{html.escape(self.title)}</caption>"
-        return f"<table>{title}<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+        return html_table(self.title, self.heads, self.rows)
 
 
 def turns(speed: float, contacts: str) -> str:

@@ -48,19 +48,8 @@ def course(rotor: Rotor) -> dict[str, Any]:
     return {
         "title": "speed",
         "controls": [
-            {
-                "name": f"course.{name}",
-                "reference": None,
-                "kind": "Real",
-                "text": text,
-                "about": text,
-                **shown_in(unit),
-                "start": start,
-                "unset": False,
-                "choices": [],
-                "slider": slider,
-                "usual": True,
-            }
+            _control(Variable(f"course.{name}", "Real", "parameter", text, unit, start), None)
+            | {"slider": slider, "usual": True}
             for name, text, unit, start, slider in rows
         ],
     }
@@ -113,7 +102,7 @@ def _weight(machine: Machine) -> float:
     return math.ceil(mass * GRAVITY / decade) * decade
 
 
-def _control(v: Variable, reference: int) -> dict[str, Any]:
+def _control(v: Variable, reference: int | None) -> dict[str, Any]:
     part, _, _ = v.name.rpartition(".")
     text = v.text.partition(";")[0].removeprefix(f"{display_name(part)}: ")
     return {

@@ -32,7 +32,7 @@ def machine_text(option: str, path: Path, note: Callable[[str], None] = lambda _
     if data is None:
         return text
     if _EXTENDS in data or is_ross(data):
-        return toml_text(_tables(path, data, text, (), note))
+        return toml_text(_tables(path, data, (), note))
     return si_text(text, f"{path}: ")
 
 
@@ -73,11 +73,7 @@ def _content(path: Path, text: str) -> dict[str, Any] | None:
 
 
 def _tables(
-    path: Path,
-    data: dict[str, Any],
-    text: str,
-    above: tuple[Path, ...],
-    note: Callable[[str], None],
+    path: Path, data: dict[str, Any], above: tuple[Path, ...], note: Callable[[str], None]
 ) -> dict[str, Any]:
     """Return the tables of a file with those of what it extends."""
     if is_ross(data):
@@ -89,19 +85,16 @@ def _tables(
     base = data.get(_EXTENDS)
     if base is None:
         return data
-    if not isinstance(base, str):
-        raise InputError(f"{path}: {_EXTENDS} = {base!r}: must be the name of a file")
-    if "\0" in base:
+    if not isinstance(base, str) or "\0" in base:
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: must be the name of a file")
     other = path.parent / base
     if other.resolve() in (p.resolve() for p in (*above, path)) or len(above) >= _MOST:
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: goes round, or too deep")
-    inner_text = read_text(f"{path}: {_EXTENDS}", other)
-    inner = _content(other, inner_text)
+    inner = _content(other, read_text(f"{path}: {_EXTENDS}", other))
     if inner is None:
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: is not valid TOML")
     own = {key: value for key, value in data.items() if key != _EXTENDS}
-    return _merged(_tables(other, inner, inner_text, (*above, path), note), own)
+    return _merged(_tables(other, inner, (*above, path), note), own)
 
 
 def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:

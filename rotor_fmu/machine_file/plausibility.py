@@ -61,15 +61,13 @@ def _ranges(rotor: Rotor) -> Iterator[str]:
     known = {n: usual for n, usual in _MATERIAL.items() if not (of_model and n == "density")}
     yield from _implausible("material", rotor.material, known)
     yield from _implausible("", rotor, _OF_THE_MACHINE)
-    shaft = _warning("shaft: its length", rotor.length, "m", _SHAFT)
-    if shaft:
-        yield shaft
+    yield from _warning("shaft: its length", rotor.length, "m", _SHAFT)
     for i, section in enumerate(rotor.sections, 1):
         for side in ("outer_left", "outer_right"):
             where = f"shaft.element[{i}].{side}"
-            warning = _warning(where, getattr(section, side), "m", _OF_PARTS["diameter"])
-            if warning:
-                yield warning
+            warnings = [*_warning(where, getattr(section, side), "m", _OF_PARTS["diameter"])]
+            yield from warnings
+            if warnings:
                 return  # the others are as large
     for where, part in rotor.named_parts():
         yield from _implausible(where, part, _OF_PARTS)
@@ -83,19 +81,16 @@ def _implausible(where: str, item: Any, usual: dict[str, Usual]) -> Iterator[str
             usually = usual[name]
             if declared.rule.least < 0.0 <= usually.low:  # of either sign
                 usually = usually._replace(low=-usually.high)
-            warning = _warning(shown, value, declared.unit, usually)
-            if warning:
-                yield warning
+            yield from _warning(shown, value, declared.unit, usually)
 
 
-def _warning(shown: str, value: float, unit: str, usual: Usual) -> str:
-    """Return the warning about a value that is unusual, or nothing."""
-    if usual.low <= value <= usual.high:
-        return ""
-    with_unit = f"{value:g}" if unit == "1" else f"{value:g} {unit}"
-    likely = [name for name, one in usual.mistaken if usual.low <= value * one <= usual.high]
-    meant = f"; {value:g} {likely[0]}?" if likely else ""
-    return f"{shown} = {with_unit}: is that what is meant{meant or '?'}"
+def _warning(shown: str, value: float, unit: str, usual: Usual) -> Iterator[str]:
+    """Yield the warning about a value that is unusual."""
+    if not usual.low <= value <= usual.high:
+        with_unit = f"{value:g}" if unit == "1" else f"{value:g} {unit}"
+        likely = [name for name, one in usual.mistaken if usual.low <= value * one <= usual.high]
+        meant = f"; {value:g} {likely[0]}?" if likely else "?"
+        yield f"{shown} = {with_unit}: is that what is meant{meant}"
 
 
 def _relations(rotor: Rotor) -> Iterator[str]:

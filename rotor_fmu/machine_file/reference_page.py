@@ -1,5 +1,6 @@
 """docs/reference/machine.md: all tables and keys of a machine file."""
 
+from ..cells import markdown_table
 from .declared_tables import Key, Table, own_tables, part_tables
 
 _HEAD = """# A machine file
@@ -68,16 +69,12 @@ def _section(table: Table) -> list[str]:
     text = f"{table.text[0].upper()}{table.text[1:].rstrip('.')}.{several}"
     lines = [heading, "", text, ""]
     if table.keys:
-        lines += [
-            "| key | unit | default | what it is | allowed |",
-            "| --- | --- | --- | --- | --- |",
-        ]
-        lines += [_row(key) for key in table.keys]
-        lines.append("")
+        heads = ("key", "unit", "default", "what it is", "allowed")
+        lines += [markdown_table(heads, map(_row, table.keys)), ""]
     return lines
 
 
-def _row(key: Key) -> str:
+def _row(key: Key) -> tuple[str, ...]:
     quantity = key.quantity
     unit = "" if quantity is None or quantity.unit == "1" else quantity.unit
     default = "(needed)" if key.is_needed else _default_text(key.default)
@@ -91,7 +88,7 @@ def _row(key: Key) -> str:
             key.kind, key.kind
         )
     mark = " *FMU*" if quantity is not None and quantity.is_parameter else ""
-    return f"| `{key.name}` | {unit} | {default} | {key.text}{mark} | {allowed} |"
+    return f"`{key.name}`", unit, default, f"{key.text}{mark}", allowed
 
 
 def _default_text(default: object) -> str:

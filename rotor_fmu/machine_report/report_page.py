@@ -11,6 +11,7 @@ import numpy as np
 
 from ..display import current, range_with_unit, shown_speed
 from ..linear import acceptance, answers, stability_answers
+from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
 from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
@@ -83,12 +84,11 @@ def machine_report(rotor: Rotor, options: ReportOptions) -> Report:
     conclusions = _conclusions(check, level_1, level_2, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
-        "At rest": _static(rotor),
+        "At rest": _shown(answers.static(rotor), "Deflection under gravity"),
         "Critical speeds": [
             _html(diagram.table()),
             figure_html(diagram.figure((low, high)), "Campbell diagram"),
-            _html(over_stiffness.table()),
-            figure_html(over_stiffness.figure(), "Undamped critical speed map"),
+            *_shown(over_stiffness, "Undamped critical speed map"),
         ],
         "Mode shapes": [
             _html(at_speed.table()),
@@ -101,14 +101,11 @@ def machine_report(rotor: Rotor, options: ReportOptions) -> Report:
         "Response to unbalance": [
             f"<p>{escape(_acting(unbalances, options.mode))}</p>",
             figure_html(response.figure(probes, (low, high)), "Steady response at the probes"),
-            _html(check.table()),
-            figure_html(check.figure(), "Amplification factors and separation margins"),
+            *_shown(check, "Amplification factors and separation margins"),
         ],
         "Stability": [
-            _html(level_1.table()),
-            figure_html(level_1.figure(), "Level 1: log dec over the cross coupling"),
-            _html(level_2.table()),
-            figure_html(level_2.figure(), "Level 2: what acts on the rotor"),
+            *_shown(level_1, "Level 1: log dec over the cross coupling"),
+            *_shown(level_2, "Level 2: what acts on the rotor"),
         ],
         "Into contact": _contact(rub),
     }
@@ -158,9 +155,9 @@ def _html(table: Table) -> str:
     return f'<div class="table">{table.html()}</div>'
 
 
-def _static(rotor: Rotor) -> list[str]:
-    result = answers.static(rotor)
-    return [_html(result.table()), figure_html(result.figure(), "Deflection under gravity")]
+def _shown(answer: Displayed, caption: str) -> list[str]:
+    """Return the table and the picture of an answer."""
+    return [_html(answer.table()), figure_html(answer.figure(), caption)]
 
 
 def _acting(unbalances: Sequence[tuple[int, float, float]] | None, mode: int | None) -> str:

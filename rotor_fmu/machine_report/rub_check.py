@@ -19,10 +19,11 @@ from ..linear.answers import static
 from ..model.linear.amplification import with_tops
 from ..model.linear.linear_machine import OPEN
 from ..model.linear.orbit import semi_axes
+from ..model.linear.supports import walls
 from ..model.linear.unbalance import SteadyWhirl
-from ..model.linear.unbalance_peaks import distance_of, with_criticals
+from ..model.linear.unbalance_peaks import distance_of, gaps, with_criticals
 from ..model.machine.rotor import Rotor
-from ..model.parts.base import InterfaceElement, Part, ProbeElement
+from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
 
 _TURNS = 1200.0  # of a run up or down
@@ -181,45 +182,28 @@ def _size(whirl: SteadyWhirl, probe: ProbeElement, speed: float) -> float:
     return float(semi_axes(*(moved[at] + probe.offset * moved[at + 1]))[0])
 
 
-def _contacts(rotor: Rotor) -> dict[str, tuple[int, str, float]]:
-    """Return node, housing and clearance of each contact by its name."""
-    result = {}
-    for name, interface in rotor.elements_of_kind(InterfaceElement):
-        if interface.law.has_wall:
-            gap = float(getattr(interface.source, "clearance", math.nan))
-            result[name] = (interface.node, interface.housing, gap)
-    return result
-
-
 def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray) -> list[Closing]:
-    contacts = _contacts(rotor)
+    contacts = gaps(rotor, whirl.machine)
     if whirl.machine.contacts != OPEN:
-        return [
-            Closing(name, gap, math.nan, math.nan, math.nan, math.nan)
-            for name, (_, _, gap) in contacts.items()
-        ]
+        return [Closing(gap.name, gap.clearance, *4 * (math.nan,)) for gap in contacts]
     rest = static(rotor)
-    housings = whirl.machine.supports.housings
+    of_nodes, of_housings = rest.x + 1j * rest.y, rest.housing_x + 1j * rest.housing_y
+    at_rest = np.concatenate([np.repeat(of_nodes, 2), of_housings, [0.0]])  # last: ground
     result = []
-    for name, (node, housing, gap) in contacts.items():
-        at_rest = complex(rest.x[node - 1], rest.y[node - 1])
-        end = -1  # ground
-        if housing:
-            k = housings.index(housing)
-            end = 2 * len(rest.z) + k
-            at_rest -= complex(rest.housing_x[k], rest.housing_y[k])
-        sag = abs(at_rest)
-        distance = partial(distance_of, whirl, 2 * (node - 1), end)
+    for gap in contacts:
+        sag = float(abs(at_rest[gap.dof] - at_rest[gap.end]))
+        room = gap.clearance - sag
+        distance = partial(distance_of, whirl, gap)
         peaked = with_tops([distance], speeds)
-        free = gap - sag - np.array([distance(speed) for speed in peaked])
+        free = room - np.array([distance(speed) for speed in peaked])
         if (free <= 0).any():
             closed = np.flatnonzero(free <= 0)[[0, -1]]
             begin, to = (
-                _meeting(lambda s: gap - sag - distance(s), peaked, int(i), side)  # noqa: B023
+                _meeting(lambda s: room - distance(s), peaked, int(i), side)  # noqa: B023
                 for i, side in zip(closed, (-1, 1), strict=True)
             )
-            largest = float(gap - sag - free.min())
-            result.append(Closing(name, gap, sag, largest, begin, to))
+            largest = float(room - free.min())
+            result.append(Closing(gap.name, gap.clearance, sag, largest, begin, to))
     return result
 
 
@@ -240,7 +224,7 @@ def _run(
     settled = _SETTLING * 2 * math.pi / ends[0]  # until the start at this speed is forgotten
     stop = settled + _TURNS * 4 * math.pi / (first + top)
     machine = Machine(rotor, "")
-    contacts = list(_contacts(rotor))
+    contacts = list(walls(rotor))
     record = [f"{name}.{what}" for name in contacts for what in ("fn", "contact")]
     record += [f"{place}.{axis}" for axis in "xy"] if place else []
     with warnings.catch_warnings():
@@ -285,11 +269,7 @@ def _contact_run(
     inside = (w >= operating[0]) & (w <= operating[1])
     where = np.flatnonzero(touches)
     first, last = (float(w[i]) for i in where[[0, -1]]) if len(where) else (math.nan, math.nan)
-    return ContactRun(
-        name,
-        first,
-        last,
-        float(weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)),
-        float(weight[touches].sum() / weight.sum()),
-        float(result[f"{name}.fn"][after].max(initial=0.0)),
-    )
+    share_in_range = weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)
+    share = weight[touches].sum() / weight.sum()
+    force = result[f"{name}.fn"][after].max(initial=0.0)
+    return ContactRun(name, first, last, float(share_in_range), float(share), float(force))

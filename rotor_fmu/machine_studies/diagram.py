@@ -91,14 +91,10 @@ def _panels(
         others = dict(zip((a.name for a in rest), group.tolist(), strict=True))
         settings = {t: others[a.name] for a in rest for t in a.targets}
         response = None
+        across = None if axis is None else data[axis.name].values[rows]
         for metric in (m for m in runs.metrics if m.kind.name == "poincare"):
-            over, section, falls = _points(
-                data[metric.name].values[rows],
-                runs,
-                axis,
-                settings,
-                None if axis is None else data[axis.name].values[rows],
-            )
+            values = data[metric.name].values[rows]
+            over, section, falls = _points(values, across, runs, settings)
             if response is None:
                 response = _response(runs, axis, settings, over, say)
             texts = [_text(a, others[a.name]) for a in rest]
@@ -108,15 +104,11 @@ def _panels(
 
 
 def _points(
-    values: np.ndarray,
-    runs: MachineRuns,
-    axis: Axis | None,
-    settings: Mapping[str, float],
-    across: np.ndarray | None,
+    values: np.ndarray, across: np.ndarray | None, runs: MachineRuns, settings: Mapping[str, float]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the points of some runs, shape (runs, section): parameter, section, whether it
-    falls."""
-    if axis is not None and across is not None:
+    """Return the points of some runs, shape (runs, section): parameter, section, whether it falls;
+    across: the parameter of each run, None where each has speeds of its own."""
+    if across is not None:
         over = np.repeat(across, values.shape[1])
         return over, values.ravel(), np.zeros(len(over), bool)
     own = {n.removeprefix(RUN): v for n, v in settings.items() if n.startswith(RUN)}
@@ -146,8 +138,7 @@ def _response(
             raise InputError(f"{axis.name}: sets more than one quantity, or none of the machine")
         speed = settings.get(_SPEED, n["speed"])
         of = current().of_si(axis.unit)
-        unit = "" if of.word in ("", "1") else f" {of.word}"
-        ends = f"{of.factor * low:.6g} to {of.factor * high:.6g}{unit}"
+        ends = f"{of.factor * low:.6g} to {of.text(high, digits=6)}"
         say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
         varied = (axis.targets[0], low, high)
         request = response_request(rotor, speed=speed, over=varied, parameters=given, branches=True)

@@ -26,19 +26,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LARGEST = 4096  # points of a period that `orbit` gives at most
-# What a motion of a place has, with its unit.
-UNITS = {
-    "r_amp": "m",
-    "x_amp": "m",
-    "y_amp": "m",
-    "x_1x": "m",
-    "y_1x": "m",
-    "x_1x_phase": "rad",
-    "y_1x_phase": "rad",
-    "x": "m",
-    "y": "m",
-}
-QUANTITIES = tuple(UNITS)
+# What a motion of a place has, and its unit.
+QUANTITIES = ("r_amp", "x_amp", "y_amp", "x_1x", "y_1x", "x_1x_phase", "y_1x_phase", "x", "y")
+UNITS = {name: "rad" if name.endswith("phase") else "m" for name in QUANTITIES}
 
 
 class Curve(NamedTuple):
@@ -135,8 +125,7 @@ class ResponseResult:
         if name not in self.probes and name.rpartition(".")[0] in self.probes:
             name, _, quantity = name.rpartition(".")
         if name not in self.probes:
-            near = nearest(name, self.probes)
-            raise InputError(f"{name}: no such place; the nearest is {near}")
+            raise InputError(f"{name}: no such place; the nearest is {nearest(name, self.probes)}")
         check_one_of(f"{name}.{quantity}", quantity, QUANTITIES)
         rows = [
             (p.value, self.quantities(p, name)[quantity], p.is_stable, i)
@@ -324,11 +313,8 @@ class ResponseResult:
 
 def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
     """Names of the places that are observed, with dof, slope and offset [m]."""
-    result = {}
-    for where, probe in rotor.elements_of_kind(ProbeElement):
-        dof = 2 * (probe.node - 1)
-        result[where] = (dof, dof + 1, probe.offset)
-    return result
+    observed = rotor.elements_of_kind(ProbeElement)
+    return {where: (2 * p.node - 2, 2 * p.node - 1, p.offset) for where, p in observed}
 
 
 def check_names(rotor: Rotor, names: Mapping[str, float]) -> None:

@@ -156,20 +156,21 @@ def _radius(rotor: Rotor, node: int) -> float:
     return max(left.outer_right, right.outer_left) / 2
 
 
+def _block(
+    axes: Axes, corner: tuple[float, float], width: float, height: float, color: str
+) -> None:
+    axes.add_patch(Rectangle(corner, width, height, facecolor=color, edgecolor="black"))
+
+
 def _body(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
-    left, height = z + shape.left, 2 * shape.outer
-    block = Rectangle((left, -shape.outer), shape.width, height, facecolor=_BODY, edgecolor="black")
-    axes.add_patch(block)
+    _block(axes, (z + shape.left, -shape.outer), shape.width, 2 * shape.outer, _BODY)
 
 
 def _stator(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
     width = 0.06 * length
     for side in (1, -1):
         low = side * (shape.inner + 0.01 * length)
-        block = Rectangle(
-            (z - width / 2, low), width, side * 0.24 * size, facecolor=_HOUSING, edgecolor="black"
-        )
-        axes.add_patch(block)
+        _block(axes, (z - width / 2, low), width, side * 0.24 * size, _HOUSING)
     high = shape.inner + 0.01 * length + 0.24 * size
     _ground(axes, z, high, size, width, _SPRING if shape.role == "housing" else "-")
 
@@ -182,10 +183,7 @@ def _pedestal(axes: Axes, z: float, shape: Shape, size: float, length: float) ->
     width, high = 0.06 * length, 0.14 * size
     top = shape.outer + 0.25 * size
     axes.plot([z, z], [-top, -shape.outer], color="black", lw=1.0, ls=_SPRING)
-    block = Rectangle(
-        (z - width / 2, -top - high), width, high, facecolor=_HOUSING, edgecolor="black"
-    )
-    axes.add_patch(block)
+    _block(axes, (z - width / 2, -top - high), width, high, _HOUSING)
     _ground(axes, z, top + high, size, width, _SPRING)
 
 

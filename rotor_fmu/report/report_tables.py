@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import vibration
-from ..cells import cell
+from ..cells import cell, html_table
 from ..display import current, shown_speed
 from ..run_status import FAILED, OK
 from ..runs.recording import Recording
@@ -72,16 +72,13 @@ def tables(run: Recording, summary: Mapping[str, Any], runs: int = 1) -> str:
 
 
 def _ran(run: Recording, summary: Mapping[str, Any], of: str) -> str:
-    rows: list[Sequence[object]] = [
-        ["status", "failed" if run.status.startswith(FAILED) else run.status]
-    ]
+    status = "failed" if run.status.startswith(FAILED) else run.status
+    rows: list[Sequence[object]] = [["status", status]]
     if len(run.t):
+        speeds = f"speed, from and to [{current().speed_unit}]"
         rows += [
             ["reached [s]", run.t[-1]],
-            [
-                f"speed, from and to [{current().speed_unit}]",
-                f"{_speed(run, 0)} to {_speed(run, -1)}",
-            ],
+            [speeds, f"{_speed(run, 0)} to {_speed(run, -1)}"],
             ["turns", float(np.abs(np.diff(run.phi)).sum()) / (2 * math.pi)],
         ]
     rows.append(["samples", len(run.t)])
@@ -165,12 +162,5 @@ def _sinks(run: Recording, of: str) -> str:
 
 
 def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table as HTML; heads that are all empty are left out."""
-    head = "".join(f'<th scope="col">{escape(text)}</th>' for text in heads)
-    lines = ["".join(f"<td>{escape(cell(value))}</td>" for value in row) for row in rows]
-    body = "".join(f"<tr>{line}</tr>" for line in lines)
-    top = f"<thead><tr>{head}</tr></thead>" if any(heads) else ""
-    return (
-        f'<div class="table"><table><caption>{escape(caption)}</caption>{top}'
-        f"<tbody>{body}</tbody></table></div>"
-    )
+    """Return a table as HTML, in a box that scrolls; heads that are all empty are left out."""
+    return f'<div class="table">{html_table(caption, heads, rows)}</div>'

@@ -1,6 +1,7 @@
 """A run as the user specified it: checked before anything is written, then carried out."""
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,14 +72,10 @@ def prepare(
     inputs = {v.name for v in table if v.causality == "input"}
     constants = {name: value for name, value in values.items() if name in inputs}
     if recorded is not None and recorded.t[-1] < stop:
-        from rich.console import Console
-
-        Console(stderr=True).print(
+        print(
             f"rotor-fmu: warning: {signal_file} ends at {recorded.t[-1]:g} s; its last values are "
             f"held until --stop = {stop:g} s",
-            highlight=False,
-            markup=False,
-            soft_wrap=True,
+            file=sys.stderr,
         )
     for name in constants:
         if recorded is not None and name in recorded.values:

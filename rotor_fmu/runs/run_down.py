@@ -98,12 +98,13 @@ def run_fmu(fmu: Path, plan: Plan, progress: ReportProgress = silent) -> Run:
     failure = None
     interrupts: list[int] = []
     try:
-        instance = _instantiate(fmu, folder, log)
+        description = fmpy.read_model_description(folder)
+        instance = _instantiate(fmu, folder, description, log)
         with interrupts_noted() as interrupts:
             fmpy.simulate_fmu(
                 folder,
                 fmu_instance=instance,
-                model_description=fmpy.read_model_description(folder),
+                model_description=description,
                 validate=False,
                 start_time=0.0,
                 stop_time=plan.stop,
@@ -145,10 +146,9 @@ def interrupts_noted() -> Iterator[list[int]]:
         signal.signal(signal.SIGINT, before)
 
 
-def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
+def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., None]) -> Any:
     import fmpy
 
-    description = fmpy.read_model_description(folder)
     try:
         return fmpy.instantiate_fmu(
             folder, description, "CoSimulation", debug_logging=True, logger=log

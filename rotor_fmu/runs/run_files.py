@@ -1,10 +1,9 @@
 """The files that a run leaves in its folder."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..files import unfinished
+from ..files import write_csv
 from . import PLOTS
 from .run_down import Run
 
@@ -25,11 +24,9 @@ def clear(out: Path, results: Sequence[str] = RESULTS) -> None:
             path.unlink()
 
 
-def write_csv(run: Run, units: Mapping[str, str], path: Path) -> None:
+def write_points(run: Run, units: Mapping[str, str], path: Path) -> None:
     """Every communication point: `time [s]`, then all that the model computes, with units."""
-    heads = (f"{name} [{units[name]}]" if units[name] != "1" else name for name in run.columns)
-    with unfinished(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["time [s]", *heads])
-        for row in zip(run.t.tolist(), *(c.tolist() for c in run.columns.values()), strict=True):
-            writer.writerow([f"{value:.9g}" for value in row])
+    columns = {"time [s]": run.t.tolist()}
+    for name, column in run.columns.items():
+        columns[name if units[name] == "1" else f"{name} [{units[name]}]"] = column.tolist()
+    write_csv(columns, path)

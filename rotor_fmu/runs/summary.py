@@ -58,19 +58,13 @@ def last_contact(names: Collection[str]) -> str | None:
 
 
 def _peaks(run: Run, place: str | None) -> dict[str, Any]:
-    keys = [
-        "place",
-        *(f"{axis}_{key}" for axis in "xy" for key in ("peak_um", "peak_hz", "peak_s")),
-    ]
-    keys += [
-        "no_peak",
-        "x_largest_um",
-        "y_largest_um",
-        "y_static_um",
-        "psi_at_x_peak_deg",
-        "circulation_hz",
-    ]
-    figures: dict[str, Any] = dict.fromkeys(keys)
+    figures: dict[str, Any] = dict.fromkeys(
+        (
+            *("place", "x_peak_um", "x_peak_hz", "x_peak_s", "y_peak_um", "y_peak_hz", "y_peak_s"),
+            *("no_peak", "x_largest_um", "y_largest_um", "y_static_um"),
+            *("psi_at_x_peak_deg", "circulation_hz"),
+        )
+    )
     c, hz = run.columns, run.hz
     place, contact = place or probe_that_moves_most(c), last_contact(c)
     figures["place"] = place

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 CONFIDENCE = 0.95
-
-
 # Samples that fill their space more evenly than independent draws would.
 _EVEN = ("latin-hypercube", "sobol", "saltelli")
 
@@ -45,12 +43,12 @@ def analyse(folder: Path) -> dict[str, Any]:
         name: exceedance(data[name].values[rows], limit, count_failed)
         for name, limit in about["limits"].items()
     }
+    meaningless = {"interval"} if design.listed else set()
     if not is_estimate(design):
-        columns = {n: _without(result, "mean", "std", "quantiles") for n, result in columns.items()}
-        limits = {n: _without(result, "share") for n, result in limits.items()}
-    if not is_estimate(design) or design.listed:
-        limits = {n: _without(result, "interval") for n, result in limits.items()}
-    for result in limits.values():
+        meaningless = {"mean", "std", "quantiles", "share", "interval"}
+    for result in (*columns.values(), *limits.values()):
+        for key in meaningless & result.keys():
+            del result[key]
         if "interval" in result:
             result["conservative"] = design.kind in _EVEN
     report: dict[str, Any] = {
@@ -81,10 +79,6 @@ def drawn_rows(design: Design, runs: np.ndarray) -> np.ndarray:
     row[runs] = np.arange(len(runs))
     result = row[design.runs[design.is_independent]]
     return result[result >= 0]
-
-
-def _without(result: dict[str, Any], *keys: str) -> dict[str, Any]:
-    return {key: value for key, value in result.items() if key not in keys}
 
 
 def _says(design: Design, failed: int, count: int) -> list[str]:

@@ -81,13 +81,10 @@ def orbit(
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     first = signal.nearest(speed, turns)
     signal.enough_rows(np.array([first]), turns)
+    speed = float(signal.speed_of(np.array([first]), turns)[0])
     path = slice(first, first + turns)
-    return Orbit(
-        float(signal.speed_of(np.array([first]), turns)[0]),
-        signal.t[path].ravel(),
-        signal.values[path].ravel(),
-        signal.values[path, 0],
-    )
+    z = signal.values[path]
+    return Orbit(speed, signal.t[path].ravel(), z.ravel(), z[:, 0])
 
 
 def poincare(
@@ -130,12 +127,8 @@ def whirl_of(signal: Synchronous, *, turns: int = 16) -> Whirl:
     square[square <= _NOTHING * size] = 0.0
     both = np.sqrt(square * mean(np.abs(slope) ** 2))
     way = np.where(signal.enough_rows(first, turns), signal.sense[first], np.nan)
-    return Whirl(
-        signal.middle_of(first, turns),
-        signal.speed_of(first, turns),
-        way * _over(swept, both),
-        way * _over(swept, square),
-    )
+    at = signal.middle_of(first, turns), signal.speed_of(first, turns)
+    return Whirl(*at, way * _over(swept, both), way * _over(swept, square))
 
 
 def displacement(
@@ -164,13 +157,9 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
         high, low = (np.lib.stride_tricks.sliding_window_view(end, turns)[first] for end in ends)
         return high.max(axis=1) - low.min(axis=1)
 
-    return Displacement(
-        signal.middle_of(first, turns),
-        signal.speed_of(first, turns),
-        range_of(signal.values.real),
-        range_of(signal.values.imag),
-        farthest,
-    )
+    at = signal.middle_of(first, turns), signal.speed_of(first, turns)
+    ranges = range_of(signal.values.real), range_of(signal.values.imag)
+    return Displacement(*at, *ranges, farthest)
 
 
 def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:

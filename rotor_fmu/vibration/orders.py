@@ -146,13 +146,8 @@ def order_track_of(
         count[rows < LEAST_ROWS * order] = np.nan
         forward[:, i] = np.where(is_positive, ahead, behind) * count
         backward[:, i] = np.where(is_positive, behind, ahead) * count.conj()
-    return OrderTrack(
-        signal.middle_of(first, turns),
-        signal.speed_of(first, turns),
-        tuple(orders),
-        forward,
-        backward,
-    )
+    at = signal.middle_of(first, turns), signal.speed_of(first, turns)
+    return OrderTrack(*at, tuple(orders), forward, backward)
 
 
 def resonances(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 from rotor_fmu.model.linear import Static
+from rotor_fmu.model.linear.frequency_response import ControlLoop
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
@@ -24,7 +25,7 @@ from rotor_fmu.display import (
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import acceptance, answers, bearing_answers, stability_answers
 from rotor_fmu.linear.displayed import _shear
-from rotor_fmu.linear.frequency_answers import frequency_response
+from rotor_fmu.linear.frequency_answers import frequency_response, sensitivity
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from rotor_fmu.machine_file.loading import load_rotor
@@ -108,6 +109,7 @@ def test_the_check_by_api_617_balancing_and_compliance_are_in_the_units_chosen(c
 @pytest.fixture(scope="module")
 def of_rig():
     """Answers of every kind that the rig has."""
+    gains = {"kp": 100.0, "kd": 1.0, "force_per_current": 50.0, "amplifier_time": 1e-4}
     return [
         acceptance.critical_map(rig(), [1e6, 1e7, 1e9], count=2),
         stability_answers.level_1(rig(), 100.0, node=4, anticipated=1e5, stiffness=[0.0, 1e5]),
@@ -117,6 +119,7 @@ def of_rig():
         answers.modes(rig(), 100.0, count=2),
         answers.static(rig(), contacts="pinned"),
         frequency_response(rig(), np.linspace(10.0, 300.0, 9), 4, nodes=[4]),
+        sensitivity(rig(), [10.0, 100.0], [ControlLoop("magnet", 2, 2, **gains)]),
     ]
 
 
