@@ -32,7 +32,15 @@ from .real_matrices import (
     to_complex,
     unknowns,
 )
-from .supports import are_linear, interfaces, seat, supports
+from .supports import (
+    are_linear,
+    interfaces,
+    not_held,
+    pin_forces,
+    rigid_motions,
+    seat,
+    supports,
+)
 from .system_at_speed import Linear, LinearError, Strain
 from .tangents import LawsAtRest, Tangents
 
@@ -42,8 +50,11 @@ _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not 
 _ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _FAR = 1e9  # what is more than any displacement [m]
+_WAYS = (1, 1j, -1, -1j)  # right, up, left, down
 _ABOVE = (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.4)
-_CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
+# Of the displacements, and of `small` where they are none but rounding; the latter of a change that
+# no longer shrinks.
+_CHANGE, _STEADY = 1e-12, 1e-8
 
 
 class LinearMachine:
@@ -94,16 +105,21 @@ class LinearMachine:
         )
         strained = (full.strained @ self.expand).tocsr()
         self.system = StrainedMatrices(places, strained, full.stiffness)
-        self._seated = self._rigid()[:, 1] * -seat(self.rotor)
-        self._is_held_at_rest = self._holds(self._linear(0.0, self._seated))
+        self._fall = seat(self.rotor)
+        self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
+        # elements that bear a load may be few, but there are others wherever it falls
+        self._is_held_loaded = self._is_held_at_rest or (
+            self._fall > 0.0
+            and self._holds(*(self._linear(0.0, self._moved(way, self._fall)) for way in _WAYS))
+        )
         turning = s.numbers[0].lowest_omega
-        self.is_held = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
+        self._is_held_turning = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
         self._near: np.ndarray | None = None  # where it was at rest last
-        self._begin = self._seated  # where Newton's method begins otherwise
-        if not self.is_held:
-            # pads that tilt, without preload, hold a journal only where it is off their middle
-            self._begin = self._within_films(self._seated, self._rigid()[:, 1] * -_FAR)
-            self.is_held = self._holds(self._linear(turning, self._begin))
+        # pads that tilt, without preload, hold a journal only where it is off their middle
+        self._is_off = not (self._is_held_loaded or self._is_held_turning)
+        if self._is_off:
+            self._is_held_turning = self._holds(self._linear(turning, self._begin(-1j)))
+        self.is_held = self._is_held_loaded or self._is_held_turning
 
     @property
     def has_contacts(self) -> bool:
@@ -143,12 +159,14 @@ class LinearMachine:
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
         """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;
         loads: x, y of every dof, shape (2 size,) [N, N.m]."""
-        if not self.holds_at(speed):
-            raise LinearError(self.why_not_held())
         given = self.weight if loads is None else self.weight + loads
+        if not self._holds_at(speed, given):
+            raise LinearError(self.why_not_held())
         force = self.expand.T @ given
-        for begin in (lambda: self._near, lambda: self._begin, lambda: self._above(speed, force)):
-            near = begin()
+        x, y = self._rigid()[:, :2].T @ force
+        way = complex(x, y) / math.hypot(x, y) if x or y else 0j
+        for begin in (self._last, self._begin, lambda way: self._above(speed, force, way)):
+            near = begin(way)
             linear = None if near is None else self._rested(speed, force, near)
             if linear is not None:
                 self._near = linear.rest
@@ -157,10 +175,23 @@ class LinearMachine:
                 return self.vibrating(linear, abs(speed))
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
 
-    def _above(self, speed: float, force: np.ndarray) -> np.ndarray:
+    def _moved(self, way: complex, far: float) -> np.ndarray:
+        """Return the machine moved as one body in a direction, so far [m]."""
+        return self._rigid()[:, :2] @ np.array([far * way.real, far * way.imag])
+
+    def _last(self, way: complex) -> np.ndarray | None:
+        return self._near
+
+    def _begin(self, way: complex) -> np.ndarray:
+        """Return where Newton's method begins under a force of this direction, 0 for none: fallen
+        until its bearings hold the machine."""
+        fallen = self._moved(way, self._fall)
+        return self._within_films(fallen, self._moved(way or -1j, _FAR)) if self._is_off else fallen
+
+    def _above(self, speed: float, force: np.ndarray, way: complex) -> np.ndarray:
         """Return where a force holds the machine at a somewhat higher speed, from far above on: oil
         films are thicker and less curved there."""
-        near = self._begin
+        near = self._begin(way)
         for times in _ABOVE:
             linear = self._rested(times * speed, force, near)
             near = near if linear is None else linear.rest
@@ -170,23 +201,36 @@ class LinearMachine:
         """Return the machine linearized where a force holds it, looked for from `rest` on by
         Newton's method; None where that finds nothing."""
         before, states, last, share = math.inf, None, np.zeros_like(rest), 1.0
+        least = _CHANGE * self.structure.numbers[0].small
         for _ in range(_ITERATIONS):
             linear = self._linear(speed, rest, 0.0, states)
             states = linear.states
             # Newton's step to where the tangents lead, not by what is left: that is small numbers
             # of large ones where the shaft is stiff
             of_laws = linear.laws.force - to_complex(self._tangent(linear.laws.by_d, rest))
-            result, pull = linear.factorized()(force + self._across.T @ in_plane(of_laws))
+            result, pull = self._towards(linear, rest, force + self._across.T @ in_plane(of_laws))
             step = self._within_films(rest, result) - rest
             change, size = (np.abs(x).max(initial=0.0) for x in (step, rest + step))
             # to and fro where a film begins to carry, with a slope without bound: less of a step
             returns = change >= 0.5 * before and step @ last < 0.0
             share = 0.5 * share if returns else min(1.0, 1.2 * share)
             rest, last = rest + share * step, step
-            if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
+            is_steady = change <= _STEADY * size and change >= 0.5 * before
+            if change <= max(_CHANGE * size, least) or is_steady:
                 return linear._replace(rest=rest, pull=pull)
             before = change
         return None
+
+    def _towards(
+        self, linear: Linear, rest: np.ndarray, force: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return where tangents lead, and the elements' end forces there; softly held at `rest`
+        where they hold the machine in one direction only."""
+        try:
+            return linear.factorized()(force)
+        except LinearError:
+            held = linear._replace(own_K=linear.own_K + self._soft * linear.own_M)
+            return held.factorized()(force + self._soft * (linear.M @ rest))
 
     def cross_coupling(self, stiffness: Mapping[int, float]) -> np.ndarray:
         """Return what F_x = -q y, F_y = q x add to K, as numbers of the system; stiffness: q [N/m]
@@ -205,7 +249,13 @@ class LinearMachine:
 
     def holds_at(self, speed: float) -> bool:
         """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""
-        return self._is_held_at_rest or (self.is_held and speed != 0.0)
+        return self._holds_at(speed, self.weight)
+
+    def _holds_at(self, speed: float, force: np.ndarray) -> bool:
+        """Return whether it is held under a force: in the middle of its clearance no element of a
+        rolling bearing bears."""
+        held = self._is_held_loaded if force.any() else self._is_held_at_rest
+        return held or (self._is_held_turning and speed != 0.0)
 
     def _within_films(self, rest: np.ndarray, result: np.ndarray) -> np.ndarray:
         """Return a result of Newton's method no further from `rest` than a share of the clearance
@@ -280,59 +330,32 @@ class LinearMachine:
         if omega == 0.0:
             acting = -in_plane(linear.laws.force).reshape(-1, 2).astype(complex)
         if self.contacts == PINNED and len(self.pinned):
-            acting[self.pinned] = self._reactions(linear.speed, whole, pull, force, omega, acting)
+            left = force - self._full.strained.T @ pull
+            left = left - self._full.resistance(linear.speed, 1j * omega, whole)
+            acting[self.pinned] = pin_forces(self.across, self.pinned, left, acting)
         return np.concatenate([springs, acting])
 
-    def _reactions(self, speed, whole, pull, force, omega, acting) -> np.ndarray:
-        """Return the forces on the pins, which balance all others, shape (pins, 2)."""
-        full = self._full
-        M, D, K = (
-            full.matrix(numbers) @ whole
-            for numbers in (full.M, full.C + speed * full.gyroscopic, full.K)
-        )
-        left = force - full.strained.T @ pull - K - 1j * omega * D
-        left = left + omega**2 * M - self.across.T @ acting.ravel()
-        rows = np.column_stack([2 * self.pinned, 2 * self.pinned + 1]).ravel()
-        across = self.across[rows].toarray().T[:-2]  # ground's rows aside
-        return np.linalg.lstsq(across, left[:-2], rcond=None)[0].reshape(-1, 2)
+    @property
+    def _soft(self) -> float:
+        """What of the masses is no stiffness [1/s2]."""
+        return float(_SOFT * self.structure.numbers[0].lowest_omega ** 2)
 
-    def _holds(self, linear: Linear) -> bool:
-        """Return whether the stiffness resists every motion as a rigid body."""
-        soft = _SOFT * self.structure.numbers[0].lowest_omega ** 2
-        rigid = self._rigid()
-        solve = self.system.factorized(linear.own_K + soft * linear.own_M, linear.strain.by_d)
+    def _holds(self, *places: Linear) -> bool:
+        """Return whether the stiffness, the mean of these places, resists every motion as a rigid
+        body."""
+        linear, soft, rigid = places[0], self._soft, self._rigid()
+        own_K = sum(place.own_K for place in places) / len(places)
+        solve = self.system.factorized(own_K + soft * linear.own_M, linear.strain.by_d)
         moved, _ = solve(soft * (linear.M @ rigid))
         return bool((np.abs(moved).max(axis=0) < 0.5 * np.abs(rigid).max(axis=0)).all())
 
     def _rigid(self) -> np.ndarray:
-        """Return the shaft's motions as a rigid body: to the right, upwards, tilted in each of both
-        planes; shape (unknowns, 4)."""
-        nodes, size = self.nodes, self.across.shape[1] // 2
-        n = 2 * len(nodes)
-        motions = np.zeros((2 * size, 4))
-        for plane in range(2):
-            motions[plane : 2 * n : 4, plane] = 1.0
-            motions[plane : 2 * n : 4, 2 + plane] = nodes - nodes.mean()
-            motions[2 + plane : 2 * n : 4, 2 + plane] = 1.0
-        return np.asarray(self.expand.T @ motions)
+        """Return `rigid_motions` of the unknowns, shape (unknowns, 4)."""
+        return np.asarray(self.expand.T @ rigid_motions(self.nodes, self.across.shape[1] // 2))
 
     def why_not_held(self) -> str:
         """Return one line about the supports that hold the machine and those that do not."""
         held = len(self.supports.springs) + int(self._acts.sum())
-        if self.contacts == PINNED:
-            held += len(self.pinned)
-        if held < 2:
-            return (
-                f"the machine is not held: with its contacts {self.contacts} it has {held} "
-                "bearings or supports, and moves as a rigid body; at least 2 nodes must be held"
-            )
-        result = (
-            f"the machine is not held: where it is at rest, its contacts {self.contacts}, its "
-            f"{held} bearings and supports have no stiffness against a motion as a rigid body"
-        )
-        if self.rotor.gravity == 0.0 and (self._acts & self._is_curved).any():
-            result += (
-                "; gravity is 0, and in the middle of its clearance a film without preload has "
-                "none: give the machine gravity, or its pads preload"
-            )
-        return result
+        held += len(self.pinned) if self.contacts == PINNED else 0
+        is_unpressed = not self.weight.any() and (self._acts & self._is_curved).any()
+        return not_held(self.contacts, held, self.rotor.gravity if is_unpressed else None)

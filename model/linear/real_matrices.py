@@ -35,6 +35,12 @@ class Matrices(NamedTuple):
         size = self.strained.shape[1]
         return sp.csr_array((numbers, (self.rows, self.columns)), shape=(size, size))
 
+    def resistance(self, speed: float, root: complex, u: np.ndarray) -> np.ndarray:
+        """Return (root^2 M + root (C + speed G) + K) u, without the shaft's strain."""
+        of_velocity = self.C + speed * self.gyroscopic
+        M, D, K = (self.matrix(numbers) @ u for numbers in (self.M, of_velocity, self.K))
+        return root**2 * M + root * D + K
+
 
 def matrices_of(rotor: Rotor, s: Structure) -> Matrices:
     """Return the matrices of a machine."""

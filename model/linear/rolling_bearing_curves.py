@@ -181,5 +181,5 @@ def _row(places: Sequence[RollingAlone], load: complex) -> dict[str, object]:
         "elements": elements,
         "K": cleared(K),
         "C": cleared(C),
-        "K_passing": np.array(passing),
+        "K_passing": cleared(np.array(passing)),
     }

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from ..machine.rotor import Rotor
 from ..parts.base import InterfaceElement, MountElement, SpringElement
@@ -48,3 +49,54 @@ def supports(rotor: Rotor) -> Supports:
     )
     housings = tuple(mount.name for _, mount in rotor.elements_of_kind(MountElement))
     return Supports(springs, interfaces, housings)
+
+
+def rigid_motions(nodes: np.ndarray, size: int) -> np.ndarray:
+    """Return the shaft's motions as a rigid body: to the right, upwards, tilted in each of both
+    planes; shape (2 size, 4).
+
+    nodes: their positions [m]; size: number of deflections, slopes and housings.
+    """
+    n = 2 * len(nodes)
+    motions = np.zeros((2 * size, 4))
+    for plane in range(2):
+        motions[plane : 2 * n : 4, plane] = 1.0
+        motions[plane : 2 * n : 4, 2 + plane] = nodes - nodes.mean()
+        motions[2 + plane : 2 * n : 4, 2 + plane] = 1.0
+    return motions
+
+
+def pin_forces(
+    across: sp.csr_matrix, pinned: np.ndarray, left: np.ndarray, acting: np.ndarray
+) -> np.ndarray:
+    """Return the forces on the pins, which balance all others, shape (pins, 2) [N].
+
+    across: the interfaces' displacements by those of every dof, the last two ground's; pinned:
+    which interfaces; left: force on every dof [N, N.m] but of the interfaces; acting: of these,
+    those of pins 0.
+    """
+    rows = across[np.column_stack([2 * pinned, 2 * pinned + 1]).ravel()].toarray().T[:-2]
+    left = left - across.T @ acting.ravel()
+    return np.linalg.lstsq(rows, left[:-2], rcond=None)[0].reshape(-1, 2)
+
+
+def not_held(contacts: str, held: int, gravity: float | None) -> str:
+    """Return one line about supports that do not hold a machine; contacts: `open` or `pinned`;
+    held: how many there are; gravity: where none of it presses the shaft into its bearings
+    [m/s2]."""
+    if held < 2:
+        return (
+            f"the machine is not held: with its contacts {contacts} it has {held} bearings or "
+            "supports, and moves as a rigid body; at least 2 nodes must be held"
+        )
+    result = (
+        f"the machine is not held: where it is at rest, its contacts {contacts}, its {held} "
+        "bearings and supports have no stiffness against a motion as a rigid body"
+    )
+    if gravity is not None:
+        why = "gravity is 0" if gravity == 0.0 else "the machine stands upright"
+        result += (
+            f"; {why}, and in the middle of its clearance a bearing without preload has none: give "
+            "the machine gravity across its shaft, or its bearings preload"
+        )
+    return result

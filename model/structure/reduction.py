@@ -106,7 +106,25 @@ def reduced(structure: Structure, modes: int) -> Structure:
         weight=T.T @ structure.weight,
         one_body=one_body,
         bow_forces=structure.bow_forces @ T,
+        bow_stiffness=structure.bow_stiffness - _yielding(structure, retained, T),
         deflections=deflections,
+    )
+
+
+def _yielding(structure: Structure, retained: np.ndarray, T: np.ndarray) -> np.ndarray:
+    """Return by how much the stiffness between bows is less because the shaft yields to them in the
+    modes left out, whose inertia is none [N/m]."""
+    if not len(structure.bow_forces):
+        return structure.bow_stiffness
+    rest = np.setdiff1d(np.arange(len(T)), retained)
+    forces, kept = (
+        structure.bow_forces[:, rest],
+        T[np.ix_(rest, np.arange(len(retained), T.shape[1]))],
+    )
+    K = to_dense(structure.K_shaft)[np.ix_(rest, rest)]
+    by_modes = forces @ kept
+    return forces @ np.linalg.solve(K, forces.T) - by_modes @ np.linalg.solve(
+        kept.T @ K @ kept, by_modes.T
     )
 
 

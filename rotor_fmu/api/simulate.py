@@ -142,6 +142,8 @@ def plan(
     for name, value in (("stop", stop), ("step", step)):
         _check_number(name, value)
     table = interface(machine.rotor)
+    if loads and "speed" in loads:
+        raise InputError("loads: speed is no load: give it as speed")
     signals = _signals(table, {"speed": speed, **(loads or {})}, stop)
     stop = float(signals.t[-1]) if stop is None else float(stop)
     if step is not None and not 0 < step <= stop:

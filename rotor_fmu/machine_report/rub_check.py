@@ -25,6 +25,7 @@ from ..model.linear.unbalance_peaks import distance_of, gaps, with_criticals
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
+from ..run_status import FAILED
 
 _TURNS = 1200.0  # of a run up or down
 _SETTLING = 60.0  # turns at the first speed, before the run begins
@@ -33,6 +34,7 @@ _POINTS = 400
 _BINS = 120
 _SPEEDS = 201
 _LASTING = 0.02  # of the time in the range, from which a rub lasts
+_NARROW = 0.01  # of the highest speed: what a run passes of a range that is a single speed
 
 
 class Closing(NamedTuple):
@@ -51,7 +53,7 @@ class Closing(NamedTuple):
 class ContactRun(NamedTuple):
     """A contact in a run: its name, the speeds of its first and last touch [rad/s], the shares of
     time that it touches in the operating range and in the whole run [1], the largest normal force
-    [N]."""
+    [N]; all NaN of a run that failed before it had settled."""
 
     name: str
     first: float
@@ -96,6 +98,9 @@ class RubCheck:
         """What the runs say, in a sentence or two."""
         if not self.closings:
             return "The linear response closes no clearance; no run with contacts was needed."
+        for run in self.runs:
+            if run.status.startswith(FAILED):
+                return f"The {run.direction} with contacts {run.status}."
         touched = [c for run in self.runs for c in run.contacts if c.share > 0]
         if not touched:
             return (
@@ -238,13 +243,15 @@ def _run(
         )
     after = result.t >= settled
     speed, amplitude = _amplitude(result, place, after)
-    seen = tuple(_contact_run(result, name, operating, after) for name in contacts)
+    wider = max(0.0, 0.5 * (_NARROW * top - (operating[1] - operating[0])))
+    passed = (operating[0] - wider, operating[1] + wider)
+    seen = tuple(_contact_run(result, name, passed, after) for name in contacts)
     return RubRun(direction, result.status, speed, amplitude, seen)
 
 
 def _amplitude(result: Result, place: str, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return speeds [rad/s] and the largest distance from the mean in each of `_BINS` bins [m]."""
-    if not place:
+    if not place or not after.any():
         return np.zeros(0), np.zeros(0)
     w = np.abs(result.speed)[after]
     z = (result[f"{place}.x"] + 1j * result[f"{place}.y"])[after]
@@ -261,12 +268,14 @@ def _radius(z: np.ndarray) -> float:
 
 
 def _contact_run(
-    result: Result, name: str, operating: tuple[float, float], after: np.ndarray
+    result: Result, name: str, passed: tuple[float, float], after: np.ndarray
 ) -> ContactRun:
+    if np.count_nonzero(after) < 2:
+        return ContactRun(name, *5 * [math.nan])
     w = np.abs(result.speed)[after]
     touches = result[f"{name}.contact"][after] > 0.5
     weight = np.gradient(result.t[after])
-    inside = (w >= operating[0]) & (w <= operating[1])
+    inside = (w >= passed[0]) & (w <= passed[1])
     where = np.flatnonzero(touches)
     first, last = (float(w[i]) for i in where[[0, -1]]) if len(where) else (math.nan, math.nan)
     share_in_range = weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)

@@ -123,3 +123,10 @@ def test_coefficients_written_for_a_rolling_bearing_give_the_modes_of_the_machin
     (tmp_path / "replaced.toml").write_text(text.split("[[rolling_bearing]]")[0] + linear)
     roots = [answers.modes(path, 100.0) for path in (ROLLING, tmp_path / "replaced.toml")]
     np.testing.assert_allclose(roots[1].eigenvalues, roots[0].eigenvalues, rtol=1e-6)
+
+
+def test_a_bearing_in_its_clearance_without_load_has_no_stiffness_and_no_minus_zero():
+    part = replace(BALLS, clearance=1e-5)
+    found = bearing_answers.rolling(with_part(part), bearing="rolling_bearing[1]", load=0.0)
+    assert not found.K_passing.any()
+    assert "-0" not in str(found.table())

@@ -51,6 +51,43 @@ def test_the_energy_closes_in_component_modes():
     )
 
 
+HEATED = """
+[[heated_contact]]
+node = {node}
+journal_radius = 0.02
+clearance = 1e-5
+mu = 0.1
+k = 1e6
+bow_per_heat = 1e-6
+bow_decay = 1.0
+"""
+
+
+@pytest.mark.parametrize("modes", [0, 4, 20])
+def test_bows_store_what_they_store_in_the_whole_shaft(modes):
+    """They bend short elements, beyond the modes kept; the shaft yields to them at once. Elastic
+    energy at rest with bows b, least over q: (b S b - b F K^-1 F b) / 2."""
+    nodes = np.linspace(0.0, 0.6, 31).tolist()
+    text = f"""
+    [material]
+    young = 2.1e11
+    density = 7800.0
+    [shaft]
+    nodes = {nodes}
+    diameters = {30 * [0.04]}
+    """
+    for node in (1, 31):
+        text += f"[[support]]\nnode = {node}\nstiffness = 1e6\ndamping = 500.0\n"
+    whole = assemble(parse_rotor(text + HEATED.format(node=12) + HEATED.format(node=16)))
+    stored = []
+    for structure in (whole, reduced(whole, modes)):
+        F = structure.bow_forces
+        yields = F @ np.linalg.solve(to_dense(structure.K), F.T)
+        stored.append(structure.bow_stiffness - yields)
+    own = np.diag(whole.bow_stiffness).max()
+    np.testing.assert_allclose(stored[1], stored[0], rtol=0, atol=1e-9 * own)
+
+
 def test_masses_and_modes_below_the_cut_are_kept():
     structure = assemble(rig())
     n = len(structure.weight)

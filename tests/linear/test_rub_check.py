@@ -1,0 +1,69 @@
+"""The check of clearances with contacts: ranges of a single speed, and runs that fail."""
+
+import math
+
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor
+
+from rotor_fmu.machine_report.rub_check import rub_check
+from rotor_fmu.machine_report.rub_shown import rub_figure, runs_table
+
+_JEFFCOTT = """
+gravity = 0.0
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.3, 0.6]
+diameters = [0.02, 0.02]
+[[disc]]
+node = 2
+diameter = 0.2
+width = 0.02
+e = 1e-4
+[[contact]]
+node = 2
+journal_radius = 0.01
+clearance = 1e-5
+mu = 0.02
+"""
+_BEARING = """
+[[linear_bearing]]
+node = {node}
+kxx = 1e6
+kyy = 1e6
+kxy = {crossed}
+kyx = -{crossed}
+cxx = {c}
+cyy = {c}
+"""
+
+
+def _machine(k, c, crossed):
+    bearings = (_BEARING.format(node=node, c=c, crossed=crossed) for node in (1, 3))
+    return parse_rotor(f"{_JEFFCOTT}k = {k}\n{''.join(bearings)}")
+
+
+@pytest.mark.parametrize("low", [300.0, 299.0])
+def test_a_rub_that_lasts_is_told_of_a_rated_speed_too(low):
+    """An unbalance of 0.1 mm above the critical speed, in a ring of 10 um so soft that it changes
+    nothing: the journal rubs all around."""
+    check = rub_check(_machine(1e4, 300.0, 0.0), low, 300.0)
+    for run in check.runs:
+        assert run.contacts[0].share_in_range == 1.0
+    assert "The rub lasts in the operating range (contact[1]), in both directions." in (
+        check.conclusion
+    )
+
+
+def test_a_run_that_fails_before_it_has_settled_is_told_as_failed():
+    """Cross coupling throws the rotor out of its bearings within a few turns."""
+    check = rub_check(_machine(100.0, 10.0, 2e5), 300.0, 300.0)
+    for run in check.runs:
+        assert run.status.startswith("failed: t = ")
+        assert math.isnan(run.contacts[0].share)
+        assert len(run.amplitude) == 0
+    assert check.conclusion.startswith("The run-up with contacts failed: t = ")
+    assert "the run diverged" in check.conclusion
+    assert "failed" in runs_table(check).html()
+    assert rub_figure(check).axes
