@@ -5,13 +5,13 @@ import re
 import shutil
 import sys
 from collections.abc import Callable, Collection, Iterable
-from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from .model.errors import InputError as InputError
+from .model.near_names import near_names
 
 if TYPE_CHECKING:
     import typer
@@ -101,21 +101,21 @@ def check_one_of(given: str, value: object, known: Collection[str]) -> None:
     given: the value and what it is of, in the words of who gave it.
     """
     if value not in tuple(known):  # it may be a list, which no dictionary can look up
-        near = get_close_matches(str(value), known, 1)
+        near = near_names(value, known)
         meant = f"; did you mean {near[0]}?" if near else ""
         raise InputError(f"{given}: must be one of {', '.join(known)}{meant}")
 
 
 def nearest(name: str, known: Collection[str]) -> str:
     """Return the known name that is most like a given one, `none` where there is none."""
-    return next(iter(get_close_matches(name, known, 1, 0.0)), "none")
+    return next(iter(near_names(name, known, least=0.0)), "none")
 
 
 def meant(name: str, known: Iterable[str]) -> str:
     """Return a suggestion for a misspelt name: up to three known ones that are like it, or the
     first three."""
     listed = sorted(set(known))
-    near = get_close_matches(name, listed, 3, 0.5) or listed[:3]
+    near = near_names(name, listed, 3, 0.5) or listed[:3]
     return f"did you mean {', '.join(near)}?" if near else "there is none"
 
 
