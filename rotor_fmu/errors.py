@@ -5,6 +5,7 @@ import re
 import shutil
 import sys
 from collections.abc import Callable, Collection, Iterable
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import typer
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+_made: list[Path] = []  # folders that were not there before, the deepest of each first
 
 
 class RunFailed(RuntimeError):
@@ -78,6 +80,9 @@ def _unreachable(error: OSError) -> str:
 
 
 def _end(message: str, status: int) -> None:
+    for folder in _made:  # what failed leaves none behind that it wrote nothing into
+        with suppress(OSError):
+            folder.rmdir()
     print(f"rotor-fmu: {message}", file=sys.stderr)
     sys.exit(status)
 
@@ -130,8 +135,9 @@ def known_name(where: str, name: str, known: Iterable[str]) -> str:
 
 def writable_folder(path: Path, option: str = "--out") -> Path:
     """Return the folder, made if need be; `InputError` with the option that gave it if it cannot be
-    written to."""
+    written to. A command that fails removes what it made so, if nothing was written there."""
     try:
+        _made.extend(folder for folder in (path, *path.parents) if not folder.exists())
         path.mkdir(parents=True, exist_ok=True)
         with TemporaryFile(dir=path):
             pass
