@@ -347,12 +347,13 @@ response_with_peaks = answer_of(UnbalanceResponse, linear.response_with_peaks)
 
 
 @on_one_thread
-def static(machine: Machine, speed: float | None = None, **options: Any) -> Static:
-    """Return `model.linear.static` of a machine; by default it stands still, or, if oil films hold
-    it, turns at its rated speed."""
+def static(
+    machine: Machine, speed: float | None = None, afloat: float | None = None, **options: Any
+) -> Static:
+    """Return `model.linear.static` of a machine; by default it stands still, or, if its oil films
+    bear it, turns at the speed `afloat` [rad/s], by default its rated one."""
     rotor = rotor_of(machine)
     if speed is None:
-        held = linear.LinearMachine(rotor, options.get("contacts"))
-        is_afloat = held.is_held and not held.holds_at(0.0)
-        speed = operating_speeds(rotor).rated if is_afloat else 0.0
+        is_afloat = linear.needs_to_turn(rotor, options.get("contacts"))
+        speed = (afloat or operating_speeds(rotor).rated) if is_afloat else 0.0
     return displayed(Static, linear.static, rotor, speed, **options)

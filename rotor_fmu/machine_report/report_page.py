@@ -83,7 +83,7 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
     conclusions = _conclusions(check, level_1, level_2, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
-        "At rest": _static(rotor),
+        "At rest": _static(rotor, high),
         "Critical speeds": [
             _html(diagram.table()),
             figure_html(diagram.figure((low, high)), "Campbell diagram"),
@@ -158,8 +158,8 @@ def _html(table: Table) -> str:
     return f'<div class="table">{table.html()}</div>'
 
 
-def _static(rotor: Rotor) -> list[str]:
-    result = answers.static(rotor)
+def _static(rotor: Rotor, speed: float) -> list[str]:
+    result = answers.static(rotor, afloat=speed)
     return [_html(result.table()), figure_html(result.figure(), "Deflection under gravity")]
 
 

@@ -158,7 +158,7 @@ def rub_check(
     top = 1.25 * high
     whirl = SteadyWhirl(machine)
     close = with_criticals(machine, np.linspace(_FIRST * top, top, _SPEEDS))
-    closings = _closings(machine, whirl, close)
+    closings = _closings(machine, whirl, close, high)
     probes = {
         name: partial(_size, whirl, of) for name, of in machine.elements_of_kind(ProbeElement)
     }
@@ -191,14 +191,14 @@ def _contacts(rotor: Rotor) -> dict[str, tuple[int, str, float]]:
     return result
 
 
-def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray) -> list[Closing]:
+def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray, high: float) -> list[Closing]:
     contacts = _contacts(rotor)
     if whirl.machine.contacts != OPEN:
         return [
             Closing(name, gap, math.nan, math.nan, math.nan, math.nan)
             for name, (_, _, gap) in contacts.items()
         ]
-    rest = static(rotor)
+    rest = static(rotor, afloat=high)
     housings = whirl.machine.supports.housings
     result = []
     for name, (node, housing, gap) in contacts.items():
