@@ -131,13 +131,14 @@ class Campbell(Displayed, linear.Campbell):
         ]
         low, high = self.speeds[[0, -1]] * d.speed
         between = f"{low:.5g} and {high:.5g} {d.speed_unit}"
-        stability = "stable at all of them"
+        stability = "stable at all these speeds"
         if self.threshold is not None:
             already = "already at" if self.threshold in self.speeds else "above"
             at = abs(self.threshold)  # of either sense of rotation
             stability = f"unstable {already} {speed_with_unit(at)} ({at:.6g} rad/s)"
         harmonic = "" if self.harmonics == (1.0,) else f" of {self._orders} times the speed"
-        title = f"Critical speeds{harmonic} between {between}, contacts {self.contacts}"
+        what = "Critical speeds" if rows else "No critical speed"
+        title = f"{what}{harmonic} between {between}, contacts {self.contacts}"
         return Table(f"{title}; {stability}", heads, rows)
 
     @property

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..display import current, range_with_unit, shown_speed
+from ..display import current, range_with_unit, shown_speed, speed_with_unit
 from ..linear import acceptance, answers, stability_answers
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
@@ -215,7 +215,10 @@ def _conclusions(
     return (
         f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
         if near
-        else "All critical speeds have their separation margins.",
+        else "All critical speeds have their separation margins."
+        if check.criticals
+        else f"No critical speed up to {speed_with_unit(LOOKED_AT * check.high)}, "
+        f"{100 * LOOKED_AT:g} % of the highest one of the operating range.",
         f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."
         if loud
         else f"All probes stay below {limit} peak-to-peak.",
