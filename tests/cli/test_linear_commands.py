@@ -204,6 +204,7 @@ def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
 
 
 OIL_FILM = Path(__file__).parents[2] / "examples" / "oil_film" / "rotor.toml"
+TURBOCHARGER = EXAMPLES / "turbocharger" / "rotor.toml"
 
 
 def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, tmp_path):
@@ -251,6 +252,8 @@ def test_the_linear_commands_name_the_films(command):
     assert "in the middle of its clearance, since at standstill it carries nothing: journal" in (
         command("modes", "--rotor", str(OIL_FILM))
     )
+    rings = "at that speed: floating_ring_bearing[1], floating_ring_bearing[2]"
+    assert rings in command("modes", "--rotor", str(TURBOCHARGER), "--speed", "60000rpm")
 
 
 def test_a_machine_that_oil_films_hold_is_at_rest_at_its_rated_speed():
