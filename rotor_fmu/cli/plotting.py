@@ -1,5 +1,6 @@
 """`rotor-fmu plot`, `report` and `page`."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -179,7 +180,7 @@ def _report_of_machine(
 
     check_page(out)
     asked = Question(*ends, probes, mode, clearances, couplings)
-    result = machine_report(machine, asked)
+    result = machine_report(machine, asked, partial(typer.echo, err=True))
     write_text(result.html, out)
     write_json(dict(result.numbers), out.with_suffix(".json"))
     for conclusion in result.conclusions:

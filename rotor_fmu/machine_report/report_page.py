@@ -2,7 +2,7 @@
 what it does where its response closes a clearance."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -54,8 +54,11 @@ class Question:
     couplings: Mapping[int, float] | None = None
 
 
-def machine_report(rotor: Rotor, asked: Question) -> Report:
-    """Return the report of a machine. Raises `LinearError` for a question that cannot be."""
+def machine_report(
+    rotor: Rotor, asked: Question, say: Callable[[str], None] = lambda text: None
+) -> Report:
+    """Return the report of a machine; say: is told what takes long. Raises `LinearError` for a
+    question that cannot be."""
     low, high = asked.low, asked.high
     top = LOOKED_AT * high
     first = lowest_speed(rotor, top)
@@ -79,7 +82,7 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
     scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
     level_1 = stability_answers.level_1(rotor, high, anticipated=asked.couplings or 0.0)
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=asked.couplings)
-    rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0))
+    rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
     conclusions = _conclusions(check, level_1, level_2, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],

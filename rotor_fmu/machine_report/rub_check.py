@@ -148,11 +148,12 @@ def rub_check(
     high: float,
     unbalances: Sequence[tuple[int, float, float]] | None = None,
     scale: float = 1.0,
+    say: Callable[[str], None] = lambda text: None,
 ) -> RubCheck:
     """Return what the machine does where its response to unbalance closes a clearance.
 
     low, high: operating range [rad/s]; unbalances: (node from 1, amount [kg.m], angle [rad]), None:
-    the machine's own; scale: factor on them.
+    the machine's own; scale: factor on them; say: is told what takes long.
     """
     machine = with_unbalances(rotor, unbalances, scale)
     top = 1.25 * high
@@ -166,13 +167,11 @@ def rub_check(
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
     place = max(seen, key=lambda name: seen[name].max()) if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
-    runs: tuple[RubRun, ...] = ()
-    if closings:
-        runs = tuple(
-            _run(machine, direction, top, (low, high), place)
-            for direction in ("run-up", "run-down")
-        )
-    return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, runs)
+    runs = []
+    for direction in ("run-up", "run-down") if closings else ():
+        say(f"{direction} with contacts, {_TURNS:g} turns: may take minutes")
+        runs.append(_run(machine, direction, top, (low, high), place))
+    return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, tuple(runs))
 
 
 def _size(whirl: SteadyWhirl, probe: ProbeElement, speed: float) -> float:

@@ -113,7 +113,8 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
         ["report", "--rotor", JEFFCOTT, "--range", "1400:1800rpm", "--out", str(page)],
         standalone_mode=False,
     )
-    said = capsys.readouterr().out
+    said, waited = capsys.readouterr()
+    assert [line.partition(" with")[0] for line in waited.splitlines()] == ["run-up", "run-down"]
     assert "The rub lasts in the operating range (contact[1]), only running up." in said
     html = page.read_text()
     for heading in ("Machine", "At rest", "Critical speeds", "Mode shapes", "Into contact"):
