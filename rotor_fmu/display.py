@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import NamedTuple
 
 from .errors import InputError
+from .model.near_names import near_names
 
 INCH, POUND, LBF = 0.0254, 0.45359237, 0.45359237 * 9.80665
 OUNCE = POUND / 16
@@ -154,7 +154,7 @@ def display_of(shown: str, text: str) -> Display:
     known = {word.lower(): change for word, change in _WORDS.items()}
     for word in text.replace(",", " ").split():
         if word.lower() not in known:
-            near = get_close_matches(word.lower(), known, 1)
+            near = near_names(word.lower(), known)
             meant = f"; did you mean {near[0]}?" if near else ""
             raise InputError(f"{shown} {text}: {word!r} must be one of {', '.join(_WORDS)}{meant}")
         result = replace(result, **known[word.lower()])  # type: ignore[arg-type]

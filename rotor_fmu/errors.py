@@ -5,18 +5,20 @@ import re
 import shutil
 import sys
 from collections.abc import Callable, Collection, Iterable
-from difflib import get_close_matches
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from .model.errors import InputError as InputError
+from .model.near_names import near_names
 
 if TYPE_CHECKING:
     import typer
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+_made: list[Path] = []  # folders that were not there before, the deepest of each first
 
 
 class RunFailed(RuntimeError):
@@ -78,6 +80,9 @@ def _unreachable(error: OSError) -> str:
 
 
 def _end(message: str, status: int) -> None:
+    for folder in _made:  # what failed leaves none behind that it wrote nothing into
+        with suppress(OSError):
+            folder.rmdir()
     print(f"rotor-fmu: {message}", file=sys.stderr)
     sys.exit(status)
 
@@ -101,21 +106,21 @@ def check_one_of(given: str, value: object, known: Collection[str]) -> None:
     given: the value and what it is of, in the words of who gave it.
     """
     if value not in tuple(known):  # it may be a list, which no dictionary can look up
-        near = get_close_matches(str(value), known, 1)
+        near = near_names(value, known)
         meant = f"; did you mean {near[0]}?" if near else ""
         raise InputError(f"{given}: must be one of {', '.join(known)}{meant}")
 
 
 def nearest(name: str, known: Collection[str]) -> str:
     """Return the known name that is most like a given one, `none` where there is none."""
-    return next(iter(get_close_matches(name, known, 1, 0.0)), "none")
+    return next(iter(near_names(name, known, least=0.0)), "none")
 
 
 def meant(name: str, known: Iterable[str]) -> str:
     """Return a suggestion for a misspelt name: up to three known ones that are like it, or the
     first three."""
     listed = sorted(set(known))
-    near = get_close_matches(name, listed, 3, 0.5) or listed[:3]
+    near = near_names(name, listed, 3, 0.5) or listed[:3]
     return f"did you mean {', '.join(near)}?" if near else "there is none"
 
 
@@ -130,8 +135,9 @@ def known_name(where: str, name: str, known: Iterable[str]) -> str:
 
 def writable_folder(path: Path, option: str = "--out") -> Path:
     """Return the folder, made if need be; `InputError` with the option that gave it if it cannot be
-    written to."""
+    written to. A command that fails removes what it made so, if nothing was written there."""
     try:
+        _made.extend(folder for folder in (path, *path.parents) if not folder.exists())
         path.mkdir(parents=True, exist_ok=True)
         with TemporaryFile(dir=path):
             pass

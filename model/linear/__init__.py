@@ -10,7 +10,7 @@ from .linear_machine import CONTACTS, LinearError, LinearMachine
 from .modes import Modes, modes
 from .rolling_bearing_curves import RollingCurves, rolling_curves
 from .stability_levels import StabilityLevel1, StabilityLevel2, Stage, level_1, level_2
-from .static import Static, lowest_speed, static
+from .static import Static, lowest_speed, needs_to_turn, static
 from .unbalance import UnbalanceResponse, unbalance_response
 from .unbalance_check import UnbalanceCheck, critical_peaks, unbalance_check
 from .unbalance_peaks import response_with_peaks

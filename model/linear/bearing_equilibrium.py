@@ -217,6 +217,12 @@ class BearingAlone(FilmAtRest):
     def no_equilibrium(self, load: complex) -> LinearError:
         """Return the error of a load [N] that is not carried: with the load and what is."""
         is_damper = isinstance(self.part, SqueezeFilmDamper)
+        if self.speed == 0.0 and load == 0.0 and not is_damper:
+            return LinearError(
+                f"{self.where}: no equilibrium at 0 rad/s: at standstill its film carries nothing, "
+                "and what else holds the machine lets its journal down to where the film is "
+                f"thinner than its roughness, {self.part.roughness:g} m; give a speed"
+            )
         at, what = ("", "spring") if is_damper else (f" at {self.speed:g} rad/s", "film")
         what = "cage" if self.cage.stiffness.any() else what
         return LinearError(

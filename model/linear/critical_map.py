@@ -90,8 +90,7 @@ def critical_map(
     speeds = np.array([lines(k) for k in values])
     if lines.branches is not None:
         speeds[:, : lines.branches.is_backward.shape[1]][lines.branches.is_backward] = np.nan
-    top = 1.1 * float(np.nanmax(speeds, initial=0.0))
-    own = _own_stiffness(lines.machine, np.linspace(0.0, top, _SAMPLES))
+    own = _own_stiffness(lines.machine, _speeds_beside(speeds))
     return CriticalMap(
         stiffness=values,
         speeds=speeds,
@@ -145,6 +144,14 @@ def mean_stiffness(rotor: Rotor, contacts: str | None = None) -> float:
         if (values > 0).any():
             return float(np.exp(np.log(values[values > 0]).mean()))
     return _NO_STIFFNESS
+
+
+def _speeds_beside(criticals: np.ndarray) -> np.ndarray:
+    """Return speeds from below to above the critical ones [rad/s], spaced as the map's axis is."""
+    known = criticals[criticals > 0.0]
+    if not len(known):
+        return np.zeros(1)
+    return np.geomspace(0.5 * known.min(), 1.1 * known.max(), _SAMPLES)
 
 
 def _own_stiffness(machine: UndampedMachine, speeds: np.ndarray) -> tuple[BearingStiffness, ...]:

@@ -81,6 +81,17 @@ def static(
     )
 
 
+def needs_to_turn(rotor: Rotor, contacts: str | None = None) -> bool:
+    """Return whether a machine is held, but rests under gravity only as it turns: its films carry
+    nothing at standstill, and what else holds it, such as seals, lets its journals down too far."""
+    machine = LinearMachine(rotor, contacts)
+    try:
+        machine.loaded(0.0)
+    except LinearError:
+        return machine.is_held
+    return False
+
+
 def speeds_and_loads(
     rotor: Rotor,
     name: str,

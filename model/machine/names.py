@@ -50,7 +50,8 @@ def check_names(parts: Sequence[Part]) -> None:
         where = spelled(part.KIND, counts[part.KIND])
         if not isinstance(label, str) or not IDENTIFIER.fullmatch(label):
             raise QuantityError(
-                f"{where}.name = {label!r}: must be a word of letters a to z, digits and _"
+                f"{where}.name = {label!r}: must be a word of letters a to z, digits and _ that "
+                "does not begin with a digit, of up to 64"
             )
         if label in _RESERVED or label in kinds:
             of = "a part type" if label in kinds else "variables"

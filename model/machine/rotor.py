@@ -8,11 +8,11 @@ import cmath
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from itertools import accumulate
 from typing import Any, TypeVar
 
 from ..message_templates import fill_template
+from ..near_names import near_names
 from ..parts.base import (
     BASE,
     GROUND,
@@ -183,7 +183,7 @@ class Rotor:
                 name = getattr(element, key)
                 if name not in housings:
                     known = ", ".join(sorted(housings - {GROUND})) or "none"
-                    near = get_close_matches(str(name), housings - {GROUND}, 1)
+                    near = near_names(name, sorted(housings - {GROUND}))
                     hint = f"; did you mean {near[0]}?" if near else ""
                     raise QuantityError(
                         f"{where}.{key} = {name!r}: no housing of that name; there is {known}{hint}"

@@ -3,9 +3,9 @@ or of the wrong type."""
 
 from collections.abc import Collection
 from dataclasses import MISSING, Field, fields
-from difflib import get_close_matches
 from typing import Any
 
+from ..near_names import near_names
 from ..quantities import QuantityError, quantities
 
 
@@ -43,7 +43,7 @@ def printable(key: str) -> str:
 
 def nearest(given: object, known: Collection[str]) -> str:
     """Return `did you mean x? ` if a known name is near."""
-    near = get_close_matches(str(given), known, 1)
+    near = near_names(given, known)
     return f"did you mean {near[0]}? " if near else ""
 
 
@@ -64,7 +64,7 @@ def fits(kind: type, given: Collection[str]) -> bool:
     """Return whether these are keys of a data class, or nearly, with all that it needs; one key
     alone says nothing."""
     known = {field.name: _is_optional(field) for field in fields(kind)}
-    meant = {(get_close_matches(key, known, 1) or [key])[0] for key in given}
+    meant = {(near_names(key, known) or [key])[0] for key in given}
     return (
         len(meant) > 1 and meant <= known.keys() and all(known[key] for key in known.keys() - meant)
     )

@@ -7,7 +7,6 @@ step, no closer than a least angle. When it is full, every second row is dropped
 doubles.
 """
 
-import difflib
 import math
 from collections.abc import Sequence
 from typing import Annotated, NamedTuple
@@ -17,6 +16,7 @@ import numpy as np
 from ..kernels.jit import jit, jit_not_inlined
 from ..machine.names import Name
 from ..machine.rotor import Rotor
+from ..near_names import near_names
 from ..parts.base import VELOCITY_OUTPUTS, ProbeElement
 from ..step.excitation import at_place
 from .observe import Observed, energies_at, observe, observed
@@ -77,7 +77,7 @@ def channels_of(rotor: Rotor, record: Record) -> list[int]:
     place = {str(entry.name): i for i, entry in enumerate(recordable(rotor))}
     for name in record.names:
         if name not in place:
-            near = difflib.get_close_matches(name, place, 1, 0.0)[0]
+            (near,) = near_names(name, place, least=0.0)
             raise ValueError(f"record: {name!r} is unknown; the nearest name is {near}")
     return [place[name] for name in record.names]
 

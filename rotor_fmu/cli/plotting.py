@@ -1,5 +1,6 @@
 """`rotor-fmu plot`, `report` and `page`."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -175,7 +176,7 @@ def _report_of_machine(machine: Rotor, options: "ReportOptions", out: Path) -> d
     from ..machine_report.report_page import machine_report
 
     check_page(out)
-    result = machine_report(machine, options)
+    result = machine_report(machine, options, partial(typer.echo, err=True))
     write_text(result.html, out)
     write_json(dict(result.numbers), out.with_suffix(".json"))
     for conclusion in result.conclusions:

@@ -131,13 +131,14 @@ class Campbell(Displayed, linear.Campbell):
         ]
         low, high = self.speeds[[0, -1]] * d.speed
         between = f"{low:.5g} and {high:.5g} {d.speed_unit}"
-        stability = "stable at all of them"
+        stability = "stable at all these speeds"
         if self.threshold is not None:
             already = "already at" if self.threshold in self.speeds else "above"
             at = abs(self.threshold)  # of either sense of rotation
             stability = f"unstable {already} {speed_with_unit(at)} ({at:.6g} rad/s)"
         harmonic = "" if self.harmonics == (1.0,) else f" of {self._orders} times the speed"
-        title = f"Critical speeds{harmonic} between {between}, contacts {self.contacts}"
+        what = "Critical speeds" if rows else "No critical speed"
+        title = f"{what}{harmonic} between {between}, contacts {self.contacts}"
         return Table(f"{title}; {stability}", heads, rows)
 
     @property
@@ -347,12 +348,13 @@ response_with_peaks = answer_of(UnbalanceResponse, linear.response_with_peaks)
 
 
 @on_one_thread
-def static(machine: Machine, speed: float | None = None, **options: Any) -> Static:
-    """Return `model.linear.static` of a machine; by default it stands still, or, if oil films hold
-    it, turns at its rated speed."""
+def static(
+    machine: Machine, speed: float | None = None, afloat: float | None = None, **options: Any
+) -> Static:
+    """Return `model.linear.static` of a machine; by default it stands still, or, if its oil films
+    bear it, turns at the speed `afloat` [rad/s], by default its rated one."""
     rotor = rotor_of(machine)
     if speed is None:
-        held = linear.LinearMachine(rotor, options.get("contacts"))
-        is_afloat = held.is_held and not held.holds_at(0.0)
-        speed = operating_speeds(rotor).rated if is_afloat else 0.0
+        is_afloat = linear.needs_to_turn(rotor, options.get("contacts"))
+        speed = (afloat or operating_speeds(rotor).rated) if is_afloat else 0.0
     return displayed(Static, linear.static, rotor, speed, **options)

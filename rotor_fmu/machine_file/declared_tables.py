@@ -8,6 +8,7 @@ from ..model.machine.operating_speeds import Operation
 from ..model.machine.rotor import Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import Part
+from ..model.parts.housing import Housing
 from ..model.parts.journal_bearing import RUPTURES
 from ..model.parts.shaft import SHEARS, TAPERS, Material, Section
 from ..model.quantities import Quantity, quantities
@@ -51,7 +52,7 @@ _WORDS = {
     "node": ("integer", "number of the node of the shaft, from 1; or `z`, a position [m]"),
     "housing": ("string", "name of the `[[housing]]` that it sits on; ground without"),
     "ring": ("string", "name of the `[[housing]]` that is its ring; the node itself without"),
-    "name": ("string", "name, by which the FMU, pictures and other parts call it"),
+    "name": ("word", "name, by which the FMU, pictures and other parts call it"),
     "material": ("string", "name of a `[material.NAME]`; the machine's own without"),
     "rupture": ("string", "where the film ruptures: as Reynolds says, or Guembel"),
 }
@@ -76,6 +77,8 @@ def _keys_of(kind: type[Part] | type[Operation] | type[Material]) -> Iterator[Ke
             yield Key(field.name, quantity, quantity.text, default, is_needed)
         else:
             word, text = _WORDS[field.name]
+            if kind is Housing:  # whose name other parts say, and no variable
+                word = "string"
             choices = _CHOICES.get(field.name, ())
             yield Key(field.name, None, text, default or None, is_needed, choices, word)
             if field.name == "node":

@@ -84,9 +84,8 @@ def _row(key: Key) -> tuple[str, ...]:
         )
         allowed += ", or a list of such" if quantity.may_be_list else ""
     else:
-        allowed = ", ".join(key.choices) or {"tables": "tables", "numbers": "numbers"}.get(
-            key.kind, key.kind
-        )
+        word = "a word of letters, digits and _, no digit first"
+        allowed = ", ".join(key.choices) or (word if key.kind == "word" else key.kind)
     mark = " *FMU*" if quantity is not None and quantity.is_parameter else ""
     return f"`{key.name}`", unit, default, f"{key.text}{mark}", allowed
 

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ..model.machine.names import IDENTIFIER
 from ..model.quantities import NOT_NEGATIVE, POSITIVE
 from .declared_tables import Key, Table, own_tables, part_tables
 
@@ -14,6 +15,7 @@ _WORDS: dict[str, dict[str, Any]] = {
     "number": {"type": "number"},
     "integer": {"type": "integer", "minimum": 1},
     "string": {"type": "string"},
+    "word": {"type": "string", "pattern": f"^{IDENTIFIER.pattern}$"},
     "numbers": {"type": "array", "items": _LENGTHS},
     "tables": {"type": "array", "items": {"type": "object"}},
 }

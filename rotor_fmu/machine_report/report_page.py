@@ -2,14 +2,14 @@
 what it does where its response closes a clearance."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
 
 import numpy as np
 
-from ..display import current, range_with_unit, shown_speed
+from ..display import current, range_with_unit, shown_speed, speed_with_unit
 from ..linear import acceptance, answers, stability_answers
 from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
@@ -55,8 +55,11 @@ class ReportOptions:
     couplings: Mapping[int, float] | None = None
 
 
-def machine_report(rotor: Rotor, options: ReportOptions) -> Report:
-    """Return the report of a machine. Raises `LinearError` for impossible options."""
+def machine_report(
+    rotor: Rotor, options: ReportOptions, say: Callable[[str], None] = lambda text: None
+) -> Report:
+    """Return the report of a machine; say: is given what takes long. Raises `LinearError` for
+    impossible options."""
     low, high = options.low, options.high
     top = LOOKED_AT * high
     first = lowest_speed(rotor, top)
@@ -80,11 +83,11 @@ def machine_report(rotor: Rotor, options: ReportOptions) -> Report:
     scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
     level_1 = stability_answers.level_1(rotor, high, anticipated=options.couplings or 0.0)
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
-    rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0))
+    rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
     conclusions = _conclusions(check, level_1, level_2, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
-        "At rest": _shown(answers.static(rotor), "Deflection under gravity"),
+        "At rest": _shown(answers.static(rotor, afloat=high), "Deflection under gravity"),
         "Critical speeds": [
             _html(diagram.table()),
             figure_html(diagram.figure((low, high)), "Campbell diagram"),
@@ -212,7 +215,10 @@ def _conclusions(
     return (
         f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
         if near
-        else "All critical speeds have their separation margins.",
+        else "All critical speeds have their separation margins."
+        if check.criticals
+        else f"No critical speed up to {speed_with_unit(LOOKED_AT * check.high)}, "
+        f"{100 * LOOKED_AT:g} % of the highest one of the operating range.",
         f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."
         if loud
         else f"All probes stay below {limit} peak-to-peak.",

@@ -154,17 +154,18 @@ def rub_check(
     high: float,
     unbalances: Sequence[tuple[int, float, float]] | None = None,
     scale: float = 1.0,
+    say: Callable[[str], None] = lambda text: None,
 ) -> RubCheck:
     """Return what the machine does where its response to unbalance closes a clearance.
 
     low, high: operating range [rad/s]; unbalances: (node from 1, amount [kg.m], angle [rad]), None:
-    the machine's own; scale: factor on them.
+    the machine's own; scale: factor on them; say: is told what takes long.
     """
     machine = with_unbalances(rotor, unbalances, scale)
     top = 1.25 * high
     whirl = SteadyWhirl(machine)
     close = with_criticals(machine, np.linspace(_FIRST * top, top, _SPEEDS))
-    closings = _closings(machine, whirl, close)
+    closings = _closings(machine, whirl, close, high)
     probes = {
         name: partial(_size, whirl, of) for name, of in machine.elements_of_kind(ProbeElement)
     }
@@ -172,13 +173,11 @@ def rub_check(
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
     place = max(seen, key=lambda name: seen[name].max()) if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
-    runs: tuple[RubRun, ...] = ()
-    if closings:
-        runs = tuple(
-            _run(machine, direction, top, (low, high), place)
-            for direction in ("run-up", "run-down")
-        )
-    return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, runs)
+    runs = []
+    for direction in ("run-up", "run-down") if closings else ():
+        say(f"{direction} with contacts, {_TURNS:g} turns: may take minutes")
+        runs.append(_run(machine, direction, top, (low, high), place))
+    return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, tuple(runs))
 
 
 def _size(whirl: SteadyWhirl, probe: ProbeElement, speed: float) -> float:
@@ -187,11 +186,11 @@ def _size(whirl: SteadyWhirl, probe: ProbeElement, speed: float) -> float:
     return float(semi_axes(*(moved[at] + probe.offset * moved[at + 1]))[0])
 
 
-def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray) -> list[Closing]:
+def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray, high: float) -> list[Closing]:
     contacts = gaps(rotor, whirl.machine)
     if whirl.machine.contacts != OPEN:
         return [Closing(gap.name, gap.clearance, *4 * (math.nan,)) for gap in contacts]
-    rest = static(rotor)
+    rest = static(rotor, afloat=high)
     of_nodes, of_housings = rest.x + 1j * rest.y, rest.housing_x + 1j * rest.housing_y
     at_rest = np.concatenate([np.repeat(of_nodes, 2), of_housings, [0.0]])  # last: ground
     result = []

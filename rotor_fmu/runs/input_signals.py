@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from ..errors import InputError
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
+from ..model.near_names import near_names
 from ..model.simulation import Simulation
 from ..operating_speeds import operating_speeds
 from ..units import in_si, units_for
@@ -270,7 +270,7 @@ def _column(path: Path, text: str, known: Mapping[str, str]) -> tuple[str, float
     if name not in known and name.endswith("]"):
         name, _, unit = (part.strip() for part in text[:-1].rpartition("["))
     if name not in known:
-        near = get_close_matches(text.partition(" ")[0], known, 3) or list(known)
+        near = near_names(text.partition(" ")[0], known, 3) or list(known)
         raise InputError(f"{path}: column {text!r} is unknown; did you mean {', '.join(near)}?")
     units = units_for(known[name])
     if unit is not None and unit not in units:

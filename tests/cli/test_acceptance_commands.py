@@ -5,9 +5,13 @@ import math
 from pathlib import Path
 
 import pytest
+from matplotlib.text import Text
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
+from rotor_fmu.linear import acceptance
+from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.machine_report.report_page import Question, machine_report
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
 COMPRESSOR = str(ROSS / "compressor.toml")
@@ -109,7 +113,8 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
         ["report", "--rotor", JEFFCOTT, "--range", "1400:1800rpm", "--out", str(page)],
         standalone_mode=False,
     )
-    said = capsys.readouterr().out
+    said, waited = capsys.readouterr()
+    assert [line.partition(" with")[0] for line in waited.splitlines()] == ["run-up", "run-down"]
     assert "The rub lasts in the operating range (contact[1]), only running up." in said
     html = page.read_text()
     for heading in ("Machine", "At rest", "Critical speeds", "Mode shapes", "Into contact"):
@@ -124,6 +129,18 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
     up, down = data["contact"]["runs"]
     assert up["contacts"][0]["share_in_range"] > 0.5
     assert down["contacts"][0]["share_in_range"] == 0.0
+
+
+def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(command):
+    """The Jeffcott rotor's is at 955 rpm; looked at is one and a half times the highest speed."""
+    rotor = load_rotor(Path(JEFFCOTT))[1]
+    report = machine_report(rotor, Question(10.0, 20.0))
+    none = "No critical speed up to 4.7746 Hz, 150 % of the highest one of the operating range."
+    assert report.conclusions[0] == none
+    texts = acceptance.unbalance_check(rotor, 10.0, 20.0, [2]).figure().findobj(Text)
+    assert "no critical speed up to 4.7746 Hz" in [text.get_text() for text in texts]
+    said = command("campbell", "--rotor", JEFFCOTT, "--speed", "0:20")
+    assert said.startswith("No critical speed between 0 and 3.1831 Hz, contacts open; stable at")
 
 
 def _crosses(amplitude, below):

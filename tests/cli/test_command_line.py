@@ -96,7 +96,7 @@ def test_bad_options_are_refused_in_one_line(input_error, arguments, expected):
 @pytest.mark.parametrize("modes", ["10001", "99999999999"])
 def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, modes):
     expected = f"solver.reduction = {modes}: must be an integer from 0 to 10000"
-    assert expected in input_error("build", "--reduction", modes)
+    assert expected in input_error("build", "--reduction", modes, "--out", "new/folder")
 
 
 def test_help_names_every_command_and_loads_none(tmp_path):

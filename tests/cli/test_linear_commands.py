@@ -20,6 +20,8 @@ from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.loading import load_rotor, machine_text
+from rotor_fmu.machine_report.report_page import Question, machine_report
+from rotor_fmu.operating_speeds import operating_speeds
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -202,6 +204,7 @@ def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
 
 
 OIL_FILM = Path(__file__).parents[2] / "examples" / "oil_film" / "rotor.toml"
+TURBOCHARGER = EXAMPLES / "turbocharger" / "rotor.toml"
 
 
 def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, tmp_path):
@@ -249,6 +252,8 @@ def test_the_linear_commands_name_the_films(command):
     assert "in the middle of its clearance, since at standstill it carries nothing: journal" in (
         command("modes", "--rotor", str(OIL_FILM))
     )
+    rings = "at that speed: floating_ring_bearing[1], floating_ring_bearing[2]"
+    assert rings in command("modes", "--rotor", str(TURBOCHARGER), "--speed", "60000rpm")
 
 
 def test_a_machine_that_oil_films_hold_is_at_rest_at_its_rated_speed():
@@ -260,6 +265,30 @@ def test_a_machine_that_oil_films_hold_is_at_rest_at_its_rated_speed():
     assert answers.static(rig()).speed == 0.0
     with pytest.raises(ValueError, match="not held"):
         answers.static(OIL_FILM, 0.0)
+
+
+@pytest.fixture
+def with_seal(tmp_path):
+    """The machine in two films, with seals that have some stiffness at standstill too, too little
+    to keep its journals off the bearings."""
+    seals = "".join(
+        f"[[seal]]\nnode = {node}\nkxx = 2e4\nkyy = 2e4\ncxx = 10.0\ncyy = 10.0\n"
+        for node in (3, 5)
+    )
+    rotor = tmp_path / "rotor.toml"
+    rotor.write_text(f"{OIL_FILM.read_text()}\n{seals}".replace("k = 1e8", ""))
+    return rotor
+
+
+def test_a_machine_that_seals_do_not_lift_is_at_rest_at_its_rated_speed(with_seal):
+    assert answers.static(with_seal).speed == operating_speeds(load_rotor(with_seal)[1]).rated
+    with pytest.raises(ValueError, match=r"at standstill its film carries nothing.*; give a speed"):
+        answers.static(with_seal, 0.0)
+
+
+def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_seal):
+    report = machine_report(load_rotor(with_seal)[1], Question(300.0, 400.0))
+    assert "At rest, 63.662 Hz (400 rad/s)" in report.html
 
 
 @pytest.mark.usefixtures("undrawn")

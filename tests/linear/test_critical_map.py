@@ -132,6 +132,18 @@ def test_lines_on_pedestals_that_hardly_differ_are_those_of_alike_ones():
     np.testing.assert_allclose(others, alike, rtol=1e-5)
 
 
+def test_the_own_stiffness_of_a_film_is_listed_where_it_meets_the_lines():
+    """It is drawn over a logarithmic axis of speeds, from below the lowest of its crossings on."""
+    result = critical_map(example("oil_film"), np.geomspace(1e5, 1e8, 9), count=4)
+    assert result.crossings
+    for crossing in result.crossings:
+        own = next(o for o in result.own if o[:2] == crossing[:2])
+        known = np.isfinite(own.stiffness)
+        listed = np.interp(crossing.speed, own.speed[known], own.stiffness[known])
+        assert own.speed[known][0] < crossing.speed
+        assert listed == pytest.approx(crossing.stiffness, rel=0.05)
+
+
 def test_the_own_stiffness_of_a_damper_is_that_of_its_springs():
     """Two of them under 10 kg, 250 rad/s, as the example says."""
     crossings = critical_map(example("squeeze_film"), [1e5, 1e6], count=1).crossings

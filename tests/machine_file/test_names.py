@@ -38,6 +38,11 @@ def test_every_part_may_have_a_name_which_its_variables_have():
     [
         (("fan", "fan"), "disc[5].name = fan: disc[4] has this name already"),
         (("two words",), "disc[4].name = 'two words': must be a word of letters a to z, digits"),
+        (
+            ("1st_stage",),
+            "disc[4].name = '1st_stage': must be a word of letters a to z, digits and "
+            "_ that does not begin with a digit",
+        ),
         (("Laufrad_groß",), "disc[4].name = 'Laufrad_groß': must be a word of letters a to z"),
         (("solver",), "disc[4].name = solver: is reserved, as the name of variables"),
         (("bearing",), "disc[4].name = bearing: is reserved, as the name of a part type"),

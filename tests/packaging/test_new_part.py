@@ -18,14 +18,20 @@ HERE = Path(__file__).parents[1] / "new_part"
 LINE = "from .cubic_spring import CubicSpring\n"
 
 
-@pytest.fixture(scope="module")
-def copy(tmp_path_factory):
-    """The folder of a copy of the package that has one file and one line more."""
-    folder = tmp_path_factory.mktemp("copy")
+def copied(folder):
+    """A copy of the package in a folder."""
     copy = folder / "rotor_fmu"
     ignored = shutil.ignore_patterns("__pycache__", "library")
     shutil.copytree(Path(rotor_fmu.__file__).parent, copy)
     shutil.copytree(Path(rotor_fmu.model.__file__).parent, copy / "model", ignore=ignored)
+    return copy
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The folder of a copy of the package that has one file and one line more."""
+    folder = tmp_path_factory.mktemp("copy")
+    copy = copied(folder)
     shutil.copy(HERE / "cubic_spring.py", copy / "model" / "parts")
     register = copy / "model" / "parts" / "__init__.py"
     before = "from .disc import"

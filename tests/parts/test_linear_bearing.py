@@ -174,6 +174,7 @@ def test_leaving_a_table_is_said_once():
         ("kyy = 1.5e6", "", "linear_bearing[1].kyy is missing"),
         ("speed = [0.0, 100.0, 180.0, 400.0]", "", "linear_bearing[1].kxx: 4 given, 0 needed"),
         ("speed = [", "speeds = [", "did you mean speed?"),
+        ("kxx = ", "kx = ", "linear_bearing[1].kx: unknown key; did you mean kxx?"),
     ],
 )  # fmt: skip
 def test_a_wrong_table_is_refused_by_name(old, new, named):
