@@ -1,6 +1,8 @@
 """Whether component modes would make a run cheaper, how many, and how much they change the
 frequencies."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..kernels.band import product, to_dense
@@ -35,14 +37,34 @@ def work_share(structure: Structure, size: int) -> float:
     return (_FIXED + work(size, size) / 2) / (_FIXED + work(n, width))
 
 
-@on_one_thread
-def reduction_offer(rotor: Rotor, structure: Structure, speed: float) -> Message | None:
-    """Return the note that offers a reduction of a machine that turns with up to `speed` [rad/s],
-    None if no number of modes is both cheap and accurate.
+class ReductionOffer(NamedTuple):
+    """A reduction that pays: component modes; the work of a step, relative to that of the machine
+    of so many nodes; frequencies that a speed [rad/s] excites, and their largest relative shift, at
+    standstill, with contacts open and pinned."""
 
-    The error in the note is the largest shift of a frequency that the speed excites, at standstill,
-    with contacts open and pinned.
-    """
+    modes: int
+    work: float
+    nodes: int
+    excited: int
+    speed: float
+    shift: float
+
+    @property
+    def note(self) -> Message:
+        """The note that offers it."""
+        return Message(
+            f"solver.reduction = {self.modes} would do for this machine of {self.nodes} nodes: a "
+            f"step costs about {self.work:.0%} of one with all of it, and the {self.excited} "
+            f"lowest frequencies, which {self.speed:.4g} rad/s excites, move by at most "
+            f"{max(self.shift, _ROUNDING):.1g} of their value",
+            "reduction-pays",
+        )
+
+
+@on_one_thread
+def reduction_offer(rotor: Rotor, structure: Structure, speed: float) -> ReductionOffer | None:
+    """Return the least reduction of a machine that turns with up to `speed` [rad/s] that is both
+    cheap and accurate, None without one."""
     if work_share(structure, _MODES[0] + 1 + len(structure.interfaces)) > _PAYS:
         return None
     n = len(structure.weight)
@@ -74,14 +96,8 @@ def reduction_offer(rotor: Rotor, structure: Structure, speed: float) -> Message
             few = _elastic(reduced_K[among], reduced_M[among], slow)[: len(omegas)]
             shift = max(shift, float((few / omegas - 1.0).max()))
         if shift <= _MOVED:
-            return Message(
-                f"solver.reduction = {modes} would do for this machine of {n // 2} nodes: a step "
-                f"costs about {share:.0%} of one with all of it, and the "
-                f"{max(len(omegas) for _, omegas in states)} lowest frequencies, which "
-                f"{abs(speed):.4g} rad/s excites, move by at most {max(shift, _ROUNDING):.1g} of "
-                "their value",
-                "reduction-pays",
-            )
+            excited = max(len(omegas) for _, omegas in states)
+            return ReductionOffer(modes, share, n // 2, excited, abs(speed), shift)
     return None
 
 

@@ -25,6 +25,8 @@ from ..model.linear.unbalance_peaks import distance_of, gaps, with_criticals
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
+from ..model.structure.assembly import assemble
+from ..model.structure.reduction_offer import reduction_offer
 from ..run_status import FAILED
 
 _TURNS = 1200.0  # of a run up or down
@@ -222,21 +224,22 @@ def _meeting(free: Callable[[float], float], speeds: np.ndarray, i: int, side: i
 def _run(
     rotor: Rotor, direction: str, top: float, operating: tuple[float, float], place: str
 ) -> RubRun:
-    """Run the machine up or down with its contacts."""
+    """Run the machine up or down with its contacts, by as few component modes as do."""
     first = _FIRST * top
     ends = (first, top) if direction == "run-up" else (top, first)
     settled = _SETTLING * 2 * math.pi / ends[0]  # until the start at this speed is forgotten
     stop = settled + _TURNS * 4 * math.pi / (first + top)
-    machine = Machine(rotor, "")
+    offer = reduction_offer(rotor, assemble(rotor), top)
     contacts = list(walls(rotor))
     record = [f"{name}.{what}" for name in contacts for what in ("fn", "contact")]
     record += [f"{place}.{axis}" for axis in "xy"] if place else []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         result = simulate(
-            machine,
+            Machine(rotor, ""),
             speed=([0.0, settled, stop], [ends[0], *ends]),
             tolerance=1e-3,
+            parameters={"solver.reduction": offer.modes} if offer else {},
             record=record,
             step=stop / _POINTS,
         )

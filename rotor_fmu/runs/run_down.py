@@ -242,7 +242,7 @@ def _time_loop(
         fastest = float(np.abs(signals.values.get("speed", values["speed"])).max())
         offer = reduction_offer(simulation.rotor, simulation.structure, fastest)
         if offer is not None:
-            warn(offer)
+            warn(offer.note)
     driver = Driver(signals, load_names(rotor), values["speed_continuation"] != 0)
 
     def values_now() -> Mapping[str, float]:

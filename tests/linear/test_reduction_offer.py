@@ -34,7 +34,8 @@ def finer(times):
 
 
 def offered(rotor, speed=400.0):
-    return reduction_offer(rotor, assemble(rotor), speed)
+    offer = reduction_offer(rotor, assemble(rotor), speed)
+    return offer and offer.note
 
 
 @pytest.mark.parametrize("times", [12, 40])
