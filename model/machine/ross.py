@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from ..parts.shaft import POISSON
 from ..quantities import QuantityError
 from .ross_element import Element
 from .table_reader import a_table, printable
@@ -210,10 +211,9 @@ class _Reader:
         if not shear > 0:
             raise QuantityError(f"{inner.where}.G_s = {shear:g} Pa: must be > 0")
         poisson = young / (2 * shear) - 1
-        if not 0 <= poisson < 0.5:
+        if not POISSON.allows(poisson):
             raise QuantityError(
-                f"{inner.where}: E / (2 G_s) - 1 = {poisson:g}, Poisson's ratio: must be >= 0 and "
-                "below 0.5"
+                f"{inner.where}: E / (2 G_s) - 1 = {poisson:g}, Poisson's ratio: {POISSON.words}"
             )
         table = {"young": young, "density": inner.number("rho"), "poisson": poisson}
         name = base = str(values.get("name", "material"))

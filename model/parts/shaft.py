@@ -3,9 +3,10 @@
 import math
 from dataclasses import dataclass, replace
 
-from ..quantities import ANY, NOT_NEGATIVE, QuantityError, check_all, quantity
+from ..quantities import ANY, NOT_NEGATIVE, QuantityError, between, check_all, quantity
 
 STEEL_POISSON = 0.3
+POISSON = between(-0.7, 0.5, is_below=True)  # Hutchinson's coefficient has a pole at -0.79
 SHEARS = ("cowper", "hutchinson", "ross-hutchinson", "rigid")
 TAPERS = ("exact", "mean", "middle")
 _OVERLAP = 1e-6  # of diameters, that is rounding
@@ -20,12 +21,10 @@ class Material:
 
     young: float = quantity("Pa", "Young's modulus")
     density: float = quantity("kg/m3", "density")
-    poisson: float = quantity("1", "Poisson's ratio", NOT_NEGATIVE, STEEL_POISSON)
+    poisson: float = quantity("1", "Poisson's ratio", POISSON, STEEL_POISSON)
 
     def __post_init__(self) -> None:
         check_all("material", self)
-        if self.poisson >= 0.5:
-            raise QuantityError(f"material.poisson = {self.poisson:g}: must be below 0.5")
 
     @property
     def shear(self) -> float:
