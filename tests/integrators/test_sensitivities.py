@@ -142,7 +142,7 @@ def test_so_they_are_of_a_rotor_in_oil_films(name, torque, steps):
     read = ["body[1].x", "body[1].y"]
     read += [f"{part}.{output}" for output in ("fx", "fy", "film", "eccentricity")]
     read += ["tau"] if torque is None and name != "damper" else []
-    assert not within(made.errors(read, range(1, made.inputs), 1.0), 1e-6)
+    assert not within(made.errors(read, range(1, made.inputs), 0.25), 1e-6)
     change = 1e-4 * speed if torque is None else 1.0
     assert not within(made.errors([*read, "w", "phi"], [0], change), 1e-6)
 

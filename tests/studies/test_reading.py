@@ -123,7 +123,7 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ),
         ("solver.tol", "solver.tal", "set solver.talerance: unknown name; did you mean solver.tol"),
         ("= 1e-2", "= 2", "set solver.tolerance = 2: must be from 0 to 1"),
-        ("disc[2].e", "disc[4].e", "vary disc[4].e: unknown name; did you mean disc[3].e"),
+        ("disc[2].e", "disc[4].e", "vary disc[4].e: unknown name; did you mean disc[1].e"),
         (
             "[*].clearance",
             "[*].clearence",
@@ -281,7 +281,7 @@ def test_what_is_kept_is_not_called_like_a_dimension_of_the_rows(tmp_path):
             '{ amplitude = "disc[3].x" , bins = { from = 1, to = 2, count = 1 } }',
             "varies continuously",
         ),
-        ('{ spectrum = "disc[9]", orders = 2 }', "disc[9]: unknown name; did you mean disc[3]"),
+        ('{ spectrum = "disc[9]", orders = 2 }', "disc[9]: unknown name; did you mean disc[1]"),
     ],
 )
 def test_keeps_of_constant_speeds_that_cannot_be_are_refused(tmp_path, keep, expected):
