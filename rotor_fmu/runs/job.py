@@ -66,6 +66,8 @@ def prepare(
         raise InputError(f"--step {step:g} s: must be > 0 and at most --stop = {stop:g} s")
     if preset is not None:
         check_one_of(f"--preset {preset}", preset, PRESETS)
+        if any(text.partition("=")[0].strip() == "solver.preset" for text in sets):
+            raise InputError(f"--preset {preset}: --set solver.preset gives it too")
         sets = [f"solver.preset={preset}", *sets]
     _check_rows(stop, step, len(table))
     values = parse_settings(table, sets)

@@ -190,6 +190,10 @@ def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
         ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
         ({"stop": 1.0, "parameters": {"gravity": -1}}, r"^gravity = -1 m/s2: must be"),
         ({"stop": 1.0, "parameters": {"speed": 1}}, "speed is an input"),
+        (
+            {"stop": 1.0, "tolerance": 1e-2, "parameters": {"solver.tolerance": 1e-4}},
+            r"^tolerance = 0.01: parameters give solver.tolerance too",
+        ),
         ({"stop": 1.0, "loads": {"speed": 50.0}}, "loads: speed is no load: give it as speed"),
         ({"stop": 1.0, "record": ["disc[3].z"]}, "the nearest name is"),
         ({"stop": 1.0, "per_turn": 0}, "per_turn = 0: must be > 0"),
