@@ -110,7 +110,8 @@ def make_job(
         build_simulation(rotor, table, everything, lambda message: None)
     except EquilibriumError as error:
         raise InputError(str(error)) from error
-    step = step or min(_step_of(settings, stop, operating_speeds(rotor).trip), stop)
+    fastest = max(operating_speeds(rotor).trip, float(np.abs(signals.values["speed"]).max()))
+    step = step or min(_step_of(settings, stop, fastest), stop)
     if stop / step > _MOST_ROWS:
         raise InputError(
             f"stop = {stop:g} s: would give {stop / step:.3g} rows at the communication step of "

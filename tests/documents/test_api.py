@@ -125,6 +125,12 @@ def test_every_step_is_recorded_without_a_rate():
     assert run.names == ("phi", "w", "disc[1].vx")
 
 
+def test_a_run_beyond_the_machines_speeds_has_a_row_for_every_turn_too():
+    run = rf.simulate(RIG, speed=-4000.0, stop=0.1)
+    turns = np.abs(np.diff(run.points.columns["phi"])) / (2 * np.pi)
+    assert 0.9 < turns.max() < 1.0 + 1e-9
+
+
 def test_a_run_that_fails_keeps_what_came_before_and_says_why():
     wbz = {"solver.method": "wbz", "solver.alpha_m": 0.08}
     with pytest.warns(UserWarning, match="is unstable|diverged"):
