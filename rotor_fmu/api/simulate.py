@@ -7,6 +7,7 @@ import numpy as np
 
 from ..errors import InputError, check_one_of, nearest
 from ..fmi.interface import interface
+from ..fmi.solver_parameters import PREFIX
 from ..fmi.variables import Variable
 from ..model.settings import PRESETS
 from ..model.simulation import warn
@@ -151,9 +152,12 @@ def plan(
     given: dict[str, float | str] = dict(parameters or {})
     if preset is not None:
         check_one_of(f"preset = {preset!r}", preset, PRESETS)
-        given["solver.preset"] = preset
-    if tolerance is not None:
-        given["solver.tolerance"] = tolerance
+    for option, chosen in (("preset", preset), ("tolerance", tolerance)):
+        if chosen is None:
+            continue
+        if f"{PREFIX}{option}" in given:
+            raise InputError(f"{option} = {chosen!r}: parameters give {PREFIX}{option} too")
+        given[f"{PREFIX}{option}"] = chosen
     inputs = {v.name for v in table if v.causality == "input"}
     for name in given.keys() & inputs:
         raise InputError(f"parameters: {name} is an input: give it as speed or among loads")

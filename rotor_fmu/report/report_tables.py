@@ -95,7 +95,8 @@ def _verification(run: Recording, of: str) -> str:
     figures = run.about.get("verification")
     if not figures:
         return ""
-    heads = ["", "this run [µm]", "finer run [µm]", "difference [%]"]
+    unit = current().small_unit
+    heads = ["", f"this run [{unit}]", f"finer run [{unit}]", "difference [%]"]
     return table(f"{of}{headline_of(figures)}", heads, rows_of(figures))
 
 

@@ -66,6 +66,8 @@ def prepare(
         raise InputError(f"--step {step:g} s: must be > 0 and at most --stop = {stop:g} s")
     if preset is not None:
         check_one_of(f"--preset {preset}", preset, PRESETS)
+        if any(text.partition("=")[0].strip() == "solver.preset" for text in sets):
+            raise InputError(f"--preset {preset}: --set solver.preset gives it too")
         sets = [f"solver.preset={preset}", *sets]
     _check_rows(stop, step, len(table))
     values = parse_settings(table, sets)
@@ -108,7 +110,8 @@ def make_job(
         build_simulation(rotor, table, everything, lambda message: None)
     except EquilibriumError as error:
         raise InputError(str(error)) from error
-    step = step or min(_step_of(settings, stop, operating_speeds(rotor).trip), stop)
+    fastest = max(operating_speeds(rotor).trip, float(np.abs(signals.values["speed"]).max()))
+    step = step or min(_step_of(settings, stop, fastest), stop)
     if stop / step > _MOST_ROWS:
         raise InputError(
             f"stop = {stop:g} s: would give {stop / step:.3g} rows at the communication step of "

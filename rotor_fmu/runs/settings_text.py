@@ -15,7 +15,8 @@ from ..units import in_si, split
 def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
     """Return the values by name from `NAME=VALUE` texts; choices may be given by number or by name.
 
-    Raises `InputError` for an unknown name and for a value that the variable cannot have.
+    Raises `InputError` for a name that is unknown or given twice, and for a value that the variable
+    cannot have.
     """
     known = {v.name: v for v in table if not v.is_observed}
     values = {}
@@ -27,6 +28,8 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
         if observed is not None:
             raise InputError(f"--set {name}: is an output, which the model computes")
         variable = known[known_name("--set", name, known)]
+        if name in values:
+            raise InputError(f"--set {name}: is given twice")
         values[name] = _parse_value(variable, value)
         if variable.is_unset_at_start and values[name] == variable.start:
             raise InputError(

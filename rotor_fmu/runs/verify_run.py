@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..display import current
 from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..model.settings import Settings, SettingsError
@@ -158,10 +159,11 @@ def _last(run: Run, name: str) -> float:
 
 
 def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]:
-    """Return rows of quantity, this run and the finer one [um], and their difference [%]; figures:
-    `runs.verification.Verification.figures`."""
+    """Return rows of quantity, this run and the finer one, in the unit of displacements that is
+    shown, and their difference [%]; figures: `runs.verification.Verification.figures`."""
+    small = current().small
     return [
-        (f"{c['name']}, {title}", 1e6 * c["value"], 1e6 * c["finer"], 100 * c["difference"])
+        (f"{c['name']}, {title}", small * c["value"], small * c["finer"], 100 * c["difference"])
         for title, compared in (("largest", figures["peaks"]), ("at the end", figures["final"]))
         for c in compared
     ]
@@ -178,8 +180,8 @@ def text_of(figures: Mapping[str, Any]) -> str:
     """Return `runs.verification.Verification.figures` as a table of plain text."""
     lines = [f"{'verification':20s} {headline_of(figures)}"]
     lines.append(f"  {'':26s} {'this run':>12s} {'finer':>12s} {'difference':>12s}")
-    lines += [
-        f"  {name:26s} {value:9.5g} um {other:9.5g} um {difference:10.3g} %"
-        for name, value, other, difference in rows_of(figures)
-    ]
+    unit = current().small_word
+    for name, *values, difference in rows_of(figures):
+        both = " ".join(f"{f'{value:.5g} {unit}':>12s}" for value in values)
+        lines.append(f"  {name:26s} {both} {difference:10.3g} %")
     return "\n".join(lines) + "\n"

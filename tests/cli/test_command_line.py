@@ -80,6 +80,11 @@ def input_error_by(main, tmp_path, monkeypatch, capsys):
         (["--set", "shaft.eta_h=0.01"], "shaft.eta_h = 0.01: must be 0 unless"),
         (["--set", "shaft.rotating_damping=perhaps"], "must be true or false"),
         (["--preset", "paper-adaptive", "--set", "solver.h=1"], "solver.h = 1 s: must lie between"),
+        (["--set", "gravity=1", "--set", "gravity=2"], "--set gravity: is given twice"),
+        (
+            ["--preset", "robust", "--set", "solver.preset=paper"],
+            "--preset robust: --set solver.preset gives it too",
+        ),
         (["--stop", "-1"], "--stop -1 s: must be > 0"),
         (["--step", "50"], "--step 50 s: must be > 0 and at most --stop = 40 s"),
         (["--stop", "soon"], "--stop soon: "),

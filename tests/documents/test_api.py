@@ -125,6 +125,12 @@ def test_every_step_is_recorded_without_a_rate():
     assert run.names == ("phi", "w", "disc[1].vx")
 
 
+def test_a_run_beyond_the_machines_speeds_has_a_row_for_every_turn_too():
+    run = rf.simulate(RIG, speed=-4000.0, stop=0.1)
+    turns = np.abs(np.diff(run.points.columns["phi"])) / (2 * np.pi)
+    assert 0.9 < turns.max() < 1.0 + 1e-9
+
+
 def test_a_run_that_fails_keeps_what_came_before_and_says_why():
     wbz = {"solver.method": "wbz", "solver.alpha_m": 0.08}
     with pytest.warns(UserWarning, match="is unstable|diverged"):
@@ -190,6 +196,10 @@ def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
         ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
         ({"stop": 1.0, "parameters": {"gravity": -1}}, r"^gravity = -1 m/s2: must be"),
         ({"stop": 1.0, "parameters": {"speed": 1}}, "speed is an input"),
+        (
+            {"stop": 1.0, "tolerance": 1e-2, "parameters": {"solver.tolerance": 1e-4}},
+            r"^tolerance = 0.01: parameters give solver.tolerance too",
+        ),
         ({"stop": 1.0, "loads": {"speed": 50.0}}, "loads: speed is no load: give it as speed"),
         ({"stop": 1.0, "record": ["disc[3].z"]}, "the nearest name is"),
         ({"stop": 1.0, "per_turn": 0}, "per_turn = 0: must be > 0"),

@@ -222,6 +222,33 @@ def test_the_page_of_a_recorded_run_begins_with_its_settings(silent, tmp_path):
     assert end[1] == pytest.approx(float(rows[-1]["disc[3].x [m]"]), abs=2e-6)
 
 
+def test_the_picture_of_a_run_at_one_speed_is_over_time_and_says_so(silent, rig):
+    page = LivePage(silent, rig, "#course.to=400&course.hold=0.2").ended()
+    caption = "return document.querySelector('#amplitude figcaption').textContent"
+    told = "return document.querySelector('#amplitude svg').getAttribute('aria-label')"
+    assert page.run(caption) == "Amplitude over time"
+    assert page.run(told).startswith(
+        "Amplitude over time. Amplitude, disc 1 [µm 0-p] over Time [s]"
+    )
+    page = LivePage(silent, rig).ended()
+    assert page.run(caption) == "Amplitude over speed"
+
+
+def test_a_link_to_the_machine_files_settings_holds_against_those_of_a_recorded_run(
+    silent, tmp_path
+):
+    given = {"bearing[2].mu": 0.02, "course.to": 395.0}
+    write_text(solver_page(machine_of(None, False, 0), given), tmp_path / "live.html")
+    page = LivePage(silent, tmp_path / "live.html", "").ended()
+    assert page.run("return values") == given
+    page.run("field('auto').checked = false")
+    page.find("reset").click()
+    page.find("link").click()
+    linked = page.run("return location.href").removeprefix((tmp_path / "live.html").as_uri())
+    page = LivePage(silent, tmp_path / "live.html", linked)
+    assert page.run("return values") == {}
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from importlib import import_module
 
 import pytest
@@ -85,6 +86,20 @@ def test_the_command_tells_it_in_words_and_in_the_summary(tmp_path, monkeypatch,
     assert f"{figures['conclusion']}, by the same run with solver.tolerance = 0.0001: ok" in words
     assert "disc[3].x_amp, largest" in words
     assert "finer run" in (tmp_path / "report.html").read_text()
+
+
+def test_it_is_told_in_the_units_chosen(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    options = ["run-down", "--direct", "--verify", "--units", "mil", "--stop", "0.2", "--out", "."]
+    app([*options], standalone_mode=False)
+    figures = json.loads((tmp_path / "summary.json").read_text())["verification"]
+    largest = figures["peaks"][0]
+    mils = [f"{largest[of] / 25.4e-6:.5g}" for of in ("value", "finer")]
+    row = re.search(rf"{re.escape(largest['name'])}, largest (.*)", capsys.readouterr().out)[1]
+    assert row.split()[:4] == [mils[0], "mil", mils[1], "mil"]
+    page = (tmp_path / "report.html").read_text()
+    assert '<th scope="col">finer run [mil]</th>' in page
+    assert f"<td>{largest['name']}, largest</td><td>{mils[0]}</td><td>{mils[1]}</td>" in page
 
 
 def test_a_tolerance_that_has_no_tenth_is_refused_before_anything_is_run(tmp_path, monkeypatch):

@@ -68,7 +68,6 @@ function thinned(x, y, columns) {
 class Chart {
   constructor(id, onPick) {
     this.figure = document.getElementById(id);
-    this.title = this.figure.querySelector("figcaption").textContent;
     this.root = svg("svg", { class: "chart", role: "img" }, this.figure);
     this.key = document.createElement("div");
     this.key.className = "key";
@@ -79,6 +78,10 @@ class Chart {
         if (this.view) onPick(this.view.valueAt((event.clientX - box.left) / box.width));
       });
     }
+  }
+
+  get caption() {
+    return this.figure.querySelector("figcaption");
   }
 
   // series: { x, y, kind, label }, of which `kind` names the style; axes: labels; cursor: abscissa;
@@ -151,6 +154,6 @@ class Chart {
       const [low, high] = bounds([y]);
       said.push(`${label}: ${digits(low, 4)} to ${digits(high, 4)}`);
     }
-    this.root.setAttribute("aria-label", `${this.title}. ${yLabel} over ${xLabel}. ${said.join("; ")}`);
+    this.root.setAttribute("aria-label", `${this.caption.textContent}. ${yLabel} over ${xLabel}. ${said.join("; ")}`);
   }
 }

@@ -120,7 +120,8 @@ function hash() {
 function readHash() {
   const unread = [];
   for (const name of Object.keys(values)) delete values[name];
-  if (!location.hash) Object.assign(values, data.given);
+  // a link to the machine file's settings ends in #, with nothing behind it
+  if (!location.href.includes("#")) Object.assign(values, data.given);
   for (const [name, text] of new URLSearchParams(location.hash.slice(1))) {
     const control = byName.get(name);
     const value = Number(text);

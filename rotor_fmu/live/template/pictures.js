@@ -121,6 +121,7 @@ function redraw() {
   const speeds = runs.flatMap((run) => run.plan.speeds).map((each) => each * SPEED.factor);
   const steady = isSteady(now);
   if (place) {
+    charts.amplitude.caption.textContent = `Amplitude over ${steady ? "time" : "speed"}`;
     charts.amplitude.draw({
       series: series((run) => thinned(abscissa(run), amplitude(run, place), columns)),
       xLabel: steady ? "Time [s]" : `Speed [${SPEED.unit}]`,
