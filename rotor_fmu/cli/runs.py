@@ -46,7 +46,8 @@ def _run(
         Path | None,
         typer.Option(
             "--input",
-            help="CSV file with a column for the time and one for each input, in SI units.",
+            help="CSV file with a column for the time and one for each input, in SI units or the "
+            "unit in brackets after its name.",
         ),
     ] = None,
     first: Annotated[
