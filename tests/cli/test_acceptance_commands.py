@@ -11,7 +11,7 @@ from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import acceptance
 from rotor_fmu.machine_file.loading import load_rotor
-from rotor_fmu.machine_report.report_page import Question, machine_report
+from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
 COMPRESSOR = str(ROSS / "compressor.toml")
@@ -134,7 +134,7 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
 def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(command):
     """The Jeffcott rotor's is at 955 rpm; looked at is one and a half times the highest speed."""
     rotor = load_rotor(Path(JEFFCOTT))[1]
-    report = machine_report(rotor, Question(10.0, 20.0))
+    report = machine_report(rotor, ReportOptions(10.0, 20.0))
     none = "No critical speed up to 4.7746 Hz, 150 % of the highest one of the operating range."
     assert report.conclusions[0] == none
     texts = acceptance.unbalance_check(rotor, 10.0, 20.0, [2]).figure().findobj(Text)

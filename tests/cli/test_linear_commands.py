@@ -20,7 +20,7 @@ from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.loading import load_rotor, machine_text
-from rotor_fmu.machine_report.report_page import Question, machine_report
+from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
 from rotor_fmu.operating_speeds import operating_speeds
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
@@ -287,7 +287,7 @@ def test_a_machine_that_seals_do_not_lift_is_at_rest_at_its_rated_speed(with_sea
 
 
 def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_seal):
-    report = machine_report(load_rotor(with_seal)[1], Question(300.0, 400.0))
+    report = machine_report(load_rotor(with_seal)[1], ReportOptions(300.0, 400.0))
     assert "At rest, 63.662 Hz (400 rad/s)" in report.html
 
 

@@ -219,13 +219,13 @@ def test_a_number_of_turns_that_cannot_be_is_refused_by_its_name(function, more,
 def test_what_else_a_signal_cannot_be_asked_for_is_refused_by_its_name():
     t = np.linspace(0, 1, 5000)
     signal = t, 300.0 * t, t + 0j
-    with pytest.raises(InputError, match="^lines = 0: must be"):
+    with pytest.raises(InputError, match=r"^lines = 0: must be"):
         vibration.cascade(*signal, lines=0)
-    with pytest.raises(InputError, match="^orders: at least one"):
+    with pytest.raises(InputError, match=r"^orders: at least one"):
         vibration.order_track(*signal, [])
     with pytest.raises(InputError, match=r"^speed = nan rad/s: must be finite"):
         vibration.orbit(*signal, np.nan)
-    with pytest.raises(InputError, match="^per_turn = 0: must be"):
+    with pytest.raises(InputError, match=r"^per_turn = 0: must be"):
         vibration.poincare(*signal, per_turn=0)
 
 
