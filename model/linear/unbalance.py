@@ -17,6 +17,7 @@ from . import orbit
 from .linear_machine import LinearMachine
 from .modes import check_speed
 from .static import check_node
+from .system_at_speed import LinearError
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,9 @@ class SteadyWhirl:
         return (machine.expand @ u).reshape(-1, 2), loads
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
-        """Return the response at speeds [rad/s]."""
+        """Return the response at speeds [rad/s], at least one."""
+        if not len(speeds):
+            raise LinearError("speeds: at least one must be given")
         machine = self.machine
         size = machine.across.shape[1] // 2
         whole = np.array([self.at(speed) for speed in speeds]).reshape(-1, size, 2)
