@@ -185,11 +185,10 @@ def _critical(
     a, b = seen
     if a.speed < 0.0 < b.speed:  # the harmonic of |speed| turns round at rest
         rest = follow.at(0.0)
-        there = follow.onward(a, rest, places[0])
-        before, after = np.array([places[0], there]), np.array([there, places[1]])
+        lines = follow.onward(a, rest, places[0])
         return [
-            *_critical(follow, (a, rest), before, harmonic),
-            *_critical(follow, (rest, b), after, harmonic),
+            *_critical(follow, (a, rest), np.array([places[0], lines]), harmonic),
+            *_critical(follow, (rest, b), np.array([lines, places[1]]), harmonic),
         ]
     result = []
     for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
