@@ -121,6 +121,10 @@ class SteadyWhirl:
             np.add.at(pull, own.dof, whole)
             np.add.at(pull, own.slope, own.offset * whole)
         for node, amount, phase in unbalances or ():
+            if not np.isfinite([amount, phase]).all():
+                raise LinearError(
+                    f"unbalance at node {node} = {amount:g} kg.m at {phase:g} rad: must be finite"
+                )
             pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
         self._pull = np.column_stack([pull, -1j * pull]).ravel()
         self._known: dict[float, tuple[np.ndarray, Callable[[], np.ndarray]]] = {}

@@ -312,6 +312,7 @@ def test_impossible_wishes_are_refused():
         lambda: campbell(rig(), [1.0]),
         lambda: campbell(rig(), [2.0, 1.0]),
         lambda: unbalance_response(rig(), []),
+        lambda: unbalance_response(rig(), [100.0], unbalances=[(4, float("nan"), 0.0)]),
         lambda: static(rig(), loads=[(9, 0.0, 1.0)]),
     ):
         with pytest.raises(LinearError):
