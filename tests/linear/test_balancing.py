@@ -90,6 +90,17 @@ def test_planes_that_the_vibration_cannot_tell_apart_get_the_smallest_unbalances
     assert np.abs(result.expected).max() < 1e-5
 
 
+def test_a_machine_balanced_to_nothing_does_not_vibrate_by_its_sag():
+    """Three planes at the three discs take their unbalance away as a whole."""
+    bearings = [
+        LinearBearing(node=b.node, kxx=2e6, kyy=2e6, cxx=300.0, cyy=300.0) for b in rig().bearings
+    ]
+    result = balance(
+        rig().with_parts(Bearing, *bearings), [150.0, 500.0], [4, 5, 6], measured=[4, 6]
+    )
+    assert result.residual < 1e-4
+
+
 def test_a_machine_whose_planes_are_not_told_apart_says_so():
     bearings = [
         LinearBearing(node=b.node, kxx=2e6, kyy=2e6, cxx=300.0, cyy=300.0) for b in rig().bearings
