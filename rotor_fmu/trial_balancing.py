@@ -26,12 +26,15 @@ from .model.quantities import STANDARD_GRAVITY
 from .model.structure.assembly import assemble
 from .model.structure.structure import total_mass
 from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
-from .vibration.influence_coefficients import correction
+from .vibration.influence_coefficients import correction, enough_measurements
 
 _SETTLED = 16.0  # time constants of the slowest mode until the motion is steady: 1e-7 of it is left
 _LEAST_TURNS, _MOST_TURNS = 60, 4000
 _MEASURED = 32  # turns at the end of a run, over which the vibration is measured
 _ROWS = 64  # a turn
+# Steps a turn at least: what is balanced rests, and in longer ones its sag would pass for 1x, all
+# rows having the same angle.
+_STEPS = 12
 _TRIAL = 0.1  # of the rotor's weight, the force of all trial unbalances together
 _TOLERANCE = 1e-5
 _GROWS = 1e-9  # of its frequency: what grows less is a mode without damping
@@ -67,13 +70,15 @@ class Balancing(Displayed):
     """A machine balanced by influence coefficients, m measurements and p planes.
 
     planes: with their unbalances; vibrations: at the measuring points; influence: coefficients,
-    complex of shape (m, p) [m/(kg.m)]; touches: whether a contact closed during a run, so that the
-    coefficients are not those of a linear machine.
+    complex of shape (m, p) [m/(kg.m)]; told_apart: of how many planes, or combinations of them, the
+    vibration shows the effect, p where it tells all apart; touches: whether a contact closed during
+    a run, so that the coefficients are not those of a linear machine.
     """
 
     planes: tuple[CorrectionPlane, ...]
     vibrations: tuple[Vibration, ...]
     influence: np.ndarray
+    told_apart: int
     touches: bool
 
     @property
@@ -112,6 +117,11 @@ class Balancing(Displayed):
         ]
         left = f"{100 * self.residual:.3g} % of the vibration is left"
         title = f"Balancing by influence coefficients: {left}"
+        if self.told_apart < len(self.planes):
+            title += (
+                f"; the vibration tells only {self.told_apart} of {len(self.planes)} planes apart: "
+                "these are the smallest unbalances that do it"
+            )
         if self.touches:
             title += "; a contact closed during a run: the coefficients are not a linear machine's"
         return Table(title, heads, [*planes, *measured])
@@ -169,8 +179,12 @@ def balance(
     for node in (*planes, *nodes):
         if not 1 <= node <= highest:
             raise InputError(f"node {node}: must be from 1 to {highest}")
-    if len(set(planes)) < len(planes) or not planes:
-        raise InputError(f"planes: {list(planes)}: must be different nodes, at least one")
+    for name, given in (("planes", planes), ("measured", nodes)):
+        if len(set(given)) < len(given) or not given:
+            raise InputError(f"{name}: {list(given)}: must be different nodes, at least one")
+    if len(set(speeds)) < len(speeds) or not speeds:
+        raise InputError(f"speeds: {list(speeds)} rad/s: must be different ones, at least one")
+    enough_measurements(2 * len(nodes) * len(speeds), len(planes))
     for speed in speeds:
         if not (math.isfinite(speed) and speed > 0):
             raise InputError(f"balancing speed = {speed:g} rad/s: must be > 0 and finite")
@@ -197,6 +211,7 @@ def balance(
             Vibration(*row, complex(a), complex(b), complex(c)) for row, a, b, c in rows
         ),
         influence=found.influence,
+        told_apart=found.told_apart,
         touches=bench.touches,
     )
     return of_machine(result, rotor)
@@ -250,7 +265,7 @@ class _Bench:
                 tolerance=_TOLERANCE,
                 record=[*names, *touching],
                 per_turn=_ROWS,
-                step=turn,
+                step=turn / _STEPS,
             )
         if result.status.startswith("failed"):
             raise RunFailed(f"the run at {speed:g} rad/s {result.status}")

@@ -183,6 +183,13 @@ def _critical(
 ) -> list[CriticalSpeed]:
     """Return the critical speeds between two speeds of the diagram."""
     a, b = seen
+    if a.speed < 0.0 < b.speed:  # the harmonic of |speed| turns round at rest
+        rest = follow.at(0.0)
+        lines = follow.onward(a, rest, places[0])
+        return [
+            *_critical(follow, (a, rest), np.array([places[0], lines]), harmonic),
+            *_critical(follow, (rest, b), np.array([lines, places[1]]), harmonic),
+        ]
     result = []
     for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
         before = _excess(a, places[0][mode], harmonic)
@@ -219,7 +226,8 @@ def _meeting(
         return _excess(there, at, harmonic) if at >= 0 else last[0]
 
     last = [_excess(a, places[mode], harmonic)]
-    return seen_at(brentq(excess, a.speed, end, xtol=_PRECISION * abs(end), rtol=1e-13))
+    precision = _PRECISION * max(abs(a.speed), abs(end))
+    return seen_at(brentq(excess, a.speed, end, xtol=precision, rtol=1e-13))
 
 
 def _growth(modes: Modes) -> float:

@@ -140,6 +140,8 @@ def frequency_response(
     the frequencies of all peaks between those asked for are added. Raises `LinearError`.
     """
     at = _checked(frequencies)
+    if not len(nodes):
+        raise LinearError("nodes: at least one must be given")
     plant = _Plant(rotor, speed, contacts)
     at_force, places = _place(force), [_place(node) for node in nodes]
     push, read = plant.selection([at_force]), plant.selection(places)

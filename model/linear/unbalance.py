@@ -17,6 +17,7 @@ from . import orbit
 from .linear_machine import LinearMachine
 from .modes import check_speed
 from .static import check_node
+from .system_at_speed import LinearError
 
 
 @dataclass(frozen=True)
@@ -120,6 +121,10 @@ class SteadyWhirl:
             np.add.at(pull, own.dof, whole)
             np.add.at(pull, own.slope, own.offset * whole)
         for node, amount, phase in unbalances or ():
+            if not np.isfinite([amount, phase]).all():
+                raise LinearError(
+                    f"unbalance at node {node} = {amount:g} kg.m at {phase:g} rad: must be finite"
+                )
             pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
         self._pull = np.column_stack([pull, -1j * pull]).ravel()
         self._known: dict[float, tuple[np.ndarray, Callable[[], np.ndarray]]] = {}
@@ -152,7 +157,9 @@ class SteadyWhirl:
         return (machine.expand @ u).reshape(-1, 2), loads
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
-        """Return the response at speeds [rad/s]."""
+        """Return the response at speeds [rad/s], at least one."""
+        if not len(speeds):
+            raise LinearError("speeds: at least one must be given")
         machine = self.machine
         size = machine.across.shape[1] // 2
         whole = np.array([self.at(speed) for speed in speeds]).reshape(-1, size, 2)

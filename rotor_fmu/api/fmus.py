@@ -11,7 +11,7 @@ from ..runs.recording import Recording
 from ..runs.settings_text import parse_starts
 from .machine import Machine, parse
 from .result import Result
-from .simulate import Signal, plan
+from .simulate import Signal, check_number, plan
 
 _MACHINE = "resources/rotor.toml"
 
@@ -79,6 +79,7 @@ def build_fmu(
     """
     from ..fmi.packing.fmu_kinds import FmuKind
 
+    check_number("step", step)
     kind = FmuKind(is_native, is_source, fmi)
     chosen_step = None if step is None else f"step = {step:g} s"
     options = ("is_native", "is_source", "platforms")

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import check_one_of
+from ..errors import InputError, check_one_of
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..plotting.notebook import png, shown
+from ..runs import PLOTS_CHANGED
 from ..runs.measuring_points import probe_that_moves_most
 from ..runs.recording import load_recording
 from ..runs.run_down import Run
@@ -191,12 +192,19 @@ class Result(RecordedSignals):
         Raises
         ------
         InputError
-            If there is no such kind of picture.
+            If there is no such kind of picture, nor such a place, or an argument does not change
+            this kind.
         """
         from ..run_pictures.signal_plots import KINDS
         from ..run_pictures.view import View
 
         check_one_of(f"kind = {kind!r}", kind, KINDS)
+        given = {"place": place is not None, "speed": speed is not None, "pp": is_pp}
+        for option in (name for name, is_given in given.items() if is_given):
+            name = "is_pp" if option == "pp" else option
+            if kind not in PLOTS_CHANGED[option]:
+                kinds = ", ".join(PLOTS_CHANGED[option])
+                raise InputError(f"{name}: changes no plot {kind}, only {kinds}")
         return shown(KINDS[kind](View(self.recording, place, speed, is_pp)))
 
     def _signal(self, place: str | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,6 +1,7 @@
 """A run of a machine, recorded at the solver's own steps."""
 
 import math
+import reprlib
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -113,9 +114,11 @@ def simulate(
 
 def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | None) -> Record:
     """Return what is recorded, of the arguments of `simulate`."""
-    _check_number("per_turn", per_turn)
+    check_number("per_turn", per_turn)
     if per_turn is not None and not 0 < per_turn < math.inf:
         raise InputError(f"per_turn = {per_turn}: must be > 0 and finite, or None for every step")
+    if isinstance(names, str):
+        raise InputError(f"record = {names!r}: must be a list of names")
     angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
     return Record(tuple(usual(machine.rotor) if names is None else names), angle, _ROWS)
 
@@ -141,7 +144,7 @@ def plan(
 ) -> Job:
     """Return the run that the arguments of `simulate` mean, checked."""
     for name, value in (("stop", stop), ("step", step)):
-        _check_number(name, value)
+        check_number(name, value)
     table = interface(machine.rotor)
     if loads and "speed" in loads:
         raise InputError("loads: speed is no load: give it as speed")
@@ -168,8 +171,10 @@ def plan(
         raise InputError(str(error).removeprefix("--set ")) from error
 
 
-def _check_number(name: str, value: object) -> None:
-    if value is not None and not isinstance(value, _NUMBERS):
+def check_number(name: str, value: object) -> None:
+    """Raise `InputError` for an argument that is neither a number nor None."""
+    is_number = isinstance(value, _NUMBERS) and not isinstance(value, bool)
+    if value is not None and not is_number:
         raise InputError(f"{name} = {value!r}: must be a number")
 
 
@@ -195,13 +200,18 @@ def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float
 
 def _course(name: str, value: Signal) -> tuple[np.ndarray, np.ndarray]:
     """Return the times [s] and values of an input."""
+    wrong = f"{name} = {reprlib.repr(value)}: must be a number, or times and values"
+    if isinstance(value, bool):  # which Python takes for 0 or 1
+        raise InputError(wrong)
     if isinstance(value, _NUMBERS):
+        if not math.isfinite(value):
+            raise InputError(f"{name} = {value}: must be finite")
         t, values = np.zeros(1), np.array([float(value)])
     else:
         try:
             t, values = (np.atleast_1d(np.asarray(part, dtype=float)) for part in value)
         except (TypeError, ValueError):
-            raise InputError(f"{name}: must be a number, or times and values") from None
+            raise InputError(wrong) from None
     if t.shape != values.shape or t.ndim != 1 or len(t) == 0:
         raise InputError(f"{name}: {t.size} times and {values.size} values: must be as many")
     if not (np.isfinite(t).all() and np.isfinite(values).all()):

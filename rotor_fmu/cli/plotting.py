@@ -11,7 +11,7 @@ from ..errors import InputError, check_one_of, writable_folder
 from ..files import write_text
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
-from ..runs import PLOTS
+from ..runs import PLOTS, PLOTS_CHANGED
 from ..units import in_si
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
 from .shared import Page, RotorFile, Units, check_page, one_of, places
@@ -22,13 +22,6 @@ if TYPE_CHECKING:
     from ..machine_report.report_page import ReportOptions
 
 # What draws is imported where it is asked for: bad input should not wait for it.
-
-# the kinds of plot that each option changes
-_KINDS = {
-    "--place": tuple(kind for kind in PLOTS if kind != "energy"),
-    "--speed": ("orbit", "spectrum"),
-    "--pp": ("bode", "polar", "cascade", "spectrum"),
-}
 
 
 @with_output_options
@@ -64,9 +57,10 @@ def plot(
 ) -> dict[str, Any]:
     """Draw a recorded run in one of the usual plots of vibration engineering."""
     check_one_of(f"KIND {kind}", kind, PLOTS)
-    for option, value in {"--place": place, "--speed": speed, "--pp": pp}.items():
-        if value and kind not in _KINDS[option]:
-            raise InputError(f"{option}: changes no plot {kind}, only {', '.join(_KINDS[option])}")
+    for option, value in {"place": place, "speed": speed, "pp": pp}.items():
+        if value and kind not in PLOTS_CHANGED[option]:
+            kinds = ", ".join(PLOTS_CHANGED[option])
+            raise InputError(f"--{option}: changes no plot {kind}, only {kinds}")
     at = None if speed is None else in_si("--speed", speed, "rad/s")
     if at == 0:
         raise InputError(f"--speed {speed}: must not be 0")

@@ -77,6 +77,8 @@ def ssp(
     ):
         if not 0 < value <= most:
             raise InputError(f"{name} {value:g}: must be > 0 and at most {most:g}")
+    if interval > end:
+        raise InputError(f"--step {interval:g} s: must be at most --stop = {end:g} s")
     check_one_of(f"--algorithm {algorithm}", algorithm, ALGORITHMS)
     platform = here()
     if is_native and platform is None:

@@ -1,6 +1,7 @@
 """A Jacobi master: at each communication point each of two FMUs gets the other's last outputs, then
 both step."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -11,6 +12,7 @@ from .member import Member
 
 # (output of one FMU, connected input of the other)
 Connection = tuple[str, str]
+_WHOLE = 1e-6  # of a step, by which a run of whole steps may miss its end
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,9 @@ class Point(NamedTuple):
 
 
 def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
-    """Yield the communication points of two initialized FMUs to `stop` [s], `step` [s] apart; both
-    leave the initialization mode at the first. Raises `RunFailed`."""
+    """Yield the communication points of two initialized FMUs to `stop` [s], `step` [s] apart, the
+    last after what is left of a step; both leave the initialization mode at the first. Raises
+    `RunFailed`."""
     sides = (one, other)
     read = [side.member.references(*side.outputs) for side in sides]
     inputs = [
@@ -53,12 +56,15 @@ def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
         side.member.begin()
     point = outputs(0.0)
     yield point
-    for n in range(round(stop / step)):
+    steps = math.ceil(stop / step - _WHOLE)
+    for n in range(steps):
         other.member.set(inputs[0], point.one[: len(one.connections)])
         one.member.set(inputs[1], point.other[: len(other.connections)])
+        end = (n + 1) * step
+        is_cut = end > stop + _WHOLE * step
         for side in sides:
-            side.member.step(n * step, step)
-        point = outputs((n + 1) * step)
+            side.member.step(n * step, stop - n * step if is_cut else step)
+        point = outputs(stop if is_cut else end)
         yield point
 
 

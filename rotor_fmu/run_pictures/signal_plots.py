@@ -287,8 +287,9 @@ def contact_force(view: View) -> Figure:
 
 def energy(view: View) -> Figure:
     """Draw the power of every sink over speed, and the energy since the start."""
-    figure, (above, below) = two_over_speed((1, 1))
     run = view.run
+    run.check_losses()
+    figure, (above, below) = two_over_speed((1, 1))
     _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
     taking = [name for name in powers if run.losses[name][-1] != 0.0]
     sinks = sorted(taking or powers, key=lambda name: -run.losses[name][-1])

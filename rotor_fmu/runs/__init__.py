@@ -5,3 +5,9 @@ PLOTS = (
     "bode", "polar", "orbit", "cascade", "poincare", "contact-angle", "contact-force", "energy",
     "spectrum", "whirl",
 )  # fmt: skip
+# Kinds of plot that each option changes.
+PLOTS_CHANGED = {
+    "place": tuple(kind for kind in PLOTS if kind != "energy"),
+    "speed": ("orbit", "spectrum"),
+    "pp": ("bode", "polar", "cascade", "spectrum"),
+}

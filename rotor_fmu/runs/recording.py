@@ -70,8 +70,12 @@ class Recording(ShortRepr):
         for name in ("phi", "w"):
             if name not in self.columns:
                 raise InputError(
-                    f"{self.name}: its recording has no {name}, which is needed to count turns"
+                    f"{self._called}: its recording has no {name}, which is needed to count turns"
                 )
+
+    @property
+    def _called(self) -> str:
+        return self.name or "the run"
 
     @property
     def status(self) -> str:
@@ -119,6 +123,14 @@ class Recording(ShortRepr):
             if name.startswith("energy.") and name.endswith("_loss")
         }
 
+    def check_losses(self) -> None:
+        """Raise `InputError` where no energy that was dissipated was recorded."""
+        if not self.losses:
+            raise InputError(
+                f"{self._called}: its recording has no energy that was dissipated, such as "
+                "energy.friction_loss"
+            )
+
     def place(self, name: str | None = None) -> MeasuringPoint:
         """Return a place by its name; None: the probe that moves most, without probes whatever else
         of the shaft does, or else the journal. Raises `InputError` for an unknown name."""
@@ -127,7 +139,7 @@ class Recording(ShortRepr):
         if name is not None:
             return named(name, self.places, "place")
         if not self.places:
-            raise InputError(f"{self.name}: its recording has no place with x and y")
+            raise InputError(f"{self._called}: its recording has no place with x and y")
         journals = {contact.name for contact in self.contacts}  # x, y relative to the housing
         return moves_most([p for p in self.places if p.name not in journals] or self.places)
 
@@ -137,7 +149,7 @@ class Recording(ShortRepr):
         if name is not None:
             return named(name, self.contacts, "contact")
         if not self.contacts:
-            raise InputError(f"{self.name}: its recording has no contact")
+            raise InputError(f"{self._called}: its recording has no contact")
         return max(self.contacts, key=lambda contact: float(np.nan_to_num(contact.fn).sum()))
 
     def resampled(self, place: MeasuringPoint) -> Synchronous:

@@ -7,6 +7,9 @@ unbalance u_k in the correction plane k changes it to v_k, so that the influence
     A_jk = (v_kj - v_j) / u_k,
 
 and the correction unbalances w, those for which v + A w is smallest in the sense of least squares.
+Planes whose effects are alike at all measuring points cannot be told apart, as two planes by x and
+y of one node of a machine whose bearings are the same all round. The smallest of the unbalances
+that do the same is taken then: the rounding that differs is no reason for large ones.
 """
 
 from collections.abc import Sequence
@@ -16,15 +19,20 @@ import numpy as np
 
 from ..errors import InputError
 
+# Share of the largest singular value of A below which one is an error of the measured vibration.
+_TOLD = 1e-4
+
 
 class Correction(NamedTuple):
     """The result of balancing with m measurements and p correction planes: influence coefficients,
     complex of shape (m, p) [m/(kg.m)]; correction unbalances, complex of shape (p,) [kg.m]; the
-    vibration that they should leave, complex of shape (m,) [m]."""
+    vibration that they should leave, complex of shape (m,) [m]; of how many planes, or combinations
+    of them, the measurements show the effect, p where they tell all apart."""
 
     influence: np.ndarray
     unbalances: np.ndarray
     expected: np.ndarray
+    told_apart: int
 
 
 def correction(
@@ -49,8 +57,15 @@ def correction(
         )
     if (u == 0).any():
         raise InputError("a trial unbalance is 0: it must not be")
-    if len(v) < len(u):
-        raise InputError(f"{len(v)} measurements for {len(u)} planes: there must be as many")
+    enough_measurements(len(v), len(u))
     influence = ((seen - v) / u[:, None]).T
-    result = np.linalg.lstsq(influence, -v, rcond=None)[0]
-    return Correction(influence, result, v + influence @ result)
+    result, _, rank, _ = np.linalg.lstsq(influence, -v, rcond=_TOLD)
+    return Correction(influence, result, v + influence @ result, int(rank))
+
+
+def enough_measurements(measurements: int, planes: int) -> None:
+    """Raise `InputError` where there are fewer measurements than correction planes."""
+    if measurements < planes:
+        raise InputError(
+            f"{measurements} measurements for {planes} planes: there must be at least as many"
+        )

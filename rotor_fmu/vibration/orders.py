@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import InputError
 from ..short_repr import ShortRepr
 from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
@@ -121,6 +122,8 @@ def order_track_of(
 ) -> OrderTrack:
     """Return `order_track` of a signal that is already resampled."""
     signal.needs(turns)
+    if not len(orders):
+        raise InputError("orders: at least one must be given")
     for order in orders:
         if not 0 < order < signal.per_turn / 2:
             raise ValueError(f"order {order:g}: must be > 0 and < {signal.per_turn / 2:g}")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..short_repr import ShortRepr
-from .turns import TURN, Synchronous, hann, synchronous
+from .turns import TURN, Synchronous, check_count, hann, synchronous
 
 MOST_ORDER = 8.0
 
@@ -106,6 +106,7 @@ def cascade_of(
 ) -> Cascade:
     """Return `cascade` of a signal that is already resampled."""
     signal.needs(turns)
+    check_count("lines", lines)
     first = signal.blocks(turns)
     first = first[np.unique(np.linspace(0, len(first) - 1, lines).round().astype(int))]
     order, amplitude = _spectra(signal, first, turns, most_order)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import InputError
 from ..short_repr import ShortRepr
 
 if TYPE_CHECKING:
@@ -37,6 +38,13 @@ class TooFewTurns(ValueError):
 
 class TooFewRows(TooFewTurns):
     """A signal that was recorded too coarsely; the message gives its rows per turn."""
+
+
+def check_count(name: str, count: int) -> None:
+    """Raise `InputError` for a count, of turns, lines or samples, that is not a whole number from 1
+    on."""
+    if not (isinstance(count, (int, np.integer)) and count >= 1):
+        raise InputError(f"{name} = {count!r}: must be a whole number, at least 1")
 
 
 @dataclass(frozen=True, repr=False)
@@ -72,7 +80,9 @@ class Turns(ShortRepr):
         return int(np.unique(self.passage, return_counts=True)[1].max(initial=0))
 
     def needs(self, turns: int) -> None:
-        """Raise `TooFewTurns` where no passage holds so many turns."""
+        """Raise `TooFewTurns` where no passage holds so many turns, and `InputError` for a number
+        of turns that is not whole and above 0."""
+        check_count("turns", turns)
         if self.longest < turns:
             on_end = " on end" if len(self.passage) > self.longest else ""
             raise TooFewTurns(
@@ -113,6 +123,8 @@ class Turns(ShortRepr):
     def nearest(self, speed: float, turns: int) -> int:
         """Return the first turn of the block whose mean speed is nearest to `speed` [rad/s]."""
         self.needs(turns)
+        if not math.isfinite(speed):
+            raise InputError(f"speed = {speed} rad/s: must be finite")
         first = self.blocks(turns)
         return int(first[np.argmin(np.abs(self.speed_of(first, turns) - speed))])
 
@@ -183,7 +195,9 @@ def synchronous(
 
     result = _joined([passage.turns for passage in passages])
     result.needs(turns)
-    if per_turn is None:
+    if per_turn is not None:
+        check_count("per_turn", per_turn)
+    else:
         per_turn = _fine(np.concatenate([np.diff(passage.reached) for passage in passages]))
     instants, resampled = [], []
     for passage in passages:

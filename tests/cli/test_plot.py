@@ -88,7 +88,7 @@ def test_an_orbit_of_a_shaft_that_stands_is_all_that_was_recorded():
 
 def test_a_place_that_the_recording_has_not_is_told_its_nearest(folder):
     result = plot("bode", folder, "--place", "disk[2]")
-    assert "--place disk[2]: the recording has no such place; did you mean disc[2]?" in str(
+    assert "place disk[2]: the recording has no such place; did you mean disc[2]?" in str(
         result.exception
     )
 

@@ -209,12 +209,22 @@ def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
         ({"speed": ([0, 0], [1, 2])}, "speed: its times must increase"),
         ({"speed": ([0, 1], [1])}, "speed: 2 times and 1 values: must be as many"),
         ({"speed": ([0, 1], [1, np.nan])}, "speed: all of its times and values must be finite"),
+        ({"stop": 1.0, "speed": np.nan}, "speed = nan: must be finite"),
+        ({"stop": 1.0, "speed": "3000rpm"}, "speed = '3000rpm': must be a number, or times and"),
+        ({"stop": 1.0, "speed": True}, "speed = True: must be a number"),
+        ({"stop": True}, "stop = True: must be a number"),
+        ({"stop": 1.0, "record": "disc[3].x"}, r"record = 'disc\[3\].x': must be a list of names"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(arguments, expected):
     with pytest.raises(rf.InputError, match=expected) as refused:
         rf.simulate(RIG, **{"speed": 100.0, **arguments})
     assert "\n" not in str(refused.value)
+
+
+def test_a_step_of_an_fmu_that_is_no_number_is_refused(tmp_path):
+    with pytest.raises(rf.InputError, match=r"^step = '1ms': must be a number"):
+        rf.build_fmu(rf.load(), tmp_path, is_native=True, step="1ms")
 
 
 def test_files_that_are_none_are_refused_by_their_name(tmp_path):
@@ -243,6 +253,23 @@ def test_peaks_that_are_none_say_why(speed, stop, why):
     assert peaks == ()
     assert peaks.why == why
     assert str(peaks) == f"no peaks: {why}"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ({"kind": "energy", "place": "disc[2]"}, "place: changes no plot energy, only bode, "),
+        ({"kind": "bode", "speed": 100.0}, "speed: changes no plot bode, only orbit, spectrum"),
+        ({"kind": "orbit", "is_pp": True}, "is_pp: changes no plot orbit, only bode, polar, "),
+        ({"kind": "orbit", "place": "disk[2]"}, r"place disk\[2\]: the recording has no such "),
+        ({"kind": "energy"}, "the run: its recording has no energy that was dissipated"),
+        ({"kind": "contact-force"}, "the run: its recording has no contact"),
+    ],
+)
+def test_a_picture_that_cannot_be_says_why(arguments, expected):
+    run = rf.simulate(RIG, speed=185.0, stop=0.2, record=["disc[2].x", "disc[2].y"])
+    with pytest.raises(rf.InputError, match=f"^{expected}"):
+        run.plot(**arguments)
 
 
 def test_peaks_of_a_run_read_from_its_folder_say_that_they_are_not_kept(result, tmp_path):

@@ -161,6 +161,7 @@ def test_osps_file_is_valid(folder):
     ("given", "sentence"),
     [
         ({"step": "0"}, "--step 0: must be > 0 and at most 1"),
+        ({"stop": "1ms", "step": "2ms"}, "--step 0.002 s: must be at most --stop = 0.001 s"),
         ({"tau_max": "5 mm"}, "--tau-max 5 mm: must be a torque, in N.m or such as"),
         ({"tau_max": "-1"}, "--tau-max -1: must be > 0"),
         ({"target": "20 mm"}, "--target 20 mm: must be a speed"),

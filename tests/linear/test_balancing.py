@@ -78,6 +78,60 @@ def test_the_command_tells_the_corrections(tmp_path, capsys):
     assert (tmp_path / "balance.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_planes_that_the_vibration_cannot_tell_apart_get_the_smallest_unbalances():
+    """Two planes whose effects are alike but for 1e-7 of them, an error of the measurement."""
+    alike = np.array([1.0, -1j])
+    influence = np.column_stack([alike, alike * (1 + 1e-7 * np.array([1.0, -1.0]))])
+    initial = alike * (1 + 1e-6 * np.array([1j, -1j]))
+    trials = [initial + influence[:, k] for k in (0, 1)]
+    result = correction(initial, trials, [1.0, 1.0])
+    assert result.told_apart == 1
+    np.testing.assert_allclose(result.unbalances, [-0.5, -0.5], rtol=1e-5)
+    assert np.abs(result.expected).max() < 1e-5
+
+
+def test_a_machine_balanced_to_nothing_does_not_vibrate_by_its_sag():
+    """Three planes at the three discs take their unbalance away as a whole."""
+    bearings = [
+        LinearBearing(node=b.node, kxx=2e6, kyy=2e6, cxx=300.0, cyy=300.0) for b in rig().bearings
+    ]
+    result = balance(
+        rig().with_parts(Bearing, *bearings), [150.0, 500.0], [4, 5, 6], measured=[4, 6]
+    )
+    assert result.residual < 1e-4
+
+
+def test_a_machine_whose_planes_are_not_told_apart_says_so():
+    bearings = [
+        LinearBearing(node=b.node, kxx=2e6, kyy=2e6, cxx=300.0, cyy=300.0) for b in rig().bearings
+    ]
+    result = balance(rig().with_parts(Bearing, *bearings), [150.0], [4, 6], measured=[4])
+    own = sum(d.e * 1.8 for d in rig().discs)  # the discs have less than 1.8 kg each
+    assert max(abs(p.unbalance) for p in result.planes) < own
+    assert "tells only 1 of 2 planes apart" in result.table().title
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ({"speeds": [], "planes": [4]}, "speeds"),
+        ({"speeds": [150.0, 150.0], "planes": [4]}, "speeds"),
+        (
+            {"speeds": [150.0], "planes": [4], "measured": [5, 5]},
+            "measured: [5, 5]: must be different",
+        ),
+        ({"speeds": [150.0], "planes": [4], "measured": []}, "measured: []: must be different"),
+        ({"speeds": [150.0], "planes": [3, 4, 6], "measured": [4]}, "2 measurements for 3 planes"),
+    ],
+)
+def test_what_cannot_be_balanced_is_refused_before_any_run(arguments, expected):
+    runs = []
+    with pytest.raises(InputError) as refused:
+        balance(without_contact(), **arguments, report=lambda *run: runs.append(run))
+    assert expected in str(refused.value)
+    assert not runs
+
+
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [

@@ -290,6 +290,8 @@ def test_a_loop_whose_force_grows_without_bounds_is_refused():
         sensitivity(JEFFCOTT, [50.0], [LOOP])
     with pytest.raises(LinearError, match="frequencies: must be above 0"):
         frequency_response(JEFFCOTT, [0.0], 2, [2])
+    with pytest.raises(LinearError, match="nodes: at least one must be given"):
+        frequency_response(JEFFCOTT, [50.0], 2, [])
 
 
 OVERHUNG = """

@@ -125,6 +125,16 @@ def test_a_frequency_meets_the_speed_at_a_critical_speed():
         assert np.abs(frequencies - critical.speed).min() < 1e-8 * critical.speed
 
 
+@pytest.mark.parametrize("speeds", [(-300.0, 0.0), (-300.0, -10.0), (-300.0, 300.0), (0.0, 300.0)])
+def test_critical_speeds_do_not_care_which_way_the_shaft_turns(speeds):
+    """From two speeds alone, one of them at rest or beyond it."""
+    found = campbell(rig(), speeds, contacts="pinned").critical
+    ahead = [c.speed for c in campbell(rig(), (0.0, 150.0, 300.0), contacts="pinned").critical]
+    back = [-speed for speed in reversed(ahead)]
+    expected = [*(back if speeds[0] < 0 else ()), *(ahead if speeds[1] > 0 else ())]
+    np.testing.assert_allclose([c.speed for c in found], expected, rtol=1e-9)
+
+
 @pytest.mark.parametrize("most", [1e4, 1e5, 1e6])
 def test_no_branch_is_lost_where_bearings_overdamp_modes(most):
     """Damping that rises up to ten thousand times and falls again, with cross coupling: a branch
@@ -301,6 +311,8 @@ def test_impossible_wishes_are_refused():
         lambda: modes(rig(), count=0),
         lambda: campbell(rig(), [1.0]),
         lambda: campbell(rig(), [2.0, 1.0]),
+        lambda: unbalance_response(rig(), []),
+        lambda: unbalance_response(rig(), [100.0], unbalances=[(4, float("nan"), 0.0)]),
         lambda: static(rig(), loads=[(9, 0.0, 1.0)]),
     ):
         with pytest.raises(LinearError):

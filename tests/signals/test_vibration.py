@@ -9,6 +9,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu import vibration
+from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
 
 TURN = 2 * np.pi
@@ -195,6 +196,37 @@ def test_a_signal_of_too_few_turns_is_refused_with_its_length(function):
     t = np.linspace(0, 0.01, 50)
     with pytest.raises(vibration.TooFewTurns, match="holds 0 whole turns"):
         getattr(vibration, function)(t, 300.0 * t, t + 0j)
+
+
+@pytest.mark.parametrize("turns", [0, -1, 1.5, "4"])
+@pytest.mark.parametrize(
+    ("function", "more"),
+    [
+        ("order_track", ()),
+        ("cascade", ()),
+        ("whirl", ()),
+        ("displacement", ()),
+        ("orbit", (300.0,)),
+        ("full_spectrum", (300.0,)),
+    ],
+)
+def test_a_number_of_turns_that_cannot_be_is_refused_by_its_name(function, more, turns):
+    t = np.linspace(0, 1, 5000)
+    with pytest.raises(InputError, match=rf"^turns = {turns!r}: must be a whole number"):
+        getattr(vibration, function)(t, 300.0 * t, t + 0j, *more, turns=turns)
+
+
+def test_what_else_a_signal_cannot_be_asked_for_is_refused_by_its_name():
+    t = np.linspace(0, 1, 5000)
+    signal = t, 300.0 * t, t + 0j
+    with pytest.raises(InputError, match=r"^lines = 0: must be"):
+        vibration.cascade(*signal, lines=0)
+    with pytest.raises(InputError, match=r"^orders: at least one"):
+        vibration.order_track(*signal, [])
+    with pytest.raises(InputError, match=r"^speed = nan rad/s: must be finite"):
+        vibration.orbit(*signal, np.nan)
+    with pytest.raises(InputError, match=r"^per_turn = 0: must be"):
+        vibration.poincare(*signal, per_turn=0)
 
 
 def test_an_order_that_the_block_does_not_hold_is_refused():
