@@ -70,15 +70,14 @@ class Balancing(Displayed):
     """A machine balanced by influence coefficients, m measurements and p planes.
 
     planes: with their unbalances; vibrations: at the measuring points; influence: coefficients,
-    complex of shape (m, p) [m/(kg.m)]; told_apart: of how many planes, or combinations of them, the
-    vibration shows the effect, p where it tells all apart; touches: whether a contact closed during
-    a run, so that the coefficients are not those of a linear machine.
+    complex of shape (m, p) [m/(kg.m)]; rank: their numerical rank; touches: whether a
+    contact closed during a run, so that the coefficients are not those of a linear machine.
     """
 
     planes: tuple[CorrectionPlane, ...]
     vibrations: tuple[Vibration, ...]
     influence: np.ndarray
-    told_apart: int
+    rank: int
     touches: bool
 
     @property
@@ -117,9 +116,9 @@ class Balancing(Displayed):
         ]
         left = f"{100 * self.residual:.3g} % of the vibration is left"
         title = f"Balancing by influence coefficients: {left}"
-        if self.told_apart < len(self.planes):
+        if self.rank < len(self.planes):
             title += (
-                f"; the vibration tells only {self.told_apart} of {len(self.planes)} planes apart: "
+                f"; the influence coefficients of {len(self.planes)} planes have rank {self.rank}: "
                 "these are the smallest unbalances that do it"
             )
         if self.touches:
@@ -211,7 +210,7 @@ def balance(
             Vibration(*row, complex(a), complex(b), complex(c)) for row, a, b, c in rows
         ),
         influence=found.influence,
-        told_apart=found.told_apart,
+        rank=found.rank,
         touches=bench.touches,
     )
     return of_machine(result, rotor)

@@ -20,19 +20,19 @@ import numpy as np
 from ..errors import InputError
 
 # Share of the largest singular value of A below which one is an error of the measured vibration.
-_TOLD = 1e-4
+_RANK_TOLERANCE = 1e-4
 
 
 class Correction(NamedTuple):
     """The result of balancing with m measurements and p correction planes: influence coefficients,
     complex of shape (m, p) [m/(kg.m)]; correction unbalances, complex of shape (p,) [kg.m]; the
-    vibration that they should leave, complex of shape (m,) [m]; of how many planes, or combinations
-    of them, the measurements show the effect, p where they tell all apart."""
+    vibration that they should leave, complex of shape (m,) [m]; numerical rank of the influence
+    coefficients."""
 
     influence: np.ndarray
     unbalances: np.ndarray
     expected: np.ndarray
-    told_apart: int
+    rank: int
 
 
 def correction(
@@ -59,7 +59,7 @@ def correction(
         raise InputError("a trial unbalance is 0: it must not be")
     enough_measurements(len(v), len(u))
     influence = ((seen - v) / u[:, None]).T
-    result, _, rank, _ = np.linalg.lstsq(influence, -v, rcond=_TOLD)
+    result, _, rank, _ = np.linalg.lstsq(influence, -v, rcond=_RANK_TOLERANCE)
     return Correction(influence, result, v + influence @ result, int(rank))
 
 
