@@ -331,3 +331,14 @@ def test_a_picture_that_cannot_be_says_why(arguments, expected):
 def test_peaks_of_a_run_read_from_its_folder_say_that_they_are_not_kept(result, tmp_path):
     result.save(tmp_path)
     assert "read from its folder" in str(rf.read_run(tmp_path).peaks)
+
+
+def test_pictures_of_a_constant_speed_have_an_axis_of_speeds_that_can_be_read():
+    """Not one that ends at rounding, 1e-11 beyond an offset."""
+    run = rf.simulate(RIG, speed=185.0, stop=1.0)
+    low, high = run.plot("bode").axes[1].get_xlim()
+    speed = 185.0 / (2 * np.pi)
+    assert (low, high) == pytest.approx((0.99 * speed, 1.01 * speed), rel=1e-6)
+    bar = run.plot("poincare").axes[1]
+    ends = sorted(bar.get_ylim())
+    assert len([tick for tick in bar.get_yticks() if ends[0] <= tick <= ends[1]]) > 2
