@@ -11,6 +11,9 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
+from .model.arguments import number as number
+from .model.arguments import numbers as numbers
+from .model.arguments import shown_value as shown_value
 from .model.errors import InputError as InputError
 from .model.near_names import near_names
 

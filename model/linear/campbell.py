@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .following import Following
 from .linear_machine import LinearError, LinearMachine
@@ -67,10 +68,12 @@ def campbell(
     harmonic: multiple of the speed that excites, for critical speeds, or several; contacts: `open`
     or `pinned`; None: open where the machine is held without them. Raises `LinearError`.
     """
-    at = np.array(speeds, dtype=float)
+    at = np.array(numbers("speeds", speeds))
     if len(at) < 2 or not (np.diff(at) > 0).all():
         raise LinearError("speeds: must be at least 2, ascending")
-    harmonics = tuple(np.atleast_1d(np.array(harmonic, dtype=float)).tolist())
+    harmonics = tuple(numbers("harmonic", harmonic if np.ndim(harmonic) else [harmonic]))
+    if not harmonics:
+        raise LinearError("harmonic = []: at least one must be given")
     for order in harmonics:
         if not (np.isfinite(order) and order > 0):
             raise LinearError(f"harmonic = {order:g}: must be > 0")

@@ -12,6 +12,7 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
+from ..arguments import number
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from .linear_machine import LinearMachine
@@ -169,7 +170,7 @@ def modes_of(machine: LinearMachine, linear: Linear, count: int) -> Modes:
 
 def check_speed(speed: float) -> None:
     """Raise `LinearError` unless the speed is a finite number."""
-    if not math.isfinite(speed):
+    if not math.isfinite(number("speed", speed)):
         raise LinearError(f"speed = {speed}: must be finite")
 
 

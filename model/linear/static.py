@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import rows
 from ..machine.rotor import Rotor
 from .linear_machine import LinearError, LinearMachine
 from .modes import check_speed
@@ -55,7 +56,7 @@ def static(
     check_speed(speed)
     machine = LinearMachine(rotor, contacts)
     force = np.zeros(machine.across.shape[1])
-    for node, x, y in loads:
+    for node, x, y in rows("loads", loads, "(node, force x, force y)"):
         at = 4 * (check_node(machine, node) - 1)
         force[at : at + 2] += x, y
     linear = machine.loaded(speed, force)
@@ -119,8 +120,8 @@ def speeds_and_loads(
 def check_node(machine: LinearMachine, node: int) -> int:
     """Return the node if the machine has it; raises `LinearError` otherwise."""
     highest = len(machine.nodes)
-    if not 1 <= node <= highest:
-        raise LinearError(f"node = {node}: must be an integer from 1 to {highest}")
+    if not (isinstance(node, (int, np.integer)) and 1 <= node <= highest):
+        raise LinearError(f"node = {node!r}: must be an integer from 1 to {highest}")
     return node
 
 

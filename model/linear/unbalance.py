@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from ..arguments import numbers, rows
 from ..machine.rotor import Rotor
 from . import orbit
 from .linear_machine import LinearMachine
@@ -120,7 +121,8 @@ class SteadyWhirl:
             own, whole = machine.structure.unbalances, machine.structure.unbalance
             np.add.at(pull, own.dof, whole)
             np.add.at(pull, own.slope, own.offset * whole)
-        for node, amount, phase in unbalances or ():
+        given = () if unbalances is None else unbalances
+        for node, amount, phase in rows("unbalances", given, "(node, amount, angle)"):
             if not np.isfinite([amount, phase]).all():
                 raise LinearError(
                     f"unbalance at node {node} = {amount:g} kg.m at {phase:g} rad: must be finite"
@@ -158,7 +160,8 @@ class SteadyWhirl:
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
         """Return the response at speeds [rad/s], at least one."""
-        if not len(speeds):
+        speeds = numbers("speeds", speeds)
+        if not speeds:
             raise LinearError("speeds: at least one must be given")
         machine = self.machine
         size = machine.across.shape[1] // 2

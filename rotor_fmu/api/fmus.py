@@ -1,17 +1,18 @@
 """FMUs of machines: built, and driven through FMPy."""
 
+import math
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..errors import InputError, check_one_of
+from ..errors import InputError, check_one_of, number
 from ..model.simulation import warn
 from ..run_status import messages_and_codes
 from ..runs.recording import Recording
 from ..runs.settings_text import parse_starts
-from .machine import Machine, parse
+from .machine import Machine, check_machine, parse
 from .result import Result
-from .simulate import Signal, check_number, plan
+from .simulate import Signal, plan
 
 _MACHINE = "resources/rotor.toml"
 
@@ -79,7 +80,9 @@ def build_fmu(
     """
     from ..fmi.packing.fmu_kinds import FmuKind
 
-    check_number("step", step)
+    check_machine(machine)
+    if step is not None and not 0 < (step := number("step", step)) < math.inf:
+        raise InputError(f"step = {step:g} s: must be > 0 and finite")
     kind = FmuKind(is_native, is_source, fmi)
     chosen_step = None if step is None else f"step = {step:g} s"
     options = ("is_native", "is_source", "platforms")

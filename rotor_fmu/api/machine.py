@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..errors import InputError, shown_value
 from ..machine_file.loading import load_rotor, si_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
@@ -93,6 +94,13 @@ class Machine(LinearAnalyses):
 
     def _repr_png_(self) -> bytes:
         return png(self.show())
+
+
+def check_machine(machine: object) -> None:
+    """Raise `InputError` for what is no machine, such as the path of its file."""
+    if not isinstance(machine, Machine):
+        said = shown_value("machine", machine)
+        raise InputError(f"{said}: must be a machine, as load or parse returns it")
 
 
 def _warn(text: str) -> None:

@@ -1,12 +1,12 @@
 """A run of a machine, recorded at the solver's own steps."""
 
 import math
-import reprlib
 from collections.abc import Mapping, Sequence
+from typing import Any, cast
 
 import numpy as np
 
-from ..errors import InputError, check_one_of, nearest
+from ..errors import InputError, check_one_of, nearest, number
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
 from ..fmi.variables import Variable
@@ -19,13 +19,12 @@ from ..runs.recording import Recording
 from ..runs.run_down import Run, run_recorded, usual
 from ..runs.settings_text import parse_settings
 from ..runs.verify_run import finer_job, verified
-from .machine import Machine
+from .machine import Machine, check_machine
 from .result import Result
 
 Signal = float | tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray]
 _PER_TURN = 64
 _ROWS = 16384
-_NUMBERS = (int, float, np.number)
 
 
 def simulate(
@@ -114,9 +113,9 @@ def simulate(
 
 def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | None) -> Record:
     """Return what is recorded, of the arguments of `simulate`."""
-    check_number("per_turn", per_turn)
+    per_turn = None if per_turn is None else number("per_turn", per_turn)
     if per_turn is not None and not 0 < per_turn < math.inf:
-        raise InputError(f"per_turn = {per_turn}: must be > 0 and finite, or None for every step")
+        raise InputError(f"per_turn = {per_turn:g}: must be > 0 and finite, or None for every step")
     if isinstance(names, str):
         raise InputError(f"record = {names!r}: must be a list of names")
     angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
@@ -143,9 +142,10 @@ def plan(
     step: float | None,
 ) -> Job:
     """Return the run that the arguments of `simulate` mean, checked."""
-    for name, value in (("stop", stop), ("step", step)):
-        check_number(name, value)
+    check_machine(machine)
     table = interface(machine.rotor)
+    stop = None if stop is None else number("stop", stop)
+    step = None if step is None else number("step", step)
     if loads and "speed" in loads:
         raise InputError("loads: speed is no load: give it as speed")
     signals = _signals(table, {"speed": speed, **(loads or {})}, stop)
@@ -171,13 +171,6 @@ def plan(
         raise InputError(str(error).removeprefix("--set ")) from error
 
 
-def check_number(name: str, value: object) -> None:
-    """Raise `InputError` for an argument that is neither a number nor None."""
-    is_number = isinstance(value, _NUMBERS) and not isinstance(value, bool)
-    if value is not None and not is_number:
-        raise InputError(f"{name} = {value!r}: must be a number")
-
-
 def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float | None) -> Signals:
     """Return all inputs over the times of all that are given: each is linear between its own."""
     known = [v for v in table if v.causality == "input"]
@@ -200,18 +193,16 @@ def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float
 
 def _course(name: str, value: Signal) -> tuple[np.ndarray, np.ndarray]:
     """Return the times [s] and values of an input."""
-    wrong = f"{name} = {reprlib.repr(value)}: must be a number, or times and values"
-    if isinstance(value, bool):  # which Python takes for 0 or 1
-        raise InputError(wrong)
-    if isinstance(value, _NUMBERS):
-        if not math.isfinite(value):
-            raise InputError(f"{name} = {value}: must be finite")
-        t, values = np.zeros(1), np.array([float(value)])
-    else:
+    try:
+        t, values = np.zeros(1), np.array([number(name, value)])
+    except InputError as error:
         try:
-            t, values = (np.atleast_1d(np.asarray(part, dtype=float)) for part in value)
+            t, values = (np.atleast_1d(np.asarray(part, dtype=float)) for part in cast(Any, value))
         except (TypeError, ValueError):
-            raise InputError(wrong) from None
+            raise InputError(f"{error}, or times and values") from None
+    else:
+        if not math.isfinite(values[0]):
+            raise InputError(f"{name} = {value}: must be finite")
     if t.shape != values.shape or t.ndim != 1 or len(t) == 0:
         raise InputError(f"{name}: {t.size} times and {values.size} values: must be as many")
     if not (np.isfinite(t).all() and np.isfinite(values).all()):

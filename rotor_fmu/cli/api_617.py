@@ -178,7 +178,9 @@ def unbalance(
         raise InputError(f"--factor {factor:g}: needs --mode, whose unbalances it multiplies")
     if (mode is not None or gaps) and ends is None:
         raise InputError("--mode and --clearance: need the operating range, --range FROM:TO")
-    check_nodes(machine, "--node", (*(node or []), *gaps))
+    check_nodes(machine, "--node", node or ())
+    check_nodes(machine, "--clearance", gaps)
+    check_nodes(machine, "--unbalance", (number for number, _, _ in given or ()))
     from ..linear import acceptance, answers
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
 
@@ -221,7 +223,7 @@ def _unbalance(text: str) -> tuple[int, float, float]:
         is_known = False
     if not is_known or split(amount) is None:
         raise InputError(f"--unbalance {text}: must be NODE:AMOUNT or NODE:AMOUNT:DEGREES")
-    return number, in_si(f"--unbalance {number}:", amount, "kg.m"), math.radians(degrees)
+    return number, in_si(f"--unbalance {text}: amount", amount, "kg.m"), math.radians(degrees)
 
 
 def _write_response(result: Any, nodes: list[int], path: Path) -> None:

@@ -58,10 +58,11 @@ def cross_couplings(
 ) -> dict[int, float]:
     """Cross-coupled stiffness by node [N/m] of `--stage`, at a speed [rad/s], and
     `--cross-coupling`."""
-    of_stages = [(s.node, s.cross_coupling(speed)) for s in map(_stage, stages or [])]
+    of_stages = [("--stage", s.node, s.cross_coupling(speed)) for s in map(_stage, stages or [])]
     result: dict[int, float] = {}
-    for number, q in (*of_stages, *map(_coupling, given or [])):
-        check_nodes(machine, "node", (number,))
+    coupled = [("--cross-coupling", *_coupling(text)) for text in given or []]
+    for option, number, q in (*of_stages, *coupled):
+        check_nodes(machine, option, (number,))
         result[number] = result.get(number, 0.0) + q
     return result
 

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, TypeVar
 
 from matplotlib.figure import Figure
 
+from ..errors import InputError, shown_value
 from ..machine_file.loading import load_rotor
 from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
@@ -58,7 +59,11 @@ def answer_of(kind: type[Answer], analyse: Callable[..., Any]) -> Callable[..., 
 
 def rotor_of(machine: Machine) -> Rotor:
     """Return the machine, read if need be; raises `InputError`."""
-    return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
+    if isinstance(machine, Rotor):
+        return machine
+    if not isinstance(machine, (Path, str)):
+        raise InputError(f"{shown_value('machine', machine)}: must be a machine or its file")
+    return load_rotor(Path(machine))[1]
 
 
 def displayed(

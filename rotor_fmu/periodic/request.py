@@ -4,12 +4,12 @@ and studies."""
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from ..display import current
-from ..errors import InputError, nearest
+from ..errors import InputError, nearest, number, numbers, shown_value
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
 from ..model.machine.rotor import Rotor
@@ -40,7 +40,7 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
         if name not in known:
             near = nearest(name, known)
             raise InputError(f"loads: {name!r} is no force on a port; the nearest is {near}")
-        if not math.isfinite(value):
+        if not math.isfinite(number(f"loads: {name}", value)):
             raise InputError(f"loads: {name} = {value}: must be finite")
         place, factor = known[name]
         total[place] += factor * value
@@ -86,27 +86,31 @@ def response_request(
     rotor = rotor_of(machine)
     if parameters:
         check_names(rotor, parameters)
-        rotor = rotor.with_values({n: float(v) for n, v in parameters.items()})
+        given = {n: number(f"parameters: {n}", v) for n, v in parameters.items()}
+        rotor = rotor.with_values(given)
     for of, count, most in (("period", period, 16), ("harmonics", harmonics, 500)):
         if not (isinstance(count, (int, np.integer)) and 1 <= count <= most):
             raise InputError(f"{of} = {count}: must be an integer from 1 to {most}")
-    if not 0 < share < 1:
+    if not 0 < number("share", share) < 1:
         raise InputError(f"share = {share:g}: must be above 0 and below 1")
-    if not 1e-4 <= step <= 10:
+    if not 1e-4 <= number("step", step) <= 10:
         raise InputError(f"step = {step:g}: must be from 0.0001 to 10")
-    held, ends = 0.0, speed
+    held, ends = 0.0, cast("Any", speed)
     name = SPEED
     if over is not None:
         if len(over) != 3:
             raise InputError(f"over = {over}: must be a name, FROM and TO")
         name = over[0]
-        if not isinstance(speed, (int, float, np.number)):
+        if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
         check_names(rotor, {name: 0.0})
-        held, ends = float(speed), (float(over[1]), float(over[2]))
+        held, ends = number("speed", speed), numbers("over", over[1:])
     if not isinstance(ends, (tuple, list, np.ndarray)) or len(ends) != 2:
         raise InputError(f"speed = {speed}: must be FROM and TO")
-    low, high = (float(end) for end in ends)
+    low, high = numbers("speed", ends)
+    if start is not None and not hasattr(start, "orbit"):
+        said = shown_value("start", start)
+        raise InputError(f"{said}: must be a motion of `at` or `points` of an earlier result")
     known = {str(n): of.unit for n, of, _ in rotor.parameters()} | {SPEED: "rad/s"}
     factor, unit = current().of_si(known[name])
 
@@ -114,7 +118,8 @@ def response_request(
         """Return a value of the varied quantity in the unit that is shown."""
         return f"{factor * value:.5g}"
 
-    for seed in seeds:
+    searched = tuple(numbers("seeds", seeds))
+    for seed in searched:
         if not low <= seed <= high:
             raise InputError(
                 f"seed = {shown(seed)}: must be from {shown(low)} to {shown(high)} {unit}"
@@ -128,7 +133,7 @@ def response_request(
         constant_loads(rotor, loads or {}),
         Accuracy(share, min(3, harmonics), harmonics * period, stability),
         ContinuationSteps(longest=step),
-        tuple(float(s) for s in seeds),
+        searched,
         whirl,
         None if start is None else start.orbit,
         branches,

@@ -30,6 +30,7 @@ from .view import (
     displacement_axes,
     legend_below,
     two_over_speed,
+    widened,
 )
 
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
@@ -65,6 +66,7 @@ def bode(view: View) -> Figure:
     below.set_ylabel("Phase to the mark [deg]")
     below.set_yticks([-180, -90, 0, 90, 180])
     below.set_ylim(-190, 190)
+    below.set_xlim(widened(below.get_xlim()))
     view.title(above, f"Bode plot of {view.place.label}")
     return figure
 
@@ -218,6 +220,7 @@ def poincare(view: View) -> Figure:
     shown = axes.scatter(
         points.real, points.imag, c=_speed(result.speed), s=6, cmap="cividis", lw=0
     )
+    shown.set_clim(widened(shown.get_clim()))
     figure.colorbar(shown, ax=axes, label=current().speed_label)
     displacement_axes(axes, view.place)
     view.title(axes, f"{view.place.label} once a turn, at the mark")

@@ -68,7 +68,12 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
         ),
         (["stability", "--rated", "50Hz", "--stage", "3:1"], "--stage 3:1: must be NODE:POWER"),
         (["stability", "--rated", "50Hz", "--cross-coupling", "x"], "must be NODE:STIFFNESS"),
-        (["stability", "--rated", "50Hz", "--cross-coupling", "99:1"], "node 99: must be from 1"),
+        (
+            ["stability", "--rated", "50Hz", "--cross-coupling", "99:1"],
+            "--cross-coupling 99: must be",
+        ),
+        (["unbalance", "--unbalance", "99:1e-5"], "--unbalance 99: must be from 1 to"),
+        (["unbalance", "--unbalance", "4:50g:0"], "--unbalance 4:50g:0: amount 50g: "),
         (["stability", "--rated", "50Hz", "--node", "99"], "--node 99: must be from 1"),
         (
             ["unbalance", "--range", "60:100Hz", "--mode", "1", "--factor", "nan"],

@@ -222,9 +222,65 @@ def test_what_cannot_be_is_refused_in_one_line(arguments, expected):
     assert "\n" not in str(refused.value)
 
 
-def test_a_step_of_an_fmu_that_is_no_number_is_refused(tmp_path):
-    with pytest.raises(rf.InputError, match=r"^step = '1ms': must be a number"):
-        rf.build_fmu(rf.load(), tmp_path, is_native=True, step="1ms")
+@pytest.mark.parametrize(
+    ("step", "expected"),
+    [("1ms", "step = '1ms': must be a number"), (0, "step = 0 s: must be > 0 and finite")],
+)
+def test_a_step_of_an_fmu_that_cannot_be_is_refused_by_its_name(tmp_path, step, expected):
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        rf.build_fmu(RIG, tmp_path, is_native=True, step=step)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda it: rf.simulate(it, speed=1.0, stop=1.0),
+        lambda it: rf.build_fmu(it),
+        lambda it: rf.response(it, speed=(1.0, 2.0)),
+    ],
+)
+def test_what_is_no_machine_is_refused_in_one_line(use):
+    with pytest.raises(rf.InputError, match=r"^machine = 3: must be a machine"):
+        use(3)
+
+
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (lambda: RIG.unbalance_response(5.0), "speeds = 5.0: must be a list of numbers"),
+        (
+            lambda: RIG.unbalance_response([5.0], unbalances=[4, 1e-5]),
+            r"unbalances = \[4, 1e-05\]: must be a list of \(node, amount, angle\)",
+        ),
+        (
+            lambda: RIG.static(contacts="pinned", loads=[(4, 1.0)]),
+            r"loads = \[\(4, 1.0\)\]: must be a list of \(node, force x, force y\)",
+        ),
+        (
+            lambda: RIG.static(contacts="pinned", loads=[("4", 1.0, 0.0)]),
+            "node = '4': must be an integer from 1 to 8",
+        ),
+        (
+            lambda: rf.response(RIG, speed=(1.0, 2.0), loads={"disc[2].fy": "a"}),
+            r"loads: disc\[2\].fy = 'a': must be a number",
+        ),
+        (lambda: RIG.static("fast"), "speed = 'fast': must be a number"),
+        (lambda: RIG.campbell(5.0), "speeds = 5.0: must be a list of numbers"),
+        (
+            lambda: RIG.campbell([0.0, 5.0], harmonic=[]),
+            r"harmonic = \[\]: at least one must be given",
+        ),
+    ],
+)
+def test_what_an_analysis_cannot_be_asked_is_refused_in_one_line(ask, expected):
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        ask()
+
+
+def test_an_array_of_no_dimension_is_a_number():
+    of_array = rf.simulate(RIG, speed=np.array(100.0), stop=np.array(0.05), step=np.array(0.01))
+    plain = rf.simulate(RIG, speed=100.0, stop=0.05, step=0.01)
+    assert np.array_equal(of_array["disc[3].x"], plain["disc[3].x"])
 
 
 def test_files_that_are_none_are_refused_by_their_name(tmp_path):
@@ -275,3 +331,14 @@ def test_a_picture_that_cannot_be_says_why(arguments, expected):
 def test_peaks_of_a_run_read_from_its_folder_say_that_they_are_not_kept(result, tmp_path):
     result.save(tmp_path)
     assert "read from its folder" in str(rf.read_run(tmp_path).peaks)
+
+
+def test_pictures_of_a_constant_speed_have_an_axis_of_speeds_that_can_be_read():
+    """Not one that ends at rounding, 1e-11 beyond an offset."""
+    run = rf.simulate(RIG, speed=185.0, stop=1.0)
+    low, high = run.plot("bode").axes[1].get_xlim()
+    speed = 185.0 / (2 * np.pi)
+    assert (low, high) == pytest.approx((0.99 * speed, 1.01 * speed), rel=1e-6)
+    bar = run.plot("poincare").axes[1]
+    ends = sorted(bar.get_ylim())
+    assert len([tick for tick in bar.get_yticks() if ends[0] <= tick <= ends[1]]) > 2

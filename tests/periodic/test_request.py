@@ -15,6 +15,11 @@ from .machines import FAINT_RUB
         ({"period": 2.5}, "period = 2.5: must be an integer from 1 to 16"),
         ({"harmonics": 5.5}, "harmonics = 5.5: must be an integer from 1 to 500"),
         ({"harmonics": "few"}, "harmonics = few: must be an integer from 1 to 500"),
+        ({"seeds": 5}, "^seeds = 5: must be a list of numbers$"),
+        ({"parameters": {"contact[1].mu": "a"}}, r"contact\[1\].mu = 'a': must be a number$"),
+        ({"share": "a"}, "^share = 'a': must be a number$"),
+        ({"speed": ("a", 65.0)}, r"^speed = \('a', 65.0\): must be a list of numbers$"),
+        ({"start": 3}, "^start = 3: must be a motion of `at` or `points` of an earlier result$"),
         ({"speed": 60.0, "over": ("contact[1].mu", 0.1)}, "over = .*: must be a name, FROM and TO"),
     ],
 )
@@ -30,6 +35,7 @@ def test_a_range_is_any_pair_of_numbers(speed):
     assert (points[0].value, points[-1].value) == (60.0, 65.0)
 
 
-def test_one_speed_is_any_number():
-    result = rf.response(FAINT_RUB, speed=np.int64(60), over=("contact[1].mu", 0.0, 0.1))
+@pytest.mark.parametrize("speed", [np.int64(60), np.array(60.0)])
+def test_one_speed_is_any_number(speed):
+    result = rf.response(FAINT_RUB, speed=speed, over=("contact[1].mu", 0.0, 0.1))
     assert result.parameter == "contact[1].mu"
