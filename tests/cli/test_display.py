@@ -145,7 +145,8 @@ def _others():
     yield bearing_answers.damper(squeeze, 250.0, bearing="squeeze_film_damper[1]")
     yield bearing_answers.rolling(rolling, bearing="left", load=np.array([100.0, 200.0]))
     planes = (CorrectionPlane(4, 1e-4 + 0j, 2e-4j),)
-    yield Balancing(planes, (Vibration(4, "x", 100.0, 1e-5, 0j, 1e-6),), np.ones((1, 1)), False)
+    vibrations = (Vibration(4, "x", 100.0, 1e-5, 0j, 1e-6),)
+    yield Balancing(planes, vibrations, np.ones((1, 1)), rank=1, touches=False)
 
 
 def _column(text, head):
