@@ -342,7 +342,7 @@ def test_ledger_closes_as_pads_are_rubbed():
     [{}, pytest.param({"pad_inertia": 1e-3, "pivot_stiffness": 5e8}, marks=pytest.mark.slow)],
 )
 def test_ledger_closes_as_a_load_presses_a_journal_on_its_pads_at_speed(more):
-    run = _run(_in_pads(e=2e-6, k=1e8, roughness=1e-5, **more), 300.0)
+    run = _run(_in_pads(e=2e-6, k=1e8, roughness=1e-5, **more), 300.0, 3e-4)
     run.advance(0.002, 300.0)
     run.advance(0.01, 300.0, np.array([-1e5j]))
     assert run.read("journal_bearing[1].contact") == 1.0
