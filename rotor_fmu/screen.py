@@ -50,6 +50,8 @@ def progress_of(label: str, total: float, first: float) -> Iterator[Update]:
     due = time.monotonic() + (0.0 if console.is_terminal else first)
 
     def when_due(show: Callable[[float, str], None]) -> Update:
+        """Return what shows the work done and its text, every now and then and at the end."""
+
         def update(done: float, text: Callable[[], str], is_end: bool = False) -> None:
             nonlocal due
             now = time.monotonic()
