@@ -10,7 +10,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import scipy.sparse as sp
@@ -165,9 +165,8 @@ class LinearMachine:
         force = self.expand.T @ given
         x, y = self._rigid()[:, :2].T @ force
         way = complex(x, y) / math.hypot(x, y) if x or y else 0j
-        for begin in (self._last, self._begin, lambda way: self._above(speed, force, way)):
-            near = begin(way)
-            linear = None if near is None else self._rested(speed, force, near)
+        for near in self._beginnings(speed, force, way):
+            linear = self._rested(speed, force, near)
             if linear is not None:
                 self._near = linear.rest
                 at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
@@ -179,8 +178,12 @@ class LinearMachine:
         """Return the machine moved as one body in a direction, so far [m]."""
         return self._rigid()[:, :2] @ np.array([far * way.real, far * way.imag])
 
-    def _last(self, way: complex) -> np.ndarray | None:
-        return self._near
+    def _beginnings(self, speed: float, force: np.ndarray, way: complex) -> Iterator[np.ndarray]:
+        """Yield where Newton's method begins: the last rest, then two that take longer."""
+        if self._near is not None:
+            yield self._near
+        yield self._begin(way)
+        yield self._above(speed, force, way)
 
     def _begin(self, way: complex) -> np.ndarray:
         """Return where Newton's method begins under a force of this direction, 0 for none: fallen

@@ -22,6 +22,7 @@ from ..plotting.figure_style import (
     DOTTED,
     GREEN,
     GREY,
+    LABEL,
     LIMIT,
     ORANGE,
     annotate,
@@ -178,7 +179,7 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
                 axes.plot(ends, 2 * [peak.amplification], color=color, lw=1.4)
         if not self.criticals:
             text = f"no critical speed up to {speed_with_unit(LOOKED_AT * self.high)}"
-            middle = {"xycoords": "axes fraction", "ha": "center", "color": "#555555"}
+            middle = {"xycoords": "axes fraction", "ha": "center", "color": LABEL}
             annotate(axes, text, (0.5, 0.7), (0, 0), **middle)
         axes.set_xlim(left=0)
         plain_ticks(axes.yaxis)
@@ -236,7 +237,7 @@ def _factors(title: str, size: float) -> tuple[Figure, Axes]:
     figure, axes = new_figure(6.8, 4.0)
     axes.axhline(DAMPED, color=GREY, lw=1.0, ls=LIMIT)
     within = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "top"}
-    annotate(axes, "critically damped below", (1.0, DAMPED), (-2, -3), color="#555555", **within)
+    annotate(axes, "critically damped below", (1.0, DAMPED), (-2, -3), color=LABEL, **within)
     axes.set(yscale="log", ylabel="Amplification factor [1]", xlabel=current().speed_label)
     entitle(axes, title, size)
     return figure, axes

@@ -161,7 +161,7 @@ def rub_check(
     """Return what the machine does where its response to unbalance closes a clearance.
 
     low, high: operating range [rad/s]; unbalances: (node from 1, amount [kg.m], angle [rad]), None:
-    the machine's own; scale: factor on them; say: is told what takes long.
+    the machine's own; scale: factor on them; say: is given what takes long.
     """
     machine = with_unbalances(rotor, unbalances, scale)
     top = 1.25 * high

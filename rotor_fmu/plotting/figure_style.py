@@ -14,6 +14,7 @@ from matplotlib.text import Text
 from ..files import unfinished
 
 BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe and Ito
+LABEL = "#555555"  # of words in a picture
 PURPLE, SKY, BLACK = "#cc79a7", "#56b4e9", "#000000"
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", SKY, BLACK, GREY)
 DASHED, DOTTED, LIMIT = (0, (4, 2)), (0, (1, 1.5)), (0, (4, 3))  # of lines

@@ -10,10 +10,9 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from ..display import current
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Shape
-from .figure_style import empty_figure, entitle
+from .figure_style import LABEL, empty_figure, entitle
 from .notebook import png
 
-_LABEL = "#555555"
 _LINE = 0.035  # height of a line of names, of the machine's size
 _LAYER = "#dddddd"
 _SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
@@ -56,7 +55,7 @@ def machine_figure(rotor: Rotor) -> Figure:
         ha="right",
         va="center",
         fontsize=8,
-        color=_LABEL,
+        color=LABEL,
     )
     axes.update_datalim([(rotor.nodes[0] - 3 * line, low - line * (2 + deepest))])
     drawn = axes.dataLim
@@ -87,7 +86,7 @@ class _RoundIn(MaxNLocator):
 
 def _label(axes: Axes, z: float, edge: float, height: float, text: str, size: int) -> None:
     """A name on a thin line that leads to its node."""
-    axes.plot([z, z], [edge, height], color=_LABEL, lw=0.5)
+    axes.plot([z, z], [edge, height], color=LABEL, lw=0.5)
     above = height > edge
     axes.annotate(
         text,
