@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
-from matplotlib.transforms import nonsingular
 
 from .. import vibration
 from ..display import current, shown_speed
@@ -31,9 +30,9 @@ from .view import (
     displacement_axes,
     legend_below,
     two_over_speed,
+    widened,
 )
 
-_ABOUT, _CONSTANT = 0.01, 1e-6  # of a speed: what is shown about one that is constant to rounding
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
 _ORBIT_TURNS = 4
 FINE = 24  # rows a turn, below which a curve between them is drawn, not computed
@@ -67,8 +66,7 @@ def bode(view: View) -> Figure:
     below.set_ylabel("Phase to the mark [deg]")
     below.set_yticks([-180, -90, 0, 90, 180])
     below.set_ylim(-190, 190)
-    low, high = below.get_xlim()
-    below.set_xlim(nonsingular(low, high, expander=_ABOUT, tiny=_CONSTANT))
+    below.set_xlim(widened(below.get_xlim()))
     view.title(above, f"Bode plot of {view.place.label}")
     return figure
 
@@ -222,7 +220,7 @@ def poincare(view: View) -> Figure:
     shown = axes.scatter(
         points.real, points.imag, c=_speed(result.speed), s=6, cmap="cividis", lw=0
     )
-    shown.set_clim(nonsingular(*shown.get_clim(), expander=_ABOUT, tiny=_CONSTANT))
+    shown.set_clim(widened(shown.get_clim()))
     figure.colorbar(shown, ax=axes, label=current().speed_label)
     displacement_axes(axes, view.place)
     view.title(axes, f"{view.place.label} once a turn, at the mark")

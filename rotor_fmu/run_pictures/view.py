@@ -17,6 +17,7 @@ from ..runs.recording import Recording
 
 # Positions of a contact angle and their labels.
 ANGLES = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
+_CONSTANT = 1e-6  # of a speed: a range that is less than this is rounding
 _NEAR_STANDSTILL = 0.4  # of the highest speed: a run that comes so near is drawn down to standstill
 
 
@@ -106,6 +107,16 @@ def two_over_speed(heights: tuple[float, float] = (2, 1)) -> tuple[Figure, np.nd
     figure, axes = new_panels(6.8, 5.4, 2, share_x=True, heights=heights)
     axes[1].set_xlabel(current().speed_label)
     return figure, axes
+
+
+def widened(limits: tuple[float | None, float | None]) -> tuple[float, float]:
+    """Return limits of speeds, 1 % about a speed that is constant to rounding."""
+    low, high = (0.0 if end is None else end for end in limits)
+    size = max(abs(low), abs(high))
+    if abs(high - low) > _CONSTANT * size:
+        return low, high
+    reach = 0.01 * size or 1.0
+    return low - reach, high + reach
 
 
 def speed_axis(axes: Axes, speed: np.ndarray) -> None:
