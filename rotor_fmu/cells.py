@@ -17,12 +17,28 @@ def cell(value: object, spec: str = "") -> str:
 
 
 def html_table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table in HTML; heads that are all empty are left out."""
-    head = "".join(f'<th scope="col">{html.escape(text)}</th>' for text in heads)
-    top = f"<thead><tr>{head}</tr></thead>" if any(heads) else ""
-    lines = ("".join(f"<td>{html.escape(cell(value))}</td>" for value in row) for row in rows)
-    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    """Return a table in HTML; heads that are all empty are left out, words flush left."""
+    lines = [[cell(value) for value in row] for row in rows]
+    columns = zip(*lines, strict=True) if lines else [()] * len(heads)
+    styles = [' style="text-align: left"' if _are_words(column) else "" for column in columns]
+    top = f"<thead>{_line(heads, styles, 'th')}</thead>" if any(heads) else ""
+    body = "".join(_line(line, styles, "td") for line in lines)
     return f"<table><caption>{html.escape(caption)}</caption>{top}<tbody>{body}</tbody></table>"
+
+
+def _line(texts: Sequence[str], styles: Sequence[str], tag: str) -> str:
+    scope = ' scope="col"' if tag == "th" else ""
+    cells = (
+        f"<{tag}{scope}{style}>{html.escape(text)}</{tag}>"
+        for text, style in zip(texts, styles, strict=True)
+    )
+    return f"<tr>{''.join(cells)}</tr>"
+
+
+def _are_words(column: Iterable[str]) -> bool:
+    """Whether no cell of a column begins with a number, and one is a word."""
+    texts = [text for text in column if text not in ("", "-", "none")]
+    return bool(texts) and not any(text.lstrip("+-")[:1].isdigit() for text in texts)
 
 
 def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -17,6 +17,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.plotting.thinning import extremes
 from rotor_fmu.report.criticals import criticals_of
 from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
+from rotor_fmu.report.report_tables import table
 from rotor_fmu.report.run_page import runs_page, write_report
 from rotor_fmu.report.study_page import study_page
 from rotor_fmu.runs.recording import Recording
@@ -83,10 +84,17 @@ def test_a_page_is_the_same_each_time(tmp_path):
     assert pages[0] == pages[1]
 
 
+def test_words_in_a_table_are_flush_left_and_numbers_flush_right():
+    rows = [[1, "forward", "12 to 30"], [2, "-", "none"]]
+    text = table("modes", ["mode", "whirl", "speeds"], rows)
+    left = re.findall(r"<t[hd][^>]*text-align: left[^>]*>(.*?)</t[hd]>", text)
+    assert left == ["whirl", "forward", "-"]
+
+
 def test_the_tables_say_what_the_closed_form_has(tmp_path):
     write_report(recorded(), {"steps": 4321}, tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    rows = [re.findall(r"<td>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", text)]
+    rows = [re.findall(r"<td.*?>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", text)]
     cells = {row[0]: row[1:] for row in rows if row}
     assert cells["steps"] == ["4321"]
     # forward 80, backward 20: the major semi-axis is 100 um, the largest x is that
@@ -109,7 +117,7 @@ def test_an_amplification_is_marked_where_the_run_passed_too_fast(tmp_path, shar
     run = Recording(t / frequency, columns, units, {"machine": "a mode", "status": "ok"})
     write_report(run, {}, tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    cell = re.search(r"<td>disc 1</td>(?:<td>[^<]*</td>){2}<td>([^<]*)</td>", text)[1]
+    cell = re.search(r"<td[^>]*>disc 1</td>(?:<td[^>]*>[^<]*</td>){2}<td.*?>([^<]*)</td>", text)[1]
     assert (", passed too fast" in cell) == is_fast
     assert cell.startswith("&gt; ") == is_fast
     assert is_fast or float(cell) == pytest.approx(q, rel=0.05)
@@ -207,7 +215,9 @@ def test_a_map_of_morris_tells_no_quantiles(tmp_path):
         result = report(tmp_path / kind, "--out", tmp_path / f"{kind}.html")
         assert result.exit_code == 0, result.output
         text = (tmp_path / f"{kind}.html").read_text(encoding="utf-8")
-        cells = re.findall(r"<td>(.*?)</td>", re.search(r"<tr><td>peak</td>.*?</tr>", text).group())
+        cells = re.findall(
+            r"<td.*?>(.*?)</td>", re.search(r"<tr><td[^>]*>peak</td>.*?</tr>", text).group()
+        )
         assert all(cell != "-" for cell in cells[2:7:4])  # least and largest
         assert (cells[3:6] == ["-"] * 3) == (kind == "morris")
 

@@ -45,8 +45,8 @@ def test_what_was_set_in_a_run_is_shown_with_its_unit():
 
 def _cells(page, place):
     """Numbers of a row of a table in a page."""
-    row = re.search(rf"<tr><td>{place}</td>(.*?)</tr>", page)[1]
-    return [float(text) for text in re.findall(r"<td>([^<]*)</td>", row) if text != "-"]
+    row = re.search(rf"<tr><td.*?>{place}</td>(.*?)</tr>", page)[1]
+    return [float(text) for text in re.findall(r"<td.*?>([^<]*)</td>", row) if text != "-"]
 
 
 def test_a_page_begins_in_the_units_that_were_chosen():

@@ -99,7 +99,7 @@ def test_it_is_told_in_the_units_chosen(tmp_path, monkeypatch, capsys):
     assert row.split()[:4] == [mils[0], "mil", mils[1], "mil"]
     page = (tmp_path / "report.html").read_text()
     assert '<th scope="col">finer run [mil]</th>' in page
-    assert f"<td>{largest['name']}, largest</td><td>{mils[0]}</td><td>{mils[1]}</td>" in page
+    assert f">{largest['name']}, largest</td><td>{mils[0]}</td><td>{mils[1]}</td>" in page
 
 
 def test_a_tolerance_that_has_no_tenth_is_refused_before_anything_is_run(tmp_path, monkeypatch):
