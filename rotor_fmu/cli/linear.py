@@ -2,6 +2,8 @@
 picture."""
 
 import math
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -173,22 +175,19 @@ def frequency_response(
     bounds = () if zones is None else _zones(zones)
     from ..linear import frequency_answers as answers
 
-    if frequency is None:
-        state = contacts or (None if loop is None else "open")
-        ends = usual_frequencies(machine, at, state, _FREQUENCIES)
-    points = np.geomspace(ends[0], ends[-1], len(ends))
-    result: answers.FrequencyResponse | answers.Sensitivity
+    compute: Callable[..., answers.FrequencyResponse | answers.Sensitivity]
     if loop is not None:
+        contacts = contacts or "open"
         loops = answers.read_loops("--loop", loop, machine)
-        result = answers.sensitivity(
-            machine, points, loops, speed=at, contacts=contacts or "open", zones=bounds
-        )
+        compute = partial(answers.sensitivity, loops=loops, zones=bounds)
     else:
         start = answers.place_of(machine, str(force), "--force")
         nodes = [answers.place_of(machine, text, "--node") for text in node or [str(force)]]
-        result = answers.frequency_response(
-            machine, points, start, nodes, speed=at, contacts=contacts, peaks=True
-        )
+        compute = partial(answers.frequency_response, force=start, nodes=nodes, peaks=True)
+    if frequency is None:
+        ends = usual_frequencies(machine, at, contacts, _FREQUENCIES)
+    points = np.geomspace(ends[0], ends[-1], len(ends))
+    result = compute(machine, points, speed=at, contacts=contacts)
     return print_answer(result, out, "frequency_response")
 
 
