@@ -53,6 +53,9 @@ _SENTENCES = {
     "middle, or give the bearing a contact stiffness k: then the surfaces touch",
     "IN_STAGES": "solver.sensitivities, tau_impedance: not available with solver.method = radau5; "
     "take another solver.method",
+    "NO_INERTIA": "a torque drives the rotor, whose moment of inertia about its axis is {.2g} "
+    "kg.m2: must be at least {.2g} kg.m2, four times U^2/m of its unbalances; a point_mass has "
+    "none, a disc and a body have",
     "LIMITED": f"{_LIMIT} = {{.6g}}{_UNIT}: must be above {{.6g}}{_UNIT}, the value at the "
     "static equilibrium under the loads at the start",
     "FILM_AT_REST": f"{_NO_REST}: the oil film at node {{d}} does not carry them at {{.4g}} rad/s: "
@@ -98,6 +101,7 @@ _FIRST = len(settings.SENTENCES)
     START_BEYOND,
     START_IN_FILM,
     IN_STAGES,
+    NO_INERTIA,
     LIMITED,
     FILM_AT_REST,
     FILM_BROKEN,

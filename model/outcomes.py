@@ -17,6 +17,7 @@ from .stability.survey_block import WHIRL
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 from .step.laws import first_invalid_law, relative
 from .step.step_status import ENDED_EARLY, FILM_INVALID, NOT_CONVERGED, UNFINISHED
+from .structure.parameters import least_inertia
 from .time_loop import early_return, equilibrium
 from .time_loop.control import CONTROLLED, varies
 
@@ -45,6 +46,9 @@ def no_rest(run, status, arguments):
         return messages.START_BEYOND
     if status == early_return.IN_STAGES:
         return messages.IN_STAGES
+    if status == early_return.NO_INERTIA:
+        arguments[0], arguments[1] = numbers.inertia, least_inertia(structure)
+        return messages.NO_INERTIA
     if status == early_return.LIMITED:
         r = run.memory.record[0]
         is_force = r.failed_at == early_return.PAST_FORCE

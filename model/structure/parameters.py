@@ -14,6 +14,7 @@ from ..quantities import GRAVITY
 from .structure import Structure
 
 _length_of = dispatcher([law.length for law in LAWS], takes_tables=False)
+_LEAST_OVER_COUPLED = 4.0  # with less than twice, the iterations of the speed do not converge
 _weigh = dispatcher([law.weigh for law in LAWS])
 
 
@@ -44,6 +45,17 @@ def prepare(structure):
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].length == 0.0:
             structure.interfaces[j].length = numbers.clearance
+
+
+@jit
+def least_inertia(structure):
+    """Return the moment of inertia about the axis [kg.m2] that a rotor needs for a torque to drive
+    it: with U^2/m of its unbalances alone, their reaction would be all that a torque turns."""
+    coupled = 0.0
+    for i in range(len(structure.unbalances)):
+        u = structure.unbalances[i]
+        coupled += (u.mass * u.e) ** 2 / structure.M[u.dof, 0]
+    return _LEAST_OVER_COUPLED * coupled
 
 
 def lengths_of(structure: Structure) -> np.ndarray:

@@ -6,8 +6,8 @@ from ..step.excitation import at_place
 from .equilibrium import MOVED
 
 # Status of a start: the equilibrium lies beyond a limit; the method with stages has neither
-# tangents nor the impedance of a line.
-LIMITED, IN_STAGES = 1 + MOVED, 2 + MOVED
+# tangents nor the impedance of a line; too little inertia for a torque to drive.
+LIMITED, IN_STAGES, NO_INERTIA = 1 + MOVED, 2 + MOVED, 3 + MOVED
 # Outcome of a step: it goes on; beyond the limit of displacement or force; a contact closed or
 # opened.
 GOES_ON, PAST_DISPLACEMENT, PAST_FORCE, CLOSED, OPENED = 0, 1, 2, 3, 4

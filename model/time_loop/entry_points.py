@@ -10,12 +10,12 @@ from ..step.excitation import at_place
 from ..step.laws import first_invalid_law
 from ..step.step_status import DONE
 from ..step.tangent import RunTangents
-from ..structure.parameters import prepare
+from ..structure.parameters import least_inertia, prepare
 from . import derivatives, recorder, time_loop
 from .block import LAYOUT
 from .communication_interval import begin_interval, continued_rate
 from .control import REALTIME, Control
-from .early_return import IN_STAGES, LIMITED, rests_past_limit
+from .early_return import IN_STAGES, LIMITED, NO_INERTIA, rests_past_limit
 from .energy import FLOW, total_energy
 from .equilibrium import AT_EQUILIBRIUM, OUT_OF_BOUNDS, find_equilibrium, is_out_of_bounds, release
 from .error_control import first_size
@@ -68,6 +68,8 @@ def start(block, speed, drive, rate):
     r.omega = speed
     if run.method.numbers[0].stages > 0 and (r.has_sensitivities == 1 or r.drive_impedance > 0.0):
         return IN_STAGES
+    if r.is_free == 1 and run.structure.numbers[0].inertia < least_inertia(run.structure):
+        return NO_INERTIA
     run.stages.key[0] = -1.0
     if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)

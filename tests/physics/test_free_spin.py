@@ -8,9 +8,12 @@ import pytest
 from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
-from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.simulation import EquilibriumError, Simulation
 from scipy.integrate import solve_ivp
 
+from rotor_fmu.machine_file.loading import load_rotor
+
+from ..known import EXAMPLES
 from ..machines import METHODS, balanced, overhung, unbalance_vector
 
 
@@ -105,6 +108,23 @@ def test_the_torque_that_the_motion_needs_is_that_of_the_drive():
         torque = 0.05 * math.sin(0.1 * i)
         sim.advance(i * 2e-3, torque)
         assert sim.read("tau") == pytest.approx(torque, abs=1e-5)
+
+
+@pytest.mark.parametrize("modes", [0, 4])
+def test_a_torque_needs_an_inertia_beside_that_of_the_unbalances(modes):
+    """A point mass has none about the axis: with its shaft's alone, a torque would turn what the
+    unbalance moves, U^2/m."""
+    rotor = load_rotor(EXAMPLES / "jeffcott_rub" / "jeffcott.toml")[1]
+    settings = choose("controlled", reduction=modes)
+    with pytest.raises(EquilibriumError, match=r"5e-09 kg.m2: must be at least 1e-06 kg.m2"):
+        Simulation(rotor, settings, speed=10.0, drive_torque=0.0)
+    heavy = replace(rotor.material, density=2e3 * rotor.material.density)
+    sections = tuple(replace(section, material=heavy) for section in rotor.sections)
+    heavier = replace(rotor, sections=sections)
+    turned = Simulation(heavier, settings, speed=10.0, drive_torque=1e-4)
+    turned.advance(0.1, 1e-4)
+    assert turned.read("w") == pytest.approx(11.0, rel=0.01)
+    Simulation(rotor, settings, speed=10.0)
 
 
 def test_a_free_rotor_goes_on_from_a_snapshot_bit_for_bit():
