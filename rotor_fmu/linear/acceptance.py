@@ -41,7 +41,8 @@ class CriticalMap(Displayed, linear.CriticalMap):
     """`model.linear.CriticalMap`, shown."""
 
     def table(self) -> Table:
-        """Return a table with one row for each crossing of a line by a bearing's own stiffness."""
+        """Return a table with one row for each crossing of a line by a bearing's own stiffness,
+        bearings of the same stiffness together."""
         what = "Undamped forward critical speeds"
         if not self.synchronous:
             what = "Natural frequencies at standstill"
@@ -53,15 +54,17 @@ class CriticalMap(Displayed, linear.CriticalMap):
             title += "; no bearing's own stiffness meets a line within the map"
         d = current()
         heads = (
-            *("bearing", "axis", "mode", f"stiffness [{d.stiffness_unit}]"),
+            *("of", "mode", f"stiffness [{d.stiffness_unit}]"),
             *("critical [rad/s]", f"[{d.speed_unit}]"),
         )
         rows = [
             (
-                *(c.bearing, c.axis, c.mode + 1, float(c.stiffness) * d.stiffness),
+                *(_label_of(lines), c.mode + 1, float(c.stiffness) * d.stiffness),
                 *(float(c.speed), float(c.speed) * d.speed),
             )
+            for lines in self._own_lines()
             for c in self.crossings
+            if (c.bearing, c.axis) == (lines[0].bearing, lines[0].axis)
         ]
         return Table(title, heads, rows)
 
@@ -80,9 +83,10 @@ class CriticalMap(Displayed, linear.CriticalMap):
             own = lines[0]
             inside = (own.stiffness >= self.stiffness[0]) & (own.stiffness <= self.stiffness[-1])
             color = ORANGE if own.axis == "x" else GREEN
-            label = ", ".join(f"{each.bearing} k{each.axis}{each.axis}" for each in lines)
             over = np.where(inside, own.stiffness, np.nan) * d.stiffness
-            axes.plot(over, own.speed * d.speed, color=color, ls=dashes, lw=1.4, label=label)
+            axes.plot(
+                over, own.speed * d.speed, color=color, ls=dashes, lw=1.4, label=_label_of(lines)
+            )
         for c in self.crossings:
             at = c.stiffness * d.stiffness, c.speed * d.speed
             axes.plot(*at, "o", color="black", mfc="white", ms=4.5)
@@ -112,6 +116,10 @@ class CriticalMap(Displayed, linear.CriticalMap):
             else:
                 lines.append([own])
         return lines
+
+
+def _label_of(lines: Sequence[BearingStiffness]) -> str:
+    return ", ".join(f"{each.bearing} k{each.axis}{each.axis}" for each in lines)
 
 
 class UnbalanceCheck(Displayed, linear.UnbalanceCheck):

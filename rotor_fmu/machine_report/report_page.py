@@ -2,7 +2,7 @@
 what it does where its response closes a clearance."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -26,6 +26,7 @@ from .rub_shown import closings_table, rub_figure, runs_table
 _SPEEDS = 41
 _CURVE = 301
 _MODES = 6
+_ONE_PEAK = 0.03
 
 
 @dataclass(frozen=True)
@@ -199,6 +200,19 @@ def _stability(level_2: stability_answers.StabilityLevel2) -> str:
     return f"Stability: least log dec {log_dec:.3g} with all that acts{verdict}"
 
 
+def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
+    """Yield speeds [rad/s] in ascending order, as ranges those that differ by less than _ONE_PEAK:
+    probes and directions have the peak of one critical speed at slightly different ones."""
+    groups: list[list[float]] = []
+    for speed in sorted(speeds):
+        if groups and speed < (1 + _ONE_PEAK) * groups[-1][0]:
+            groups[-1].append(speed)
+        else:
+            groups.append([speed])
+    for group in groups:
+        yield " to ".join(dict.fromkeys(shown_speed(end) for end in (group[0], group[-1])))
+
+
 def _conclusions(
     check: acceptance.UnbalanceCheck,
     level_1: stability_answers.StabilityLevel1,
@@ -210,7 +224,7 @@ def _conclusions(
     loud = [p for p in check.probes if p.peak_to_peak > check.limit]
     tight = [c.name for c in check.clearances if not c.is_met]
     d = current()
-    speeds = ", ".join(dict.fromkeys(shown_speed(c.peak.speed) for c in near))
+    speeds = ", ".join(as_ranges(c.peak.speed for c in near))
     limit = f"{check.limit * d.small:.3g} {d.small_word}"
     return (
         f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."

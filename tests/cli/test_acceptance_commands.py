@@ -11,7 +11,9 @@ from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import acceptance
 from rotor_fmu.machine_file.loading import load_rotor
-from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
+from rotor_fmu.machine_report.report_page import ReportOptions, as_ranges, machine_report
+
+from ..known import EXAMPLES
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
 COMPRESSOR = str(ROSS / "compressor.toml")
@@ -20,10 +22,18 @@ PNG = b"\x89PNG"
 
 def test_critical_map_tells_where_bearings_meet_it(command, tmp_path):
     said = command("critical-map", "--rotor", COMPRESSOR, "--stiffness", "1e7:1e9:5")
-    assert "linear_bearing[1]     x     1" in said
+    assert "linear_bearing[1] kxx     1" in said
     assert (tmp_path / "out" / "critical_map.png").read_bytes().startswith(PNG)
     data = json.loads((tmp_path / "out" / "critical_map.json").read_text())
     assert data["crossings"][0]["bearing"] == "linear_bearing[1]"
+
+
+def test_bearings_of_the_same_stiffness_share_the_rows_of_a_critical_map(command, tmp_path):
+    said = command("critical-map", "--rotor", str(EXAMPLES / "from_ross" / "rubbing.toml"))
+    for axis in "xy":
+        alike = f"linear_bearing[1] k{axis}{axis}, linear_bearing[2] k{axis}{axis}"
+        modes = [line.removeprefix(alike).split()[0] for line in said.splitlines() if alike in line]
+        assert modes == sorted({*modes})
 
 
 def test_stability_of_both_levels(command, tmp_path):
@@ -170,3 +180,9 @@ def test_impossible_reports_are_refused(tmp_path, arguments, expected):
         app(["report", *arguments, "--out", str(tmp_path / "page.html")], standalone_mode=False)
     assert expected in str(refused.value)
     assert not list(tmp_path.iterdir())
+
+
+def test_peaks_of_one_critical_speed_are_reported_as_a_range():
+    """Probes and directions have them at slightly different speeds."""
+    peaks = [2 * math.pi * hz for hz in (174.2, 141.7, 144.1, 173.9, 141.7, 250.0)]
+    assert list(as_ranges(peaks)) == ["141.7 to 144.1", "173.9 to 174.2", "250"]
