@@ -82,7 +82,8 @@ class LinearMachine:
         self.contacts = contacts
         self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
         self._acts = s.interfaces.has_wall == 0
-        self._lengths = np.where(self._acts, lengths_of(s), 0.0)
+        bounds = np.array([e.law.seat is None for e in interfaces(self.rotor)], bool)
+        self._lengths = np.where(self._acts & bounds, lengths_of(s), 0.0)
         self._is_curved = ~are_linear(self.rotor)
         self._follows = any(e.law.vibrate is not None for e in interfaces(self.rotor))
         full, size = self._full, len(s.weight) + len(s.housings) + 1
@@ -227,13 +228,10 @@ class LinearMachine:
     def _towards(
         self, linear: Linear, rest: np.ndarray, force: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return where tangents lead, and the elements' end forces there; softly held at `rest`
-        where they hold the machine in one direction only."""
-        try:
-            return linear.factorized()(force)
-        except LinearError:
-            held = linear._replace(own_K=linear.own_K + self._soft * linear.own_M)
-            return held.factorized()(force + self._soft * (linear.M @ rest))
+        """Return where tangents lead, and the elements' end forces there; softly held at `rest`,
+        for they may hold the machine in one direction only."""
+        held = linear._replace(own_K=linear.own_K + self._soft * linear.own_M)
+        return held.factorized()(force + self._soft * (linear.M @ rest))
 
     def cross_coupling(self, stiffness: Mapping[int, float]) -> np.ndarray:
         """Return what F_x = -q y, F_y = q x add to K, as numbers of the system; stiffness: q [N/m]

@@ -73,6 +73,25 @@ def test_a_machine_rests_where_gravity_pulls_it_in_its_clearance(angle):
     )
 
 
+@pytest.mark.parametrize("cage", [0.0, -0.5 * math.pi])
+@pytest.mark.parametrize("left", [-1e-6, 0.0, 1e-6, 2e-5, 5e-4])
+@pytest.mark.parametrize("right", [-1e-6, 1e-6, 2e-5, 5e-4])
+def test_clearances_may_be_unlike(left, right, cage):
+    """Where a run rests; with a single element below, free sideways, in the middle of the play."""
+    ends = [
+        _BEARING.format(node=node) + f"clearance = {clearance}\ncage_angle = {cage}\n"
+        for node, clearance in ((1, left), (5, right))
+    ]
+    rotor = parse_rotor(_SHAFT + "".join(ends))
+    rest = static(rotor, speed=100.0)
+    motion = Simulation(rotor, choose(), speed=100.0, warn=lambda _: None).motion
+    size = abs(rest.y).max()
+    np.testing.assert_allclose(rest.x + 1j * rest.y, motion.q[:10:2], rtol=0, atol=1e-6 * size)
+    if min(left, right) == 2e-5:
+        slowest, *_, fastest = modes(rotor, 0.0).natural
+        assert not 1e-8 * fastest < slowest < 1e-3 * fastest
+
+
 def _turned(angle):
     """Both bearings in a clearance, with an element near the load on each side."""
     more = f"clearance = 1e-5\ncage_angle = {angle - 0.5 * math.pi + 0.2}\n"
