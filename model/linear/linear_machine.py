@@ -82,8 +82,9 @@ class LinearMachine:
         self.contacts = contacts
         self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
         self._acts = s.interfaces.has_wall == 0
-        bounds = np.array([e.law.seat is None for e in interfaces(self.rotor)], bool)
-        self._lengths = np.where(self._acts & bounds, lengths_of(s), 0.0)
+        self._fall = seat(self.rotor)
+        falls = np.array([e.law.seat is not None for e in interfaces(self.rotor)], bool)
+        self._lengths = np.where(self._acts, np.where(falls, self._fall, lengths_of(s)), 0.0)
         self._is_curved = ~are_linear(self.rotor)
         self._follows = any(e.law.vibrate is not None for e in interfaces(self.rotor))
         full, size = self._full, len(s.weight) + len(s.housings) + 1
@@ -106,7 +107,6 @@ class LinearMachine:
         )
         strained = (full.strained @ self.expand).tocsr()
         self.system = StrainedMatrices(places, strained, full.stiffness)
-        self._fall = seat(self.rotor)
         self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
         # elements that bear a load may be few, but there are others wherever it falls
         self._is_held_loaded = self._is_held_at_rest or (
@@ -119,7 +119,8 @@ class LinearMachine:
         # pads that tilt, without preload, hold a journal only where it is off their middle
         self._is_off = not (self._is_held_loaded or self._is_held_turning)
         if self._is_off:
-            self._is_held_turning = self._holds(self._linear(turning, self._begin(-1j)))
+            begins = (self._linear(turning, self._begin(way)) for way in _WAYS)
+            self._is_held_turning = self._holds(*begins)
         self.is_held = self._is_held_loaded or self._is_held_turning
 
     @property

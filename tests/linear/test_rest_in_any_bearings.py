@@ -1,0 +1,139 @@
+"""A machine in bearings of any kinds rests, in linear analyses, where a run begins: two searches
+that share no line."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import LinearError, modes, static
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import EquilibriumError, Simulation
+
+from ..toml_text import table
+
+_SHAPES = (
+    {},
+    {"short": True},
+    {"pads": [1.5708, 4.71239], "arc": 2.7, "preload": 0.3},
+    {
+        **{"pads": [0.942, 2.199, 3.456, 4.712, 5.969], "arc": 1.0, "preload": 0.4},
+        **{"tilting": True, "pad_inertia": 1e-4},
+    },
+)
+
+
+class _Draw(random.Random):
+    def decades(self, low, high):
+        return math.exp(self.uniform(math.log(low), math.log(high)))
+
+
+def _rolling(draw):
+    sign = draw.choice((-1.0, 1.0))
+    return "rolling_bearing", {
+        **{"count": draw.randint(5, 16), "pitch_diameter": 0.06, "element_diameter": 0.008},
+        **{"k": draw.decades(1e8, 1e10), "exponent": draw.choice((1.5, 1.1111))},
+        **{"clearance": sign * draw.decades(1e-7, 2e-4), "cage_angle": draw.uniform(0.0, 6.28)},
+    }
+
+
+def _film(draw):
+    return "journal_bearing", {
+        **{"journal_radius": 0.03, "length": draw.uniform(0.02, 0.06)},
+        **{"clearance": draw.decades(3e-5, 3e-4), "viscosity": draw.decades(5e-3, 5e-2)},
+        **draw.choice(_SHAPES),
+    }
+
+
+def _linear(draw):
+    k = draw.decades(1e5, 1e8)
+    across = {"kxy": 0.3 * draw.uniform(-k, k), "kyx": 0.3 * draw.uniform(-k, k)}
+    damping = {"cxx": 1e-3 * k, "cyy": 1e-3 * k}
+    return "linear_bearing", {"kxx": k, "kyy": k * draw.uniform(0.5, 2.0), **across, **damping}
+
+
+def _damper(draw):
+    return "squeeze_film_damper", {
+        **{"journal_radius": 0.05, "length": 0.015, "viscosity": 0.01, "k": 1e8},
+        **{"clearance": draw.decades(5e-5, 3e-4), "stiffness": draw.decades(1e6, 1e8)},
+    }
+
+
+def _support(draw):
+    return "support", {"stiffness": draw.decades(1e5, 1e9), "damping": 100.0}
+
+
+def _ring(draw):
+    return "floating_ring_bearing", {
+        **{"journal_radius": 0.03, "length": 0.03, "clearance": draw.decades(3e-5, 1e-4)},
+        **{"viscosity": 0.02, "outer_viscosity": 0.02, "outer_length": 0.03},
+        **{"outer_radius": 0.038, "outer_clearance": draw.decades(5e-5, 2e-4)},
+        **{"ring_mass": 0.2, "ring_inertia": 2e-4},
+    }
+
+
+_KINDS = (_rolling, _rolling, _film, _film, _linear, _damper, _support, _ring)
+_ON_HOUSING = (_rolling, _film, _linear, _damper)
+
+
+def _drawn(seed):
+    """A machine, and a speed [rad/s] at which its films carry it."""
+    draw = _Draw(seed)
+    count = draw.randint(4, 9)
+    nodes = np.cumsum([0.0, *(draw.uniform(0.05, 0.25) for _ in range(count - 1))])
+    diameters = [draw.decades(0.02, 0.06) for _ in range(count - 1)]
+    tables = [
+        f"gravity_angle = {draw.choice((0.0, draw.uniform(-3.0, 3.0)))}",
+        table("material", young=2.1e11, density=7800.0),
+        table("shaft", nodes=nodes.tolist(), diameters=diameters),
+    ]
+    for _ in range(draw.randint(1, 2)):
+        size = {"diameter": draw.uniform(0.1, 0.4), "width": draw.uniform(0.01, 0.06)}
+        tables.append(table("[disc]", node=draw.randint(1, count), **size))
+    kinds = []
+    for node in sorted(draw.sample(range(1, count + 1), draw.choice((2, 2, 2, 3)))):
+        of = draw.choice(_KINDS)
+        kind, quantities = of(draw)
+        if of in _ON_HOUSING and draw.random() < 0.3:
+            quantities["housing"] = f"pedestal_{node}"
+            stiffness = {"kx": draw.decades(1e6, 1e9), "ky": draw.decades(1e6, 1e9)}
+            held = {"mass": draw.uniform(1.0, 30.0), "cx": 1e3, "cy": 1e3, **stiffness}
+            tables.append(table("[housing]", name=quantities["housing"], **held))
+        tables.append(table(f"[{kind}]", node=node, **quantities))
+        kinds.append(of)
+    floats = _film in kinds or _ring in kinds
+    speed = draw.uniform(100.0, 800.0) if floats else draw.choice((0.0, 300.0))
+    return parse_rotor("\n".join(tables)), speed
+
+
+def _distance(seed):
+    """How far apart both are, of the displacement; None where the run finds no equilibrium,
+    infinite where only the run does."""
+    rotor, speed = _drawn(seed)
+    try:
+        motion = Simulation(rotor, choose(), speed=speed, warn=lambda _: None).motion
+    except EquilibriumError:  # a run is also refused where it would begin too far from the axis
+        return None
+    try:
+        rest = static(rotor, speed=speed)
+    except LinearError:
+        return math.inf
+    seen, expected = rest.x + 1j * rest.y, motion.q[: 2 * len(rest.x) : 2]
+    assert np.isfinite(modes(rotor, speed).eigenvalues).all()
+    return np.abs(seen - expected).max() / np.abs(expected).max()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_machine_rests_where_its_run_begins(seed):
+    distance = _distance(seed)
+    assert distance is None or distance < 1e-6
+
+
+@pytest.mark.slow
+def test_few_machines_rest_where_only_a_run_finds_them():
+    distances = [_distance(seed) for seed in range(12, 312)]
+    known = np.array([distance for distance in distances if distance is not None])
+    assert len(known) > 250
+    assert np.count_nonzero(known == np.inf) <= 5
+    assert known[known < np.inf].max() < 1e-6
