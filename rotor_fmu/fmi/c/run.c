@@ -181,6 +181,8 @@ Status build(Instance *m)
             *(int64_t *)(m->block + t->continues_at) = m->values[i] == 0;
     }
     take_loads(m);
+    if (!isnan(m->slopes[t->drive_at]))
+        rate = m->slopes[t->drive_at];
     int code = rotor_start(m->block, speed, drive, rate);
     if (code && code != RAISED)
         code = rotor_no_rest(m->block, code, numbers);
@@ -350,5 +352,7 @@ Status set_slopes(Instance *m, const uint32_t *references, size_t count, const i
         m->slopes[references[i]] = values[i];
         m->continued[references[i]] = 0.0;
     }
+    if (count && m->state->phase != STEPPING)
+        m->state->is_built = 0;
     return OK;
 }
