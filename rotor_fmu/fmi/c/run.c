@@ -335,11 +335,8 @@ Status set_slopes(Instance *m, const uint32_t *references, size_t count, const i
         return ERROR;
     for (size_t i = 0; i < count; i++) {
         char shown[LONGEST] = "";
-        if (references[i] >= t->variables)
-            return refuse(m, "%s: value reference %lu: there is none; they go to %d", call,
-                          (unsigned long)references[i], (int)t->variables - 1);
-        if (references[i] >= t->inputs)
-            return refuse(m, "%s: %s: is no input", call, name_of(m, references[i]));
+        if (check_input(m, call, references[i]))
+            return ERROR;
         if (orders[i] != 1)
             return refuse(m, "%s: %s: order %d: must be 1", call, name_of(m, references[i]),
                           orders[i]);
