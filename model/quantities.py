@@ -74,8 +74,9 @@ class Output:
 
     kind: Real, Integer or Boolean; is_output: whether it is among the few that every run records;
     nominal: its usual magnitude [unit], of a Real; reached_by: the inputs that change it at once,
-    with the motion unchanged: `NOTHING`, the machine's `SPEED`, or the speed and every load, `ALL`;
-    is_of_now: whether it follows from the present motion alone, without its history.
+    with the motion unchanged: `NOTHING`, the machine's `SPEED`, one of its own part by its name
+    there, such as `fx`, or the speed and every load, `ALL`; is_of_now: whether it follows from the
+    present motion alone, without its history.
     """
 
     name: str

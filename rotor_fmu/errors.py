@@ -120,11 +120,14 @@ def nearest(name: str, known: Collection[str]) -> str:
 
 
 def meant(name: str, known: Iterable[str]) -> str:
-    """Return a suggestion for a misspelt name: up to three known ones that are like it, or the
-    first three."""
+    """Return a suggestion for a misspelt name: up to three known ones that are like it, or, where
+    none is, the first three and how many more there are."""
     listed = sorted(set(known))
-    near = near_names(name, listed, 3, 0.5) or listed[:3]
-    return f"did you mean {', '.join(near)}?" if near else "there is none"
+    near = near_names(name, listed, 3, 0.5)
+    if near:
+        return f"did you mean {', '.join(near)}?"
+    others = f" and {len(listed) - 3} more" if len(listed) > 3 else ""
+    return f"known: {', '.join(listed[:3])}{others}" if listed else "there is none"
 
 
 def known_name(where: str, name: str, known: Iterable[str]) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from ..quantities import ALL, Output, check_all, remembered
+from ..quantities import Output, check_all, remembered
 
 if TYPE_CHECKING:
     from .law import Law
@@ -169,7 +169,7 @@ WAVE_OUTPUTS = tuple(
         f"reflected wave, f{axis} - 2 Z v{axis}",
         True,
         10.0,
-        reached_by=ALL,
+        reached_by=f"f{axis}",
     )
     for axis in "xy"
 )

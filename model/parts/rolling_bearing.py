@@ -78,9 +78,11 @@ class RollingQuantities:
 
 
 OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0),
-    Output("largest", "N", "force of the element that carries most", nominal=10.0),
+    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
+    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
+    Output(
+        *("largest", "N", "force of the element that carries most"), nominal=10.0, reached_by=SPEED
+    ),
     Output("loaded", "1", "elements that carry", nominal=1.0),
     Output("cage", "rad/s", "speed of the cage", True, 100.0, reached_by=SPEED),
     Output("cage_angle", "rad", "angle of the first element", nominal=1.0),

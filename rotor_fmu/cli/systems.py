@@ -70,13 +70,13 @@ def ssp(
         stop = f"{1.5 * abs(speed) / speeds.run_up_rate or 1.0:.3g}"
     torque, interval = in_si("--tau-max", tau_max, "N.m"), in_si("--step", step, "s")
     end = in_si("--stop", stop, "s")
-    for name, value, most in (
-        ("--tau-max", torque, 1e6),
-        ("--step", interval, 1.0),
-        ("--stop", end, 1e6),
+    for given, value, most, unit in (
+        (f"--tau-max {tau_max}", torque, 1e6, "N.m"),
+        (f"--step {step}", interval, 1.0, "s"),
+        (f"--stop {stop}", end, 1e6, "s"),
     ):
         if not 0 < value <= most:
-            raise InputError(f"{name} {value:g}: must be > 0 and at most {most:g}")
+            raise InputError(f"{given}: must be > 0 and at most {most:g} {unit}")
     if interval > end:
         raise InputError(f"--step {interval:g} s: must be at most --stop = {end:g} s")
     check_one_of(f"--algorithm {algorithm}", algorithm, ALGORITHMS)

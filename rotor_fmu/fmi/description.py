@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 from ..about import RELEASED, __version__
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import ReleaseElement
-from ..model.quantities import ALL, SPEED
+from ..model.quantities import ALL
 from ..model.settings import Settings
 from ..model.structure.assembly import assemble
 from .variables import Variable, unit
@@ -283,7 +283,8 @@ def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
     inputs = [i for i, other in enumerate(table) if other.causality == "input"]
     if variable.reached_by == ALL:
         return inputs
-    return [i for i in inputs if table[i].name == variable.reached_by == SPEED]
+    own = f"{variable.name.rpartition('.')[0]}.{variable.reached_by}"
+    return [i for i in inputs if table[i].name in (variable.reached_by, own)]
 
 
 def _model_structure(table: Sequence[Variable]) -> Element:

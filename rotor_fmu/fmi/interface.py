@@ -16,6 +16,7 @@ from .solver_parameters import solver_parameters
 from .variables import Variable
 
 _HELD = "held until the next communication point, or continued by its derivative"
+_TORQUE = "tau_drive"  # the input that drives a free rotor
 _DIRECTIONS = (("x", "to the right (+x)"), ("y", "upwards (+y)"))
 
 
@@ -31,7 +32,7 @@ def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
 def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
     if is_free:
         text = f"torque of the drive on the rotor about z, x towards y; {_HELD}"
-        drive = Variable("tau_drive", "Real", "input", text, "N.m", 0.0, nominal=0.1)
+        drive = Variable(_TORQUE, "Real", "input", text, "N.m", 0.0, nominal=0.1)
     else:
         text = (
             "speed of rotation about z, x towards y; continued until the next communication point "
@@ -120,6 +121,8 @@ def _real(name: str, unit: str, start: float, text: str, low: float | None) -> V
 
 # Outputs only where they are states or follow from an input.
 _OUTPUTS_IF_FREE = ("w", "a")
+# Torques that follow, at an instant, from the drive's and the speed, a state, if the rotor is free.
+_DRIVEN_IF_FREE = ("tau", "tau_wave")
 # Units of the derivatives by the drive: by the speed, and of a free rotor by the torque.
 _BY_DRIVE = {
     "dphi_ddrive": ("s", "rad/(N.m)"),
@@ -133,6 +136,7 @@ def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
     table = []
     for name, output in observed(rotor):
         is_output = output.is_output or (is_free and str(name) in _OUTPUTS_IF_FREE)
+        is_driven = is_free and str(name) in _DRIVEN_IF_FREE
         table.append(
             Variable(
                 str(name),
@@ -141,7 +145,7 @@ def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
                 f"{_part_of(name)}{output.text}",
                 _BY_DRIVE.get(str(name), (output.unit, output.unit))[is_free],
                 nominal=output.nominal,
-                reached_by=output.reached_by,
+                reached_by=_TORQUE if is_driven else output.reached_by,
             )
         )
     return table

@@ -46,7 +46,12 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
     """
     if not settings:
         return {}
-    table = [v for v in interface(rotor, is_free) if v.choices or v.name.startswith(PREFIX)]
+    every = interface(rotor, is_free)
+    table = [v for v in every if v.choices or v.name.startswith(PREFIX)]
+    others = {v.name for v in every} - {v.name for v in table}
+    for name in (text.partition("=")[0].strip() for text in settings):
+        if name in others:
+            raise InputError(f"--set {name}: is no parameter of the solver and no choice")
     values = parse_settings(table, settings)
     if REDUCTION.name in values:
         raise InputError(f"--set {REDUCTION.name}: is chosen by --reduction")

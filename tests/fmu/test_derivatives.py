@@ -89,6 +89,17 @@ def test_they_are_taken_before_the_first_step_too(new, phase):
     assert fmu.get("Real", [phi])[0] == pytest.approx(400 * 0.1 - 500 * 0.1**2, rel=1e-12)
 
 
+@pytest.mark.parametrize("is_read_before", [False, True])
+def test_the_motion_at_the_start_has_them(new, is_read_before):
+    fmu, speed, rate = new("speed", "a")
+    fmu.setup()
+    fmu.enter()
+    if is_read_before:
+        assert fmu.get("Real", [rate]) == [0.0]
+    fmu.slopes([speed], [-1000.0])
+    assert fmu.get("Real", [rate]) == [-1000.0]
+
+
 def test_after_the_end_they_are_refused(new):
     fmu, speed = new("speed")
     start(fmu)

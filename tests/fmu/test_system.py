@@ -160,7 +160,8 @@ def test_osps_file_is_valid(folder):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"step": "0"}, "--step 0: must be > 0 and at most 1"),
+        ({"step": "0"}, "--step 0: must be > 0 and at most 1 s"),
+        ({"tau_max": "-1kN.m"}, "--tau-max -1kN.m: must be > 0 and at most 1e+06 N.m"),
         ({"stop": "1ms", "step": "2ms"}, "--step 0.002 s: must be at most --stop = 0.001 s"),
         ({"tau_max": "5 mm"}, "--tau-max 5 mm: must be a torque, in N.m or such as"),
         ({"tau_max": "-1"}, "--tau-max -1: must be > 0"),

@@ -150,6 +150,20 @@ def test_without_being_asked_for_they_are_refused(extracted):
         host.put({"solver.sensitivities": True})
 
 
+@pytest.mark.parametrize(
+    ("known", "sentence"),
+    [
+        ("gravity", "gravity: is no input"),
+        (None, "value reference 99999: there is none; they go to"),
+    ],
+)
+def test_sensitivities_to_what_is_no_input_are_refused_by_name(extracted, known, sentence):
+    host = Host(extracted, {"solver.sensitivities": True})
+    host.step()
+    with pytest.raises(Refused, match=f"^getDirectionalDerivative: {sentence}"):
+        host.fmu.directional([extracted.refs["w"]], [extracted.refs.get(known, 99999)], [1.0])
+
+
 @pytest.mark.parametrize("name", ["limit.displacement", "limit.force"])
 def test_a_limit_discards_a_step_at_the_last_successful_time(extracted, name):
     host = Host(extracted, {"speed": 200.0})

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.examples import example_folder
 from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.parts.clearance_contact import contact_angle, contact_force
@@ -15,6 +16,7 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.time_loop.observe import observed
 
 from papers.dense_machine import clearance_contacts, rest
+from rotor_fmu.fmi.interface import ports
 
 from ..machines import disc_dofs, overhung
 from ..parts.machines import shaft
@@ -230,7 +232,11 @@ def changed_at_an_instant(sim, usual, drive, loads):
     return {str(table[i].name) for i in np.flatnonzero(jump > 1e-9 * sizes)}
 
 
-@pytest.mark.parametrize("machine", [rig_toml(), SUPPORTED], ids=["rig", "other parts"])
+ROLLING = (example_folder("rolling_bearing") / "rotor.toml").read_text(encoding="utf-8")
+MACHINES = {"rig": rig_toml(), "rolling bearings": ROLLING, "other parts": SUPPORTED}
+
+
+@pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
 def test_what_reaches_an_output_within_an_instant_is_declared(machine):
     rotor = parse_rotor(machine)
     by_speed, by_load = set(), set()
@@ -247,3 +253,18 @@ def test_what_reaches_an_output_within_an_instant_is_declared(machine):
     seen = dict.fromkeys(declared, NOTHING)
     seen |= dict.fromkeys(by_speed, SPEED) | dict.fromkeys(by_load, ALL)
     assert seen == declared
+
+
+def test_a_wave_is_reached_by_the_force_of_its_own_line_alone():
+    line = '[[line]]\nnode = 2\nimpedance = 50.0\nname = "joint"\n'
+    sim = Simulation(parse_rotor(rig_toml() + line), choose("robust"), speed=185.0)
+    sim.advance(0.1, 185.0)
+    waves = [each for each in observed(sim.rotor) if each.name.quantity.startswith("wave_")]
+    assert [each.output.reached_by for each in waves] == ["fx", "fy"]
+    for load, (name, _) in enumerate(ports(sim.rotor)):
+        for axis, force in (("x", 1.0), ("y", 1j)):
+            loads = np.zeros(len(sim.structure.load_dof), dtype=complex)
+            loads[load] = force
+            reached = changed_at_an_instant(sim, 185.0, 185.0, loads)
+            expected = {f"joint.wave_{axis}"} if name == "joint" else set()
+            assert {str(each.name) for each in waves} & reached == expected

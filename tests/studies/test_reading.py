@@ -139,7 +139,7 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("count = 3", "count = 1000000000000", "must be an integer from 1 to 10000000"),
         ("disc[3].x_amp", "disc[3].x_map", "keep X: disc[3].x_map: unknown name; did you mean"),
         ("peak", "peek", "keep X: peek: unknown name; did you mean peak"),
-        ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; did you mean X"),
+        ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; known: X"),
         ("X = {", "clearance = {", "keep clearance: is the name of something else in the rows"),
         ("clearance = {", "run = {", "vary run: is the name of something else in the rows"),
         ('"bearing[*].clearance"', "[]", "vary clearance: names = []: must be names"),
@@ -159,7 +159,7 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
             'amplitude = "w", bins = { from = 0, to = 1, count = 1000000000000 }',
             "bins count = 1000000000000: must be an integer from 1 to 10000000",
         ),
-        ('peak = "disc[3].x_amp"', 'contact = "disc[3]"', "disc[3]: unknown name; did you mean be"),
+        ('peak = "disc[3].x_amp"', 'contact = "disc[3]"', "disc[3]: unknown name; known: be"),
         (
             VALUES,
             'distribution = "normal", mean = 5e-5',

@@ -43,6 +43,8 @@ static inline double in_block(const Instance *m, int64_t place)
 {
     return *(const double *)(m->block + place);
 }
+/* OK where a value reference is that of an input. */
+Status check_input(Instance *, const char *call, uint32_t reference);
 /* OK where a parameter of the machine may have this value. */
 Status check_parameter(Instance *, const Variable *, double value);
 /* How many numbers the model computes. */

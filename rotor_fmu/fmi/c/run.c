@@ -181,6 +181,8 @@ Status build(Instance *m)
             *(int64_t *)(m->block + t->continues_at) = m->values[i] == 0;
     }
     take_loads(m);
+    if (!isnan(m->slopes[t->drive_at]))
+        rate = m->slopes[t->drive_at];
     int code = rotor_start(m->block, speed, drive, rate);
     if (code && code != RAISED)
         code = rotor_no_rest(m->block, code, numbers);
@@ -333,11 +335,8 @@ Status set_slopes(Instance *m, const uint32_t *references, size_t count, const i
         return ERROR;
     for (size_t i = 0; i < count; i++) {
         char shown[LONGEST] = "";
-        if (references[i] >= t->variables)
-            return refuse(m, "%s: value reference %lu: there is none; they go to %d", call,
-                          (unsigned long)references[i], (int)t->variables - 1);
-        if (references[i] >= t->inputs)
-            return refuse(m, "%s: %s: is no input", call, name_of(m, references[i]));
+        if (check_input(m, call, references[i]))
+            return ERROR;
         if (orders[i] != 1)
             return refuse(m, "%s: %s: order %d: must be 1", call, name_of(m, references[i]),
                           orders[i]);
@@ -350,5 +349,7 @@ Status set_slopes(Instance *m, const uint32_t *references, size_t count, const i
         m->slopes[references[i]] = values[i];
         m->continued[references[i]] = 0.0;
     }
+    if (count && m->state->phase != STEPPING)
+        m->state->is_built = 0;
     return OK;
 }

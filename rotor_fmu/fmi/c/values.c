@@ -13,20 +13,36 @@ static int is_of(int64_t own, Kind asked)
            || (own == AN_ENUMERATION && asked == AN_INTEGER);
 }
 
+static Status check_reference(Instance *m, const char *call, uint32_t reference)
+{
+    if (reference < m->table->variables)
+        return OK;
+    return refuse(m, "%s: value reference %lu: there is none; they go to %d", call,
+                  (unsigned long)reference, (int)m->table->variables - 1);
+}
+
+Status check_input(Instance *m, const char *call, uint32_t reference)
+{
+    if (check_reference(m, call, reference))
+        return ERROR;
+    return reference < m->table->inputs
+               ? OK
+               : refuse(m, "%s: %s: is no input", call, name_of(m, reference));
+}
+
 static Status check_references(Instance *m, int is_set, Kind kind, const char *name,
                                const uint32_t *references, size_t count, const void *values)
 {
-    const char *call = is_set ? "set" : "get";
-    const Table *t = m->table;
+    char call[40];
+    snprintf(call, sizeof call, "%s%s", is_set ? "set" : "get", name);
     if (count && (!references || !values))
-        return refuse(m, "%s%s: NULL where %zu values are asked for", call, name, count);
+        return refuse(m, "%s: NULL where %zu values are asked for", call, count);
     for (size_t i = 0; i < count; i++) {
-        if (references[i] >= t->variables)
-            return refuse(m, "%s%s: value reference %lu: there is none; they go to %d", call, name,
-                          (unsigned long)references[i], (int)t->variables - 1);
-        int64_t own = variables(t)[references[i]].kind;
+        if (check_reference(m, call, references[i]))
+            return ERROR;
+        int64_t own = variables(m->table)[references[i]].kind;
         if (!is_of(own, kind))
-            return refuse(m, "%s%s: %s: is of type %s", call, name, name_of(m, references[i]),
+            return refuse(m, "%s: %s: is of type %s", call, name_of(m, references[i]),
                           m->skin->kinds[own]);
     }
     return OK;
@@ -137,9 +153,8 @@ static Status check_computed(Instance *m, const char *call, const uint32_t *refe
                              size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        if (references[i] >= m->table->variables)
-            return refuse(m, "%s: value reference %lu: there is none; they go to %d", call,
-                          (unsigned long)references[i], (int)m->table->variables - 1);
+        if (check_reference(m, call, references[i]))
+            return ERROR;
         const Variable *v = variables(m->table) + references[i];
         if (v->kind != A_REAL || (v->role != READ && v->role != REMEMBERED))
             return refuse(m, "%s: %s: is no Real that is computed", call,
@@ -193,9 +208,8 @@ Status get_directional(Instance *m, const uint32_t *unknown, size_t unknowns, co
             return refuse(m, "%s: %s: does not follow from the motion of the instant", call,
                           name_of(m, unknown[i]));
     for (size_t i = 0; i < knowns; i++) {
-        if (known[i] >= t->inputs)
-            return refuse(m, "%s: %s: is no input", call,
-                          known[i] < t->variables ? name_of(m, known[i]) : "a value reference");
+        if (check_input(m, call, known[i]))
+            return ERROR;
         if (!isfinite(along[i]))
             return refuse(m, "%s: %s: the seed must be a finite number", call,
                           name_of(m, known[i]));
