@@ -96,8 +96,8 @@ def _from_ends(search: BranchSearch) -> None:
 def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
     """Follow the branch through a given orbit in both directions."""
     task = search.result.task
-    own = {str(n): value for n, _, value in search.result.rotor.parameters()}
-    value = begin.speed if task.name == SPEED else own[task.name]
+    own = search.result.rotor.parameters()
+    value = begin.speed if task.name == SPEED else own[task.name].value
     if not task.low <= value <= task.high:
         raise PeriodicError(
             f"{task.name} = {value:g}, where the orbit begins: must be in the range"
