@@ -46,6 +46,14 @@ class RotorNote(UserWarning):
     without effect, long computing time."""
 
 
+HYSTERETIC_AS_SLOWER = Message(
+    "shaft.eta_h: runs and periodic responses take every whirl as slower than the rotation: they "
+    "feed one that is faster, where hysteresis damps it, so that it may seem unstable; modes and "
+    "unbalance tell them apart",
+    "hysteretic-as-slower",
+)
+
+
 def warn(message: Message, stacklevel: int = 3) -> None:
     """Issue a message of a run as a `RotorNote` or a `RotorWarning`."""
     warnings.warn(message, RotorNote if message.is_note else RotorWarning, stacklevel=stacklevel)
@@ -109,6 +117,8 @@ class Simulation:
         self.names = observed_names(rotor)
         for warning in settings.warnings:
             self._warn(warning)
+        if rotor.eta_h > 0.0:
+            self._warn(HYSTERETIC_AS_SLOWER)
         recorded = record if isinstance(record, Record) else Record(record)
         channels = channels_of(rotor, recorded)
         rows = recorded.rows if channels else 0
