@@ -68,6 +68,19 @@ def _has_numba() -> bool:
     return True
 
 
+def why_interpreted() -> str:
+    """Return the sentence that says why Python interprets the kernels, and what that means."""
+    if os.environ.get(VARIABLE) == Backend.PYTHON.value:
+        why = f"{VARIABLE} = {Backend.PYTHON.value}"
+    elif IS_SWITCHED_OFF:
+        why = "numba is switched off"
+    else:
+        why = "numba cannot be imported (pip install numba)"
+    return (
+        f"{why}: the solver runs interpreted, some five hundred times slower, with the same numbers"
+    )
+
+
 def waits_for_compiler(entry: Any = entry_points.advance) -> bool:
     """Return whether the first call of an entry point in this process compiles it, with everything
     that it calls."""

@@ -53,6 +53,7 @@ class Message(str):
 
 NOTES = frozenset(
     {
+        "hysteretic-as-slower",
         "idle-setting",
         "interpreted",
         "reduction-pays",

@@ -19,7 +19,7 @@ from .step.laws import first_invalid_law, relative
 from .step.step_status import ENDED_EARLY, FILM_INVALID, NOT_CONVERGED, UNFINISHED
 from .structure.parameters import least_inertia
 from .time_loop import early_return, equilibrium
-from .time_loop.control import CONTROLLED, varies
+from .time_loop.control import keeps_tolerance, varies
 
 _TWO_PI = 2 * math.pi
 _ROUNDING = 1e-9  # share of a root: a smaller imaginary part is rounding
@@ -167,7 +167,7 @@ def hidden(run, arguments):
     """Return the message about growing whirls that a survey found and that the solver's steps hide:
     the one that grows fastest, and the longest step that resolves them all."""
     survey, numbers = run.survey, run.method.numbers[0]
-    if numbers.mode == CONTROLLED or not is_stable(numbers):
+    if keeps_tolerance(numbers.mode) or not is_stable(numbers):
         return messages.GOOD
     h = run.memory.record[0].h if not varies(numbers.mode) else numbers.h_max
     longest = math.inf

@@ -8,9 +8,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from . import messages, outcomes
-from .backend import Backend, bound_entry_points, selected_backend
+from .backend import Backend, bound_entry_points, selected_backend, why_interpreted
 from .errors import InputError
-from .kernels.jit import INTERPRETED_WARNING
 from .kernels.kernel import interpreted
 from .kernels.library import RAISED
 from .machine.rotor import Rotor
@@ -47,7 +46,12 @@ class RotorNote(UserWarning):
     without effect, long computing time."""
 
 
-_has_said_interpreted = False
+HYSTERETIC_AS_SLOWER = Message(
+    "shaft.eta_h: runs and periodic responses take every whirl as slower than the rotation: they "
+    "feed one that is faster, where hysteresis damps it, so that it may seem unstable; modes and "
+    "unbalance tell them apart",
+    "hysteretic-as-slower",
+)
 
 
 def warn(message: Message, stacklevel: int = 3) -> None:
@@ -105,13 +109,16 @@ class Simulation:
         warn: Callable[[Message], None] = warn,
     ) -> None:
         self._warn = warn
-        self._warn_if_interpreted()
+        if selected_backend() is Backend.PYTHON:
+            warn(Message(why_interpreted(), "interpreted"))
         self.rotor = rotor
         self.settings = settings
         structure, self._ranges = assembled(rotor, int(settings.reduction))
         self.names = observed_names(rotor)
         for warning in settings.warnings:
             self._warn(warning)
+        if rotor.eta_h > 0.0:
+            self._warn(HYSTERETIC_AS_SLOWER)
         recorded = record if isinstance(record, Record) else Record(record)
         channels = channels_of(rotor, recorded)
         rows = recorded.rows if channels else 0
@@ -303,12 +310,6 @@ class Simulation:
         if hidden:
             self._has_warned_of_whirls = True
             self._warn(hidden)
-
-    def _warn_if_interpreted(self) -> None:
-        global _has_said_interpreted
-        if selected_backend() is Backend.PYTHON and not _has_said_interpreted:
-            _has_said_interpreted = True
-            self._warn(Message(INTERPRETED_WARNING, "interpreted"))
 
     def _warn_outside_ranges(self, speed: float) -> None:
         """Warn once for every range that the speed [rad/s] has left."""

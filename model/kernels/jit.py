@@ -14,10 +14,6 @@ from .kernel import Kernel
 IS_SWITCHED_OFF = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 IS_COMPILED = not IS_SWITCHED_OFF and find_spec("numba") is not None
 
-INTERPRETED_WARNING = (
-    f"numba is {'switched off' if IS_SWITCHED_OFF else 'not installed (pip install numba)'}: the "
-    "solver runs interpreted, some five hundred times slower, with the same numbers"
-)
 # The kernels allocate nothing, so arrays need no reference counts (atomic ones, at every access),
 # and the tuples they share are many words to hand over: inlined, a step takes half the time.
 OPTIONS = {"error_model": "numpy", "nogil": True, "forceinline": True}

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from ..message_templates import fill_template
 from ..near_names import near_names
@@ -49,6 +49,14 @@ HYSTERETIC_AT_REST = (
     "shaft.eta_h = {g}: must be 0 unless shaft.rotating_damping is true (hysteretic damping has no "
     "stationary form in the time domain)"
 )
+
+
+class Parameter(NamedTuple):
+    """A quantity that an FMU takes as a parameter: its name, its declaration and its value."""
+
+    name: Name
+    quantity: Quantity
+    value: float
 
 
 _VERTICAL = 1e-5  # rad of the vertical: pi / 2 with the digits that are usually given
@@ -291,16 +299,20 @@ class Rotor:
         behind = (p for p in self.parts[at:] if type(p) is not kind)
         return replace(self, parts=(*self.parts[:at], *parts, *behind))
 
-    def parameters(self) -> Iterator[tuple[Name, Quantity, float]]:
-        """Yield name, declaration and value of the quantities that an FMU takes as parameters: of
-        the parts, of the shaft, gravity."""
-        for name, part in self.indexed_parts():
-            for quantity_name, declared in quantities(part).items():
-                value = getattr(part, quantity_name)
-                if declared.is_parameter and not isinstance(value, tuple):
-                    yield Name(*name, quantity_name), declared, value
-        for own, heading in OWN.items():
-            yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
+    def parameters(self) -> dict[str, Parameter]:
+        """Return the quantities that an FMU takes as parameters, by their names in it: of the
+        parts, of the shaft, gravity."""
+        found = [
+            Parameter(Name(*name, own), declared, getattr(part, own))
+            for name, part in self.indexed_parts()
+            for own, declared in quantities(part).items()
+            if declared.is_parameter and not isinstance(getattr(part, own), tuple)
+        ]
+        found += [
+            Parameter(Name(heading, 0, own), quantities(self)[own], getattr(self, own))
+            for own, heading in OWN.items()
+        ]
+        return {str(parameter.name): parameter for parameter in found}
 
     def with_values(self, values: Mapping[str, float | bool]) -> "Rotor":
         """Return the machine with some quantities replaced, all at once.

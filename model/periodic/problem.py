@@ -118,7 +118,7 @@ class Response:
         """The SI unit of the parameter."""
         if self.task.name == SPEED:
             return "rad/s"
-        return {str(n): of.unit for n, of, _ in self.rotor.parameters()}[self.task.name]
+        return self.rotor.parameters()[self.task.name].quantity.unit
 
     def machines(self) -> Machines:
         """Return the machine as a function of the parameter."""

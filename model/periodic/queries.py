@@ -104,7 +104,7 @@ def persists_in_time(result: Response, point: Solution, turns: int) -> Persisten
 def check_second(rotor: Rotor, name: str, low: float, high: float) -> None:
     """Raise `PeriodicError` or `QuantityError` for a range of a second parameter, one of the
     machine's, that lacks its own value or that it cannot have."""
-    start = {str(n): value for n, _, value in rotor.parameters()}[name]
+    start = rotor.parameters()[name].value
     if not low <= start <= high:
         raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
     for end in (low, high):
@@ -127,7 +127,7 @@ def folds_over(
     """
     task, rotor = result.task, result.rotor
     check_second(rotor, name, low, high)
-    start = {str(n): value for n, _, value in rotor.parameters()}[name]
+    start = rotor.parameters()[name].value
     if fold.kind != FOLD:
         raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")
     if task.needs_shooting(fold.orbit):

@@ -9,6 +9,7 @@ import numpy as np
 from ..machine.rotor import Rotor
 from ..message_templates import Message
 from ..one_thread import on_one_thread
+from ..simulation import HYSTERETIC_AS_SLOWER
 from . import arclength
 from .arclength import CurvePoint, NotConverged
 from .balance import HarmonicBalance, Orbit
@@ -41,6 +42,8 @@ def response(
     machines = machines_of(rotor, task)
     machines(task.low).check_supported()
     result = Response(rotor, task)
+    if rotor.eta_h > 0.0:
+        result.notes.append(HYSTERETIC_AS_SLOWER)
     problem = _problem(machines, task, task.low)
     if problem.b == 0:
         result.branches.append(_linear(problem, task, report_point))
@@ -96,8 +99,8 @@ def _from_ends(search: BranchSearch) -> None:
 def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
     """Follow the branch through a given orbit in both directions."""
     task = search.result.task
-    own = {str(n): value for n, _, value in search.result.rotor.parameters()}
-    value = begin.speed if task.name == SPEED else own[task.name]
+    own = search.result.rotor.parameters()
+    value = begin.speed if task.name == SPEED else own[task.name].value
     if not task.low <= value <= task.high:
         raise PeriodicError(
             f"{task.name} = {value:g}, where the orbit begins: must be in the range"

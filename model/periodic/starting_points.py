@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from .interface_samples import sample
 from .linear_structure import CondensedMachine
 from .problem import Machines, Task
 
-_TURNS = (30, 200)
+_PERIODS = (30, 200)  # until a run in time has settled
 _HARMONICS = 256  # harmonics taken of the recorded motion
 _RADII, _PHASES = (1.1, 1.5, 3.0), (0.0, -0.5 * math.pi, -0.9 * math.pi)  # [clearances], [rad]
 _TOLERANCE, _TOLERANCE_OF_GUESSES = 1e-6, 1e-4  # of runs that test persistence; that search
@@ -49,16 +49,22 @@ def guesses(
     yield open_contacts
     circles = list(_circles(problem, open_contacts)) if is_seed else []
     yield from circles
+
+    def settled(periods: int, *begin: Any) -> Orbit:
+        """Return the motion after a number of periods from rest, or from an orbit and its
+        motion."""
+        run = _simulation(changed, speed, loads, _TOLERANCE_OF_GUESSES)
+        if begin:
+            _set_motion(run, machine, *begin)
+        run.advance(2 * math.pi / speed * periods * task.turns, speed)
+        return _recorded_period(run, machine, speed, task.turns, H)
+
     try:
-        for turns in _TURNS:
-            yield orbit_by_integration(changed, machine, speed, task.turns, loads, H, turns)
+        for periods in _PERIODS:
+            yield settled(periods)
         for circle in circles:
             parts = problem.dynamic_stiffness(value, circle.omega)
-            motion = machine.expanded(parts, amplitudes(circle.b))
-            begin = circle, motion
-            yield orbit_by_integration(
-                changed, machine, speed, task.turns, loads, H, _TURNS[0], begin
-            )
+            yield settled(_PERIODS[0], circle, machine.expanded(parts, amplitudes(circle.b)))
     except (StepFailure, EquilibriumError) as error:
         notes.append(Message(str(error), "no-motion"))
 
@@ -75,26 +81,6 @@ def _circles(problem: HarmonicBalance, open_contacts: Orbit) -> Iterator[Orbit]:
             at = problem.machine_at(open_contacts.parameter)
             b[turn - 1], b[turn] = at.b_of_displacements(d.real), at.b_of_displacements(-d.imag)
             yield open_contacts._replace(b=b)
-
-
-def orbit_by_integration(
-    rotor: Rotor,
-    machine: CondensedMachine,
-    speed: float,
-    turns: int,
-    loads: np.ndarray | None,
-    H: int,
-    settling: int,
-    begin: tuple[Orbit, np.ndarray] | None = None,
-) -> Orbit:
-    """Return the motion after a number of turns from rest, or from the motion `initial`, at a speed
-    [rad/s], as an orbit of `turns` revolutions with H harmonics. Raises `StepFailure` if the
-    integration fails."""
-    run = _simulation(rotor, speed, loads, _TOLERANCE_OF_GUESSES)
-    if begin is not None:
-        _set_motion(run, machine, *begin)
-    run.advance(2 * math.pi / speed * settling * turns, speed)
-    return _recorded_period(run, machine, speed, turns, H)
 
 
 def _recorded_period(

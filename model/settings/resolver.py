@@ -12,7 +12,7 @@ from ..kernels.jit import jit
 from ..schemes.family import alphas, second_order
 from ..schemes.radau import ERROR_CONSTANT, STAGES
 from ..stability.resolution import is_stable
-from ..time_loop.control import ADAPTIVE, CONTROLLED, REALTIME, varies
+from ..time_loop.control import ADAPTIVE, CONTROLLED, REALTIME, keeps_tolerance, varies
 from . import settings_messages
 from .table import (
     BY_NAME,
@@ -152,7 +152,7 @@ def _fill(numbers, given, mode, scheme):
     numbers.mode = mode
     numbers.h_min, numbers.h_max = given[1 + _H_MIN], given[1 + _H_MAX]
     numbers.eps_min = given[1 + _EPS_MIN]
-    numbers.eps_max = 1.0 if mode == CONTROLLED else given[1 + _EPS_MAX]
+    numbers.eps_max = 1.0 if keeps_tolerance(mode) else given[1 + _EPS_MAX]
     numbers.indicator = _INDICATORS[indicator]
     numbers.beta_error = scheme.beta + (shift if _CORRECTED[indicator] else 0.0)
     numbers.norm = _NORMS[int(given[1 + _NORM])]

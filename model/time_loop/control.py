@@ -46,9 +46,15 @@ class Control(NamedTuple):
 
 
 @jit
+def keeps_tolerance(mode):
+    """Return whether a mode keeps the local error of every step within a tolerance."""
+    return mode == CONTROLLED
+
+
+@jit
 def varies(mode):
     """Return whether the step length varies in a mode."""
-    return mode in (ADAPTIVE, CONTROLLED)
+    return mode == ADAPTIVE or keeps_tolerance(mode)
 
 
 @jit
@@ -57,7 +63,7 @@ def step_error(structure, control, local, h, is_first, old, new):
     control.eps_max. local: its `local_error` [1]."""
     if control.mode == ADAPTIVE:
         return error_indicator(control, h, is_first, old, new)
-    if control.mode == CONTROLLED:
+    if keeps_tolerance(control.mode):
         return max(local, whirl_error(structure, control, h, new))
     return 0.0
 

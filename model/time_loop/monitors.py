@@ -10,7 +10,7 @@ from ..step.excitation import at_place
 from ..step.laws import relative
 from ..structure.ledger import FLOWS, INFLOWS
 from ..warnings import COARSEST_IN_CONTACT, SLOW
-from .control import CONTROLLED, REALTIME
+from .control import REALTIME, keeps_tolerance
 from .energy import total_energy
 from .memory import AXIS, BOUNCE, ONCE, PEAK, SENSE, spin_now
 
@@ -110,7 +110,7 @@ def monitor_errors(structure, control, local, spin, old, new, memory):
         if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
             r.error_touched = 1
             has_closed = has_closed or old.force[j] == 0.0
-    is_bound = control.mode == CONTROLLED and control.tolerance <= COARSEST_IN_CONTACT
+    is_bound = keeps_tolerance(control.mode) and control.tolerance <= COARSEST_IN_CONTACT
     is_coarse = has_closed and local * control.tolerance > COARSEST_IN_CONTACT and not is_bound
     if r.error_swept >= TURN:
         r.error_rms = math.sqrt(r.error_square / r.error_swept)
@@ -184,7 +184,7 @@ def monitor_losses(structure, control, motion, memory, work):
     Not under error control: its steps resolve every growth that the survey has found, and their
     other errors are within the tolerance. Nor in real time, where every step takes equally long.
     """
-    if control.mode == CONTROLLED or control.mode == REALTIME:
+    if keeps_tolerance(control.mode) or control.mode == REALTIME:
         return
     r = memory.record[0]
     if math.isnan(r.touched_at):

@@ -170,8 +170,8 @@ def _ledger(rotor: Rotor) -> list[Output]:
     return [*stored, *remembered(*inflows, *lost), _RESIDUAL]
 
 
-# Places in `out` where the parts' outputs begin; and how many the solver has.
-PARTS_AT, _SOLVERS = len(SHAFT), len(SOLVER)
+# Places in `out` where the parts' outputs begin; how many the solver has, and a velocity.
+PARTS_AT, _SOLVERS, _VELOCITIES = len(SHAFT), len(SOLVER), len(VELOCITY_OUTPUTS)
 _MACHINE_STORES, _MACHINE_FLOWS, _INFLOWS = len(MACHINE_STORES), len(MACHINE_FLOWS), len(INFLOWS)
 _WAVE = places(WAVE_OUTPUTS, len(PORT_OUTPUTS))
 _SHAFT, _SOLVER, _PROBE = places(SHAFT), places(SOLVER), places(PROBE_OUTPUTS)
@@ -263,8 +263,8 @@ def _observe_parts(structure, motion, memory, out):
     for i in range(len(structure.velocities)):
         at = structure.velocities[i].out
         v = motion.v[structure.velocities[i].dof]
-        out[at + _VELOCITY.vx] = v.real
-        out[at + _VELOCITY.vy] = v.imag
+        for place in range(_VELOCITIES):
+            out[at + place] = velocity_output(v, place)
     for i in range(len(structure.housings)):
         at = structure.housings[i].out
         out[at + _MOUNT.housing_x] = motion.q[n + i].real
@@ -275,6 +275,12 @@ def _observe_parts(structure, motion, memory, out):
         moving = kinematics(interface, spin, motion.q, motion.v)
         internal_state = motion.internal_state[interface.internal_state :]
         law_observe(structure.laws, interface, moving, internal_state, out[interface.out :])
+
+
+@jit
+def velocity_output(v, place):
+    """Return one of the `VELOCITY_OUTPUTS` of a velocity [m/s], by its place among them."""
+    return v.imag if place == _VELOCITY.vy else v.real
 
 
 @jit_inlined

@@ -19,7 +19,7 @@ from ..machine.rotor import Rotor
 from ..near_names import near_names
 from ..parts.base import VELOCITY_OUTPUTS, ProbeElement
 from ..step.excitation import at_place
-from .observe import Observed, energies_at, observe, observed
+from .observe import Observed, energies_at, observe, observed, velocity_output
 
 RECORDER = np.dtype(
     [
@@ -30,6 +30,7 @@ RECORDER = np.dtype(
         ("written", "i8"),  # rows
     ]
 )
+_VELOCITIES = len(VELOCITY_OUTPUTS)
 _ROUNDING = 1e-9  # of sums of angles
 ANGLE = 2.0 * math.pi / 64.0
 ROWS = 4096
@@ -45,16 +46,14 @@ class Recorder(NamedTuple):
 
 
 def recordable(rotor: Rotor) -> tuple[Observed, ...]:
-    """Return all signals that can be recorded: those of `observed`, and then the velocities `vx`,
-    `vy` [m/s] of the probes."""
-    probes = [
-        Name(*key, output.name)
+    """Return all signals that can be recorded: those of `observed`, and then the
+    `VELOCITY_OUTPUTS` of the probes."""
+    velocities = [
+        Observed(Name(*key, output.name), output)
         for key, element in rotor.indexed_elements()
         if isinstance(element, ProbeElement)
         for output in VELOCITY_OUTPUTS
     ]
-    axes = len(VELOCITY_OUTPUTS)
-    velocities = (Observed(name, VELOCITY_OUTPUTS[i % axes]) for i, name in enumerate(probes))
     return (*observed(rotor), *velocities)
 
 
@@ -124,8 +123,8 @@ def write(structure, motion, memory, work, recorder, out):
             row[1 + i] = out[channel]
         else:
             beyond = channel - len(out)
-            v = at_place(structure.probes[beyond // 2], motion.v)
-            row[1 + i] = v.real if beyond % 2 == 0 else v.imag
+            v = at_place(structure.probes[beyond // _VELOCITIES], motion.v)
+            row[1 + i] = velocity_output(v, beyond % _VELOCITIES)
     head.written += 1
 
 

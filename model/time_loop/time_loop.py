@@ -15,7 +15,7 @@ from ..step.fitting import Fit, characteristic_frequency_after, unfitted
 from ..step.step import rescale_carried
 from ..step.step_status import DONE, ENDED_EARLY, UNFINISHED
 from .communication_interval import begin_interval
-from .control import CONTROLLED, propose_step, retry_step, step_error, varies
+from .control import keeps_tolerance, propose_step, retry_step, step_error, varies
 from .early_return import CLOSED, GOES_ON, early_return_cause, is_watched
 from .energy import has_power, port_power
 from .error_control import NOTHING, Measures, local_error, measure, steady_length, update_size
@@ -193,7 +193,7 @@ def _accepted_step(run, scheme, control, t_end, parts, taken):
             step = none
             break
         t = t_end if parts == 1.0 else r.t + h
-        if control.mode == CONTROLLED:
+        if keeps_tolerance(control.mode):
             _rescale(memory.record, h, motion)
         step = _attempt(run, scheme, control, t, h)
         r.newton += step.iterations
@@ -203,7 +203,7 @@ def _accepted_step(run, scheme, control, t_end, parts, taken):
             if not is_varied or step.error <= control.eps_max:
                 break
             if h <= shortest:
-                if control.mode == CONTROLLED and math.isnan(r.coarse_at):
+                if keeps_tolerance(control.mode) and math.isnan(r.coarse_at):
                     r.coarse_at = r.t
                 break
         elif not is_varied or h <= shortest:
@@ -242,7 +242,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
     r = memory.record[0]
     memory.peaks[PEAK.since_communication, :, :] = 0.0
     # of a machine that is unstable with its contacts open
-    is_steady = control.mode == CONTROLLED and control.h_in_the_open < math.inf
+    is_steady = keeps_tolerance(control.mode) and control.h_in_the_open < math.inf
     if is_steady:
         r.h = min(r.h, max(control.h_min, control.h_in_the_open))
     taken = 0
@@ -262,7 +262,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
             r.failed_at = r.t
             return ENDED_EARLY + ends
         if r.has_sensitivities == 1:
-            ratio = h / h_before if control.mode == CONTROLLED and h_before > 0.0 else 1.0
+            ratio = h / h_before if keeps_tolerance(control.mode) and h_before > 0.0 else 1.0
             propagate(
                 *(structure, scheme, fit, spin, h, ratio, t),
                 *(trial, memory, run.work, run.problem, tangents),
@@ -275,7 +275,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
         r.t = t
         r.h_carried = h
         r.damping = fit.damping
-        is_sliver = control.mode == CONTROLLED and t - r.carried_since < _SLIVER * proposed
+        is_sliver = keeps_tolerance(control.mode) and t - r.carried_since < _SLIVER * proposed
         _propose_next(run, control, is_steady, is_sliver, step, proposed, h, was_rejected)
         if is_sliver:
             _keep_carried(motion, trial)

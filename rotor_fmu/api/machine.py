@@ -70,7 +70,7 @@ class Machine(LinearAnalyses):
         >>> rf.load().parameters["bearing[1].clearance"]
         5e-05
         """
-        return {str(name): value for name, _, value in self.rotor.parameters()}
+        return {name: of.value for name, of in self.rotor.parameters().items()}
 
     def show(self) -> "Figure":
         """Draw the machine to scale, in mm.

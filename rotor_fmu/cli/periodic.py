@@ -108,7 +108,7 @@ def response(
     """
     toml, machine = load_rotor(rotor)
     choose(units, machine.units, rotor or "")
-    of = {str(name): described.unit for name, described, _ in machine.parameters()}
+    of = {name: known.quantity.unit for name, known in machine.parameters().items()}
     at, varied = _varied(speed or _usual(machine, over), over, of)
     unit = "rad/s" if varied is None else of.get(varied[0], "1")
     options: dict[str, Any] = {

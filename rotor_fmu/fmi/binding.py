@@ -27,8 +27,7 @@ def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, 
     """Return the rotor with those of its parameters that differ from their start values, all at
     once."""
     starts = {variable.name: variable.start for variable in table}
-    names = [str(name) for name, _, _ in rotor.parameters()]
-    return rotor.with_values({n: values[n] for n in names if values[n] != starts[n]})
+    return rotor.with_values({n: values[n] for n in rotor.parameters() if values[n] != starts[n]})
 
 
 def coupling_options(values: Mapping[str, float]) -> CouplingOptions:

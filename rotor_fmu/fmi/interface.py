@@ -88,7 +88,7 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
     free = [_real("w_start", "rad/s", start, "speed of rotation at the start", low=None)]
     return [
         *(free if is_free else prescribed),
-        *(_parameter(*parameter) for parameter in rotor.parameters()),
+        *(_parameter(*parameter) for parameter in rotor.parameters().values()),
         *coupling_variables(is_free),
         *solver_parameters(),
     ]

@@ -208,7 +208,7 @@ def _offset(block: np.ndarray, i: int) -> int:
 
 
 def _rows(fmu_interface: FmuInterface, texts: _Texts, observed_at: int) -> list[bytes]:
-    quantities = {str(name): quantity for name, quantity, _ in fmu_interface.rotor.parameters()}
+    quantities = {name: of.quantity for name, of in fmu_interface.rotor.parameters().items()}
     quantities |= {name: of for name, _, of, _ in coupling_parameters(fmu_interface.is_free)}
     outputs = {str(name): output for name, output in observed(fmu_interface.rotor)}
     loads = [name for pair in load_names(fmu_interface.rotor) for name in pair]

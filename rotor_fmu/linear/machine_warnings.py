@@ -5,6 +5,7 @@ from ..model.linear.modes import modes
 from ..model.machine.rotor import Rotor
 from ..model.outcomes import grows_at_rest
 from ..model.parts.base import ReleaseElement
+from ..model.simulation import HYSTERETIC_AS_SLOWER
 
 # Least Re lambda / |lambda| of what is called growing; share of the machine's lowest frequency
 # below which a root is a motion as a rigid body: rounding.
@@ -12,9 +13,9 @@ _GROWING, _SLOW = 1e-5, 1e-3
 
 
 def machine_warnings(rotor: Rotor) -> list[str]:
-    """Return warnings about a machine that nothing holds, and about one that is unstable at
-    rest."""
-    result = []
+    """Return warnings about a machine that nothing holds, about one that is unstable at rest, and
+    about hysteresis, which a run does not know."""
+    result = [str(HYSTERETIC_AS_SLOWER)] if rotor.eta_h > 0.0 else []
     machine = LinearMachine(rotor)
     is_released = bool(rotor.elements_of_kind(ReleaseElement))
     if rotor.gravity * rotor.weight_share != 0.0 and not (machine.is_held or is_released):

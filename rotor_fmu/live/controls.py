@@ -57,7 +57,7 @@ def course(rotor: Rotor) -> dict[str, Any]:
 
 def groups(machine: Machine) -> list[dict[str, Any]]:
     """Return the controls of a machine, in groups: its loads, its parts, the solver."""
-    rules = {str(name): quantity.rule for name, quantity, _ in machine.rotor.parameters()}
+    rules = {name: of.quantity.rule for name, of in machine.rotor.parameters().items()}
     largest = _largest(machine.table)
     weight = _weight(machine)
     found: dict[str, dict[str, Any]] = {}

@@ -67,8 +67,7 @@ class ContactRun(NamedTuple):
 
 class RubRun(NamedTuple):
     """A run with contacts: `run-up` or `run-down`; its status; of the place that moves most, the
-    speed [rad/s] and the amplitude there [m], shape (n,); what each contact did; whether the motion
-    turns against the spin in the operating range while it rubs."""
+    speed [rad/s] and the amplitude there [m], shape (n,); what each contact did."""
 
     direction: str
     status: str

@@ -125,7 +125,7 @@ def _response(
     from ..periodic.request import compute_response, response_request
 
     rotor = machine_of(runs.toml, False).rotor
-    names = {str(name) for name, _, _ in rotor.parameters()}
+    names = rotor.parameters()
     given = {n: v for n, v in {**runs.values, **settings}.items() if n in names}
     low, high = float(over.min()), float(over.max())
     n = runs.how.numbers

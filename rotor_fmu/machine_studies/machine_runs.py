@@ -43,7 +43,7 @@ class MachineModel(NamedTuple):
     @property
     def units(self) -> dict[str, str]:
         """Units of the parameters of the machine itself, by name."""
-        return {str(name): described.unit for name, described, _ in self.rotor.parameters()}
+        return {name: of.quantity.unit for name, of in self.rotor.parameters().items()}
 
 
 @lru_cache(maxsize=4)

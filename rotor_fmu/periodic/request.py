@@ -111,8 +111,8 @@ def response_request(
     if start is not None and not hasattr(start, "orbit"):
         said = shown_value("start", start)
         raise InputError(f"{said}: must be a motion of `at` or `points` of an earlier result")
-    known = {str(n): of.unit for n, of, _ in rotor.parameters()} | {SPEED: "rad/s"}
-    factor, unit = current().of_si(known[name])
+    si_unit = "rad/s" if name == SPEED else rotor.parameters()[name].quantity.unit
+    factor, unit = current().of_si(si_unit)
 
     def shown(value: float) -> str:
         """Return a value of the varied quantity in the unit that is shown."""

@@ -246,8 +246,8 @@ class ResponseResult:
         """The map of jumps: the parameter at the fold over another one, `name`."""
         from .response_plots import fold_figure
 
-        units = {str(known): about.unit for known, about, _ in self._response.rotor.parameters()}
-        return fold_figure(self, name, units[name], folds)
+        unit = self._response.rotor.parameters()[name].quantity.unit
+        return fold_figure(self, name, unit, folds)
 
     def table(self) -> Table:
         """A row a bifurcation, and the ends of the branches."""
@@ -319,7 +319,7 @@ def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
 
 def check_names(rotor: Rotor, names: Mapping[str, float]) -> None:
     """Raise `InputError` for a name that is no quantity of the machine."""
-    known = [str(name) for name, _, _ in rotor.parameters()]
+    known = rotor.parameters()
     for name in names:
         if name not in known:
             near = nearest(name, known)

@@ -67,6 +67,6 @@ def _as_run(run: Recording) -> Rotor | None:
     """Return the machine with the parameters of the run."""
     if run.rotor is None:
         return None
-    known = {str(name) for name, _, _ in run.rotor.parameters()}
+    known = run.rotor.parameters()
     given: Any = run.about.get("parameters", {})
     return run.rotor.with_values({n: value for n, value in given.items() if n in known})

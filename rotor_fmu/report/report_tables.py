@@ -157,8 +157,7 @@ def _sinks(run: Recording, of: str) -> str:
     whole = sum(losses.values())
     if not whole:
         return ""
-    order = sorted(losses, key=lambda name: -losses[name])
-    rows = [[name, losses[name], 100 * losses[name] / whole] for name in order]
+    rows = [[name, lost, 100 * lost / whole] for name, lost in losses.items()]
     return table(f"{of}energy dissipated", ["sink", "energy [J]", "share [%]"], rows)
 
 

@@ -65,16 +65,15 @@ def _turns(run: Recording) -> dict[str, Any]:
         values |= {"low": np.degrees(rub.low), "width": np.degrees(rub.width)}
         entry = {key: packed(column[rows]) for key, column in values.items()}
         contacts.append({"name": contact.name, "label": contact.label, **entry})
-    t, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
+    sinks = run.sinks
+    t, speed, powers = vibration.power_by_sink(run.t, run.phi, sinks)
     rows = _thin(len(t))
-    taking = [name for name in powers if run.losses[name][-1] != 0.0]
-    sinks = sorted(taking or powers, key=lambda name: -run.losses[name][-1])
     power = {
         "hz": packed(speed[rows] / TURN),
         "t": packed(t[rows]),
         "sinks": [
-            {"label": s, "total": float(run.losses[s][-1]), "p": packed(powers[s][rows])}
-            for s in sinks
+            {"label": s, "total": float(sinks[s][-1]), "p": packed(taken[rows])}
+            for s, taken in powers.items()
         ],
     }
     return result | {"touches": contacts, "power": power, "force": d.force_unit}
@@ -85,7 +84,6 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
     track, cascade = _tracked(signal)
     rows = _thin(len(track.t))
     speed = cascade.speed / TURN
-    ways = np.diff(speed)
     turns = _thin(len(signal.values))
     whirl = vibration.whirl_of(signal, turns=_block(signal))
     blocks = _thin(len(whirl.t))
@@ -97,7 +95,7 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
             "hz": speed.tolist(),
             "passage": cascade.passage.tolist(),
         },
-        "isOneWay": bool(np.all(ways < 0) or np.all(ways > 0)),
+        "isOneWay": cascade.is_one_way,
         "isConstant": is_constant(speed),
         "orders": cascade.order.tolist(),
         "turns": {"t": packed(signal.begin[turns]), "hz": packed(signal.speed[turns] / TURN)},

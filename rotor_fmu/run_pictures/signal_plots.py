@@ -168,9 +168,7 @@ def cascade(view: View) -> Figure:
     """Draw full spectra over speed, or over time where the speed does not go one way."""
     figure, axes = new_figure(6.8, 5.0)
     result = vibration.cascade(*view.signal)
-    ways = np.diff(result.speed)
-    is_one_way = bool(np.all(ways < 0) or np.all(ways > 0))
-    down = _speed(result.speed) if is_one_way else result.t
+    down = _speed(result.speed) if result.is_one_way else result.t
     across = _speed(result.frequency)
     amplitude = np.nan_to_num(result.amplitude) * view.shown.amplitude
     # small lines are seen beside large ones on the root's scale
@@ -206,8 +204,8 @@ def cascade(view: View) -> Figure:
     axes.grid(visible=False)
     figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.shown.amplitude_unit}]")
     axes.set_xlabel(f"Whirl frequency [{current().frequency_unit}], backward < 0 < forward")
-    axes.set_ylabel(current().speed_label if is_one_way else "Time [s]")
-    kind = "cascade" if is_one_way else "waterfall"
+    axes.set_ylabel(current().speed_label if result.is_one_way else "Time [s]")
+    kind = "cascade" if result.is_one_way else "waterfall"
     view.title(axes, f"{kind} of the full spectrum of {view.place.label}", pad=16)
     return figure
 
@@ -293,12 +291,10 @@ def energy(view: View) -> Figure:
     run = view.run
     run.check_losses()
     figure, (above, below) = two_over_speed((1, 1))
-    _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
-    taking = [name for name in powers if run.losses[name][-1] != 0.0]
-    sinks = sorted(taking or powers, key=lambda name: -run.losses[name][-1])
-    for i, name in enumerate(sinks):
+    sinks = run.sinks
+    _, speed, powers = vibration.power_by_sink(run.t, run.phi, sinks)
+    for i, (name, energy) in enumerate(sinks.items()):
         color, style = COLORS[i % len(COLORS)], ("-", DASHED, (0, (1, 1)))[i % 3]
-        energy = run.losses[name]
         label = f"{name}: {_joules(energy[-1])}"
         power = broken_at_reversals(speed, powers[name])
         above.plot(_speed(speed), power, color=color, ls=style, lw=1.2, label=label)

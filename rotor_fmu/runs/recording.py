@@ -116,12 +116,20 @@ class Recording(ShortRepr):
 
     @property
     def losses(self) -> dict[str, np.ndarray]:
-        """Energy dissipated since the start by sink, shape (n,) [J]."""
-        return {
+        """Energy dissipated since the start by sink, that which took most first, shape (n,)
+        [J]."""
+        found = {
             name.removeprefix("energy.").removesuffix("_loss"): column
             for name, column in self.columns.items()
             if name.startswith("energy.") and name.endswith("_loss")
         }
+        return dict(sorted(found.items(), key=lambda sink: -sink[1][-1:].sum()))
+
+    @property
+    def sinks(self) -> dict[str, np.ndarray]:
+        """Of the losses those that are not 0 at the end; all where none is."""
+        losses = self.losses
+        return {name: energy for name, energy in losses.items() if energy[-1] != 0.0} or losses
 
     def check_losses(self) -> None:
         """Raise `InputError` where no energy that was dissipated was recorded."""

@@ -60,6 +60,12 @@ class Cascade(ShortRepr):
         """Whirl frequencies, negative backward, shape (m, k) [rad/s]."""
         return np.abs(self.speed)[:, None] * self.order
 
+    @property
+    def is_one_way(self) -> bool:
+        """Whether the speed only falls or only rises from block to block."""
+        ways = np.diff(self.speed)
+        return bool(np.all(ways < 0) or np.all(ways > 0))
+
 
 def full_spectrum(
     t: np.ndarray,

@@ -161,15 +161,15 @@ def test_a_parameter_of_the_machine_has_the_limits_of_its_rule():
     """A machine that starts in motion: velocities may be negative."""
     rotor = load_rotor(example_folder("drop") / "compressor.toml")[1]
     table = {variable.name: variable for variable in interface(rotor)}
-    for name, quantity, _ in rotor.parameters():
-        variable = table[str(name)]
+    for name, parameter in rotor.parameters().items():
+        variable, rule = table[name], parameter.quantity.rule
         if variable.kind == "Boolean":
             continue
         limits = (
             -math.inf if variable.low is None else variable.low,
             math.inf if variable.high is None else variable.high,
         )
-        assert limits == (quantity.rule.least, quantity.rule.most)
+        assert limits == (rule.least, rule.most)
 
 
 def test_units_are_defined_by_si_exponents_and_shown_in_what_people_read(fmu):

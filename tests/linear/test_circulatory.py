@@ -11,8 +11,11 @@ import numpy as np
 import pytest
 from rotor_fmu.model.linear import campbell, modes, unbalance_response
 from rotor_fmu.model.settings import choose
-from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER, Simulation
 from rotor_fmu.model.structure.assembly import assemble
+
+import rotor_fmu as rf
+from rotor_fmu.linear.machine_warnings import machine_warnings
 
 from ..dense import to_dense
 from ..machines import (
@@ -107,6 +110,17 @@ def test_hysteresis_drives_the_forward_whirl_above_its_critical_speed_only(eta_h
             assert [result.whirl[i] for i in of_growth] == ["backward", "forward"]
     speeds = free * np.array([0.2, 0.8, 1.5])
     assert campbell(rotor, speeds, count=2).threshold == pytest.approx(damped.imag, rel=1e-4)
+
+
+@pytest.mark.parametrize("eta_h", [0.0, 0.01])
+def test_runs_and_responses_say_what_they_take_hysteresis_for(eta_h):
+    """Below its critical speed the rotor is stable: to a run it is not."""
+    rotor, said = jeffcott(e=1e-5, eta_h=eta_h, rotating_damping=True), []
+    Simulation(rotor, speed=0.5 * natural_frequency(), warn=said.append)
+    codes = [message.code for message in said if message.code != "interpreted"]
+    assert codes == (["hysteretic-as-slower", "unstable"] if eta_h else [])
+    for notes in (machine_warnings(rotor), rf.response(rotor, speed=(20.0, 21.0)).notes):
+        assert [*notes] == [str(HYSTERETIC_AS_SLOWER)] * (eta_h > 0)
 
 
 def test_hysteresis_does_not_touch_what_turns_with_the_shaft():

@@ -37,13 +37,13 @@ def machine():
 
 
 def test_every_parameter_has_a_place(machine):
-    assert [*parameter_locations(machine)] == [name for name, _, _ in machine.parameters()]
+    assert [*parameter_locations(machine)] == [of.name for of in machine.parameters().values()]
     assert all(parameter_locations(machine).values())
 
 
 def test_a_value_at_its_place_is_the_machine_with_that_value(machine):
     places = parameter_locations(machine)
-    for name, declared, value in machine.parameters():
+    for name, declared, value in machine.parameters().values():
         changed = (not value) if declared.is_switch else 1.25 * value + 0.01
         structure = assemble(machine)
         for place in places[name]:

@@ -148,7 +148,9 @@ def test_so_it_does_with_every_parameter_changed(fmu):
     """Slightly, all at once, the rest under loads and the damping that turns included."""
     rotor = rig()
     changed = {
-        str(n): 1.01 * v + (v == 0) * 1e-4 for n, q, v in rotor.parameters() if not q.is_switch
+        name: 1.01 * of.value + (of.value == 0) * 1e-4
+        for name, of in rotor.parameters().items()
+        if not of.quantity.is_switch
     }
     machine = Machine(fmu)
     machine.fmu.setBoolean([machine.refs["shaft.rotating_damping"]], [True])

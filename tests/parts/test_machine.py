@@ -180,8 +180,8 @@ def test_every_parameter_of_the_parts_has_its_place_in_an_assembled_machine():
     machine = parse_rotor(DROPPED + touchdown(4, "b") + HELD.replace("z = 0.4", "z = 0.5"))
     structure = assemble(machine)
     result = parameter_locations(machine)
-    assert list(result) == [name for name, _, _ in machine.parameters()]
-    for name, _, value in machine.parameters():
+    assert list(result) == [of.name for of in machine.parameters().values()]
+    for name, _, value in machine.parameters().values():
         for place in result[name]:
             member, _, code = place.member.partition("[")
             rows = getattr(structure, member)

@@ -2,6 +2,7 @@
 
 import cmath
 import math
+import re
 
 import numpy as np
 import pytest
@@ -17,9 +18,13 @@ from rotor_fmu.model.time_loop.observe import observed
 
 from papers.dense_machine import clearance_contacts, rest
 from rotor_fmu.fmi.interface import ports
+from rotor_fmu.machine_file.loading import load_rotor
+from tools.checkout import ROOT
 
 from ..machines import disc_dofs, overhung
 from ..parts.machines import shaft
+
+EXAMPLES = ROOT / "examples"
 
 
 def rubbing_rig():
@@ -170,6 +175,17 @@ def test_amplitudes_are_the_largest_distances_from_rest_over_the_last_revolution
                 shown = sim.read(f"disc[{k}].{axis}_amp")
                 assert distance[-200:].max() <= shown * (1 + 1e-12)
                 assert shown <= distance[-402:].max() * (1 + 1e-12)
+
+
+def test_every_output_is_filled_in():
+    """Of every example machine, but for what only a run with sensitivities has."""
+    files = [f for f in sorted(EXAMPLES.glob("*/*.toml")) if f.parent.name != "studies"]
+    for rotor in (load_rotor(file)[1] for file in files):
+        sim = Simulation(rotor, choose("robust"), speed=100.0, warn=lambda message: None)
+        sim.observed[:] = math.nan
+        sim.advance(5e-4, 100.0)
+        left = [n for n, v in zip(sim.names, sim.observed, strict=True) if math.isnan(v)]
+        assert not [name for name in left if not re.search(r"(^|\.)d\w+_d(drive|fx|fy)$", name)]
 
 
 def test_counters_count():
