@@ -158,7 +158,8 @@ def report(
             "machine's [operation]"
         )
     gaps = clearances_of(clearance)
-    check_nodes(machine, "node", (*(node or []), *gaps))
+    check_nodes(machine, "--node", node or ())
+    check_nodes(machine, "--clearance", gaps)
     couplings = cross_couplings(machine, ends[1], stage, cross_coupling)
     from ..machine_report.report_page import ReportOptions
 

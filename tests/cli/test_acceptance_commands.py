@@ -172,7 +172,7 @@ def _crosses(amplitude, below):
         (["--rotor", JEFFCOTT], "--range: must be given"),
         (["somewhere", "--rotor", JEFFCOTT], "somewhere and --rotor"),
         (["--rotor", JEFFCOTT, "--rated", "0rpm"], "--rated 0rpm: must be above 0"),
-        (["--rotor", JEFFCOTT, "--rated", "9rpm", "--node", "9"], "node 9: must be from 1 to 3"),
+        (["--rotor", JEFFCOTT, "--rated", "9rpm", "--node", "9"], "--node 9: must be from 1 to 3"),
     ],
 )
 def test_impossible_reports_are_refused(tmp_path, arguments, expected):
