@@ -110,7 +110,7 @@ def unbalance_check(
     1) with probes; unbalances: node (from 1), amount [kg.m] and angle [rad] of each, by default the
     machine's; clearances: radial ones [m] of seals by their nodes (from 1); contacts: `open` or
     `pinned`, by default open where the machine is held without them. Raises `LinearError` if the
-    range, a node or a clearance cannot be.
+    range, a node or a clearance cannot be, or no unbalance acts.
     """
     if not (0 < low <= high < math.inf):
         raise LinearError(f"operating range = {low:g} to {high:g} rad/s: must ascend from above 0")
@@ -191,6 +191,11 @@ class _Response:
         clearances: Mapping[int, float],
     ) -> None:
         self.whirl = SteadyWhirl(rotor, contacts, unbalances)
+        if not self.whirl.is_driven:
+            raise LinearError(
+                "no unbalance acts, so that there is no response to check: give the machine one, "
+                "or place those of API 617 for a mode"
+            )
         self.machine = self.whirl.machine
         self._gaps = []
         for node, clearance in clearances.items():
