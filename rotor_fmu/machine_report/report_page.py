@@ -15,6 +15,7 @@ from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
 from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
+from ..linear.where_linearized import where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
@@ -93,6 +94,7 @@ def machine_report(
         "Machine": [machine_html(rotor), _html(listed.table())],
         "At rest": _shown(answers.static(rotor, afloat=high), "Deflection under gravity"),
         "Critical speeds": [
+            *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, speeds)),
             _html(diagram.table()),
             figure_html(diagram.figure((low, high)), "Campbell diagram"),
             *_shown(over_stiffness, "Undamped critical speed map"),
