@@ -87,7 +87,7 @@ class Balancing(Displayed):
 
     planes: with their unbalances; vibrations: at the measuring points; residuals: unbalances in the
     planes of the two outermost bearings, none where there are fewer; service_speed: for which they
-    are permitted, the highest of the machine's continuous speeds, or of those of balancing [rad/s];
+    are permitted, the machine's maximum continuous or rated speed, or the highest of balancing;
     influence: coefficients, complex of shape (m, p) [m/(kg.m)]; rank: their numerical rank;
     touches: whether a contact closed during a run, so that the coefficients are not those of a
     linear machine; settles: whether the runs were long enough for the slowest mode.
@@ -231,7 +231,8 @@ def balance(
         raise InputError(f"trial unbalance = {trial:g} kg.m: must be > 0 and finite")
     if not assemble(rotor).unbalance.any():
         raise InputError("the machine has no unbalance: there is nothing to balance")
-    service_speed = max(rotor.operation.continuous_speeds or speeds)
+    own = rotor.operation
+    service_speed = own.maximum_continuous_speed or own.rated_speed or max(speeds)
     bench = _Bench(rotor, list(speeds), nodes, report)
     initial = bench.vibration("as it is", {})
     trials = np.array(

@@ -107,6 +107,11 @@ def test_what_is_left_in_the_bearings_planes_has_its_grade():
     assert f"G {result.residuals[0].grade:g}" in result.table().text()
 
 
+def test_without_a_service_speed_it_is_that_of_balancing():
+    rotor = replace(without_contact(), operation=Operation(minimum_speed=0.0))
+    assert balance(rotor, [150.0], [5]).service_speed == 150.0
+
+
 def test_a_machine_whose_slowest_mode_outlasts_the_runs_says_so(monkeypatch):
     monkeypatch.setattr("rotor_fmu.trial_balancing._MOST_TURNS", 20)
     monkeypatch.setattr("rotor_fmu.trial_balancing._LEAST_TURNS", 10)
