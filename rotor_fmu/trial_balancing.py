@@ -1,5 +1,6 @@
 """Balancing of a machine by runs in time: as it is, with a trial unbalance in each correction
-plane, and with the correction unbalances (ISO 21940-12)."""
+plane, and with the correction unbalances (ISO 21940-12); what unbalance is left, by ISO 21940-11
+and API 617."""
 
 import math
 import warnings
@@ -18,7 +19,9 @@ from .linear.answers import modes
 from .linear.displayed import Displayed, of_machine
 from .linear.linear_plots import titled
 from .linear.linear_tables import Table
+from .model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
 from .model.linear.supports import walls
+from .model.linear.unbalance_placement import residual_unbalance
 from .model.machine.rotor import Rotor
 from .model.parts.port import Sensor
 from .model.parts.unbalance import Unbalance
@@ -65,20 +68,39 @@ class CorrectionPlane(NamedTuple):
     unbalance: complex
 
 
+class ResidualUnbalance(NamedTuple):
+    """The unbalance of the rotor, taken as rigid, in the plane of a bearing, complex [kg.m]: its
+    node (from 1), the mass that it bears [kg], initial and with the correction; the most that API
+    617 permits [kg.m]; the balance quality grade that is met [mm/s], infinite where none is."""
+
+    node: int
+    mass: float
+    initial: complex
+    corrected: complex
+    permitted: float
+    grade: float
+
+
 @dataclass(frozen=True)
 class Balancing(Displayed):
     """A machine balanced by influence coefficients, m measurements and p planes.
 
-    planes: with their unbalances; vibrations: at the measuring points; influence: coefficients,
-    complex of shape (m, p) [m/(kg.m)]; rank: their numerical rank; touches: whether a
-    contact closed during a run, so that the coefficients are not those of a linear machine.
+    planes: with their unbalances; vibrations: at the measuring points; residuals: unbalances in the
+    planes of the two outermost bearings, none where there are fewer; service_speed: for which they
+    are permitted, the machine's maximum continuous or rated speed, or the highest of balancing;
+    influence: coefficients, complex of shape (m, p) [m/(kg.m)]; rank: their numerical rank;
+    touches: whether a contact closed during a run, so that the coefficients are not those of a
+    linear machine; settles: whether the runs were long enough for the slowest mode.
     """
 
     planes: tuple[CorrectionPlane, ...]
     vibrations: tuple[Vibration, ...]
+    residuals: tuple[ResidualUnbalance, ...]
+    service_speed: float
     influence: np.ndarray
     rank: int
     touches: bool
+    settles: bool
 
     @property
     def residual(self) -> float:
@@ -89,10 +111,11 @@ class Balancing(Displayed):
         return float(np.linalg.norm(after) / np.linalg.norm(before))
 
     def table(self) -> Table:
-        """Return a table with a row for each plane, and for each measurement."""
+        """Return a table with a row for each plane, for each bearing's plane, and for each
+        measurement."""
         heads = (
             *("", "trial", "[deg]", "correction", "[deg]"),
-            *("initial", "[deg]", "left", "expected"),
+            *("initial", "[deg]", "left", "expected", "API 617", "ISO 21940-11"),
         )
         d, unit = current(), current().amplitude_words
         planes = [
@@ -100,9 +123,19 @@ class Balancing(Displayed):
                 f"plane at node {p.node} [{d.unbalance_unit}]",
                 *_polar(p.trial, d.unbalance),
                 *_polar(p.unbalance, d.unbalance),
-                *4 * ("",),
+                *6 * ("",),
             )
             for p in self.planes
+        ]
+        left_in_planes = [
+            (
+                f"unbalance at bearing, node {r.node} [{d.unbalance_unit}]",
+                *4 * ("",),
+                *_polar(r.initial, d.unbalance),
+                *(abs(r.corrected) * d.unbalance, "", r.permitted * d.unbalance),
+                f"G {r.grade:g}" if math.isfinite(r.grade) else "none",
+            )
+            for r in self.residuals
         ]
         measured = [
             (
@@ -111,11 +144,14 @@ class Balancing(Displayed):
                 *_polar(v.initial, d.amplitude),
                 abs(v.corrected) * d.amplitude,
                 abs(v.expected) * d.amplitude,
+                *2 * ("",),
             )
             for v in self.vibrations
         ]
         left = f"{100 * self.residual:.3g} % of the vibration is left"
         title = f"Balancing by influence coefficients: {left}"
+        if self.residuals:
+            title += f"; unbalances permitted at {speed_with_unit(self.service_speed)}"
         if self.rank < len(self.planes):
             title += (
                 f"; the influence coefficients of {len(self.planes)} planes have rank {self.rank}: "
@@ -123,7 +159,9 @@ class Balancing(Displayed):
             )
         if self.touches:
             title += "; a contact closed during a run: the coefficients are not a linear machine's"
-        return Table(title, heads, [*planes, *measured])
+        if not self.settles:
+            title += f"; {_MOST_TURNS} turns are too few for the slowest mode to settle"
+        return Table(title, heads, [*planes, *left_in_planes, *measured])
 
     def figure(self) -> Figure:
         """Draw the vibration before and after, in the complex plane."""
@@ -152,7 +190,7 @@ class Balancing(Displayed):
 
 
 def _polar(value: complex, factor: float) -> tuple[float, float]:
-    return abs(value) * factor, math.degrees(np.angle(value))
+    return abs(value) * factor, math.degrees(np.angle(value)) + 0.0  # no -0
 
 
 def balance(
@@ -193,27 +231,49 @@ def balance(
         raise InputError(f"trial unbalance = {trial:g} kg.m: must be > 0 and finite")
     if not assemble(rotor).unbalance.any():
         raise InputError("the machine has no unbalance: there is nothing to balance")
+    own = rotor.operation
+    service_speed = own.maximum_continuous_speed or own.rated_speed or max(speeds)
     bench = _Bench(rotor, list(speeds), nodes, report)
     initial = bench.vibration("as it is", {})
     trials = np.array(
         [bench.vibration(f"trial unbalance at node {n}", {n: complex(trial)}) for n in planes]
     )
     found = correction(initial, trials, np.full(len(planes), complex(trial)))
-    corrected = bench.vibration("corrected", dict(zip(planes, found.unbalances, strict=True)))
+    corrections = dict(zip(planes, found.unbalances.tolist(), strict=True))
+    corrected = bench.vibration("corrected", corrections)
     rows = zip(bench.rows(), initial, found.expected, corrected, strict=True)
     result = Balancing(
-        planes=tuple(
-            CorrectionPlane(node, complex(trial), complex(unbalance))
-            for node, unbalance in zip(planes, found.unbalances, strict=True)
-        ),
+        planes=tuple(CorrectionPlane(n, complex(trial), u) for n, u in corrections.items()),
         vibrations=tuple(
             Vibration(*row, complex(a), complex(b), complex(c)) for row, a, b, c in rows
         ),
+        residuals=_residuals(rotor, _with(rotor, corrections), service_speed),
+        service_speed=service_speed,
         influence=found.influence,
         rank=found.rank,
         touches=bench.touches,
+        settles=bench.settles,
     )
     return of_machine(result, rotor)
+
+
+def _with(rotor: Rotor, unbalances: dict[int, complex]) -> Rotor:
+    """Return the machine with further unbalances [kg.m] by node."""
+    added = [Unbalance(n, abs(u), float(np.angle(u))) for n, u in unbalances.items()]
+    return replace(rotor, parts=(*rotor.parts, *added))
+
+
+def _residuals(before: Rotor, after: Rotor, speed: float) -> tuple[ResidualUnbalance, ...]:
+    """Return what is left in the bearings' planes, at a service speed [rad/s]."""
+    planes = zip(tolerance_planes(before), tolerance_planes(after), strict=True)
+    return tuple(
+        ResidualUnbalance(
+            *(plane.node, plane.mass, initial.unbalance, plane.unbalance),
+            permitted=residual_unbalance(plane.mass, speed),
+            grade=balance_quality_grade(abs(plane.unbalance), plane.mass, speed),
+        )
+        for initial, plane in planes
+    )
 
 
 def _usual_trial(rotor: Rotor, speed: float, planes: int) -> float:
@@ -228,7 +288,11 @@ class _Bench:
         self, rotor: Rotor, speeds: list[float], nodes: list[int], report: ReportRun
     ) -> None:
         self._speeds, self._nodes, self._report = speeds, nodes, report
-        self._turns = [_turns(rotor, speed) for speed in speeds]
+        settling = [_settling(rotor, speed) for speed in speeds]
+        self.settles = max(settling) <= _MOST_TURNS
+        self._turns = [
+            math.ceil(min(max(turns, _LEAST_TURNS), _MOST_TURNS)) + _MEASURED for turns in settling
+        ]
         self._done = 0
         sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
@@ -242,8 +306,7 @@ class _Bench:
     def vibration(self, what: str, unbalances: dict[int, complex]) -> np.ndarray:
         """Return the vibration with further unbalances [kg.m] by node, in the order of `rows`;
         what: they are, in words."""
-        added = [Unbalance(n, abs(u), float(np.angle(u))) for n, u in unbalances.items()]
-        rotor = replace(self._rotor, parts=(*self._rotor.parts, *added))
+        rotor = _with(self._rotor, unbalances)
         result = []
         for speed, turns in zip(self._speeds, self._turns, strict=True):
             self._report(self._done, f"{what}, {turns} turns at {speed_with_unit(speed)}")
@@ -274,8 +337,8 @@ class _Bench:
         return np.array([_once(phi[within], result[name][within]) for name in names])
 
 
-def _turns(rotor: Rotor, speed: float) -> int:
-    """Return in how many turns a machine has settled at a speed [rad/s] and is measured."""
+def _settling(rotor: Rotor, speed: float) -> float:
+    """Return in how many turns a machine settles at a speed [rad/s], infinite without damping."""
     roots = modes(rotor, speed).eigenvalues
     growth = float(roots.real.max(initial=-math.inf))
     if growth > _GROWS * np.abs(roots).max(initial=0.0):
@@ -283,8 +346,7 @@ def _turns(rotor: Rotor, speed: float) -> int:
             f"balancing speed = {speed:g} rad/s: the machine is unstable there and does not settle "
             f"(a mode grows by {growth:.3g} 1/s)"
         )
-    settling = _SETTLED / -growth * speed / (2 * math.pi) if growth < 0 else math.inf
-    return math.ceil(min(max(settling, _LEAST_TURNS), _MOST_TURNS)) + _MEASURED
+    return _SETTLED / -growth * speed / (2 * math.pi) if growth < 0 else math.inf
 
 
 def _once(phi: np.ndarray, signal: np.ndarray) -> complex:

@@ -131,6 +131,11 @@ class SteadyWhirl:
         self._pull = np.column_stack([pull, -1j * pull]).ravel()
         self._known: dict[float, tuple[np.ndarray, Callable[[], np.ndarray]]] = {}
 
+    @property
+    def is_driven(self) -> bool:
+        """Whether any unbalance acts."""
+        return bool(self._pull.any())
+
     def at(self, speed: float) -> np.ndarray:
         """Return the complex amplitudes of x and y of every dof at a speed [rad/s], shape (size, 2)
         [m, rad]."""

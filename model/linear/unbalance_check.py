@@ -47,10 +47,9 @@ class ProbeLevel:
 
 @dataclass(frozen=True)
 class ClearanceLevel:
-    """How much of a radial clearance [m] the motion takes at most between standstill and the
-    maximum continuous speed: the part's name, amplitude 0-p of the major axis under the unbalance
-    [m] and the speed of it [rad/s]; the same once the unbalance is scaled up until the probes reach
-    their limit [m]."""
+    """How much of a radial clearance [m] the motion takes at most between standstill and the trip
+    speed: the part's name, amplitude 0-p of the major axis under the unbalance [m] and the speed of
+    it [rad/s]; the same once the unbalance is scaled up until the probes reach their limit [m]."""
 
     name: str
     clearance: float
@@ -106,16 +105,18 @@ def unbalance_check(
 ) -> UnbalanceCheck:
     """Return the response to unbalance held against API 617 and 684.
 
-    rotor: the clearances of its open contacts are checked; low, high: minimum and maximum
-    continuous speed [rad/s]; probes: nodes (from 1) with probes; unbalances: node (from 1), amount
-    [kg.m] and angle [rad] of each, by default the machine's; clearances: radial ones [m] of seals
-    by their nodes (from 1); contacts: `open` or `pinned`, by default open where the machine is held
-    without them. Raises `LinearError` if the range, a node or a clearance cannot be.
+    rotor: the clearances of its open contacts are checked, all up to its trip speed, or to `high`
+    where it has none; low, high: minimum and maximum continuous speed [rad/s]; probes: nodes (from
+    1) with probes; unbalances: node (from 1), amount [kg.m] and angle [rad] of each, by default the
+    machine's; clearances: radial ones [m] of seals by their nodes (from 1); contacts: `open` or
+    `pinned`, by default open where the machine is held without them. Raises `LinearError` if the
+    range, a node or a clearance cannot be, or no unbalance acts.
     """
     if not (0 < low <= high < math.inf):
         raise LinearError(f"operating range = {low:g} to {high:g} rad/s: must ascend from above 0")
     response = _Response(rotor, contacts, unbalances, clearances or {})
-    speeds = _speeds(rotor, LOOKED_AT * high, contacts)
+    trip = max(high, rotor.operation.trip_speed or high)
+    speeds = _speeds(rotor, max(LOOKED_AT * high, trip), contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
         for critical in _criticals(response, probes, speeds)
@@ -134,7 +135,7 @@ def unbalance_check(
         probes=tuple(levels),
         limit=limit,
         scale=scale,
-        clearances=tuple(response.clearance_levels(np.append(speeds[speeds < high], high), scale)),
+        clearances=tuple(response.clearance_levels(np.append(speeds[speeds < trip], trip), scale)),
     )
 
 
@@ -190,6 +191,11 @@ class _Response:
         clearances: Mapping[int, float],
     ) -> None:
         self.whirl = SteadyWhirl(rotor, contacts, unbalances)
+        if not self.whirl.is_driven:
+            raise LinearError(
+                "no unbalance acts, so that there is no response to check: give the machine one, "
+                "or place those of API 617 for a mode"
+            )
         self.machine = self.whirl.machine
         self._gaps = []
         for node, clearance in clearances.items():

@@ -58,7 +58,7 @@ class UndampedMachine:
         self._loaded = machine = LinearMachine(bare, self.contacts)
         if self.contacts != OPEN:
             machine = LinearMachine(bare, OPEN)
-        named = _bearings(bare, self.contacts)
+        named = bearings_of(bare, self.contacts)
         names = (*machine.supports.springs, *machine.supports.interfaces)
         held = [i for i, name in enumerate(names) if name in named]
         if not held:
@@ -189,7 +189,7 @@ def _solve(inverse: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return speeds[order], shapes[:, is_critical][:, order]
 
 
-def _bearings(rotor: Rotor, contacts: str) -> dict[str, Part]:
+def bearings_of(rotor: Rotor, contacts: str) -> dict[str, Part]:
     """Return the parts that support the shaft of a machine without seals, by their names."""
     supports = [where for where, _ in rotor.elements_of_kind(SpringElement)]
     for where, interface in rotor.elements_of_kind(InterfaceElement):

@@ -99,6 +99,7 @@ def stability(
     machine = machine_in_units(rotor, units)
     speed = rated_speed(rated, machine)
     couplings = cross_couplings(machine, speed, stage, cross_coupling)
+    say_where_linearized(machine, [speed])
     from ..linear import stability_answers
 
     result: stability_answers.StabilityLevel1 | stability_answers.StabilityLevel2

@@ -109,7 +109,7 @@ def report(
         int | None,
         typer.Option(
             help="With --rotor: place the unbalances of API 617 (4W/N) for this mode, from 1; "
-            "default: the machine's own unbalances."
+            "default: the machine's own unbalances, or mode 1 if it has none."
         ),
     ] = None,
     clearance: Clearances = None,

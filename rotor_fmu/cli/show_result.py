@@ -25,28 +25,11 @@ def machine_in_units(file: Path | None, units: str | None) -> Rotor:
 
 
 def say_where_linearized(machine: Rotor, speeds: Collection[float]) -> None:
-    """Say of oil films where they are linearized, and of tables which of these speeds [rad/s] lie
-    outside."""
-    from ..model.linear.linear_machine import LinearMachine
-    from ..model.machine.speed_ranges import speed_ranges
-    from ..model.parts.floating_ring_bearing import FloatingRingBearing
-    from ..model.parts.journal_bearing import JournalBearing
+    """Say what a linear answer at these speeds [rad/s] takes for granted."""
+    from ..linear.where_linearized import where_linearized
 
-    ends = sorted({min(speeds), max(speeds)})
-    for table in speed_ranges(machine):
-        for speed in ends:
-            if not table.holds(speed):
-                typer.echo(table.beyond.format(speed=speed))
-
-    kinds = JournalBearing, FloatingRingBearing
-    films = {name: part for name, part in machine.named_parts() if isinstance(part, kinds)}
-    if names := ", ".join(films):
-        where = "where its journal rests at that speed"
-        if not any(speeds) and not LinearMachine(machine).holds_at(0.0):
-            where = "in the middle of its clearance, since at standstill it carries nothing"
-        typer.echo(f"oil films, each linearized {where}: {names}")
-    if names := ", ".join(name for name, part in films.items() if getattr(part, "tilting", False)):
-        typer.echo(f"their pads that tilt follow a vibration at the frequency of rotation: {names}")
+    for sentence in where_linearized(machine, speeds):
+        typer.echo(sentence)
 
 
 def print_answer(

@@ -15,9 +15,11 @@ from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
 from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
+from ..linear.where_linearized import where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
+from ..model.structure.assembly import assemble
 from ..report.report_tables import notices_html
 from ..report.run_page import figure_html, machine_html, page, template
 from .rub_check import RubCheck, rub_check
@@ -44,8 +46,9 @@ class ReportOptions:
     """The speeds and places that a report is about.
 
     low, high: minimum and maximum continuous speed [rad/s]; probes: nodes (from 1), None: those
-    that move most; mode: whose placed unbalances act, None: the machine's own; clearances: radial,
-    by node [m]; couplings: cross-coupled stiffness by node [N/m].
+    that move most; mode: whose placed unbalances act, None: the machine's own, or those of the
+    first mode if it has none; clearances: radial, by node [m]; couplings: cross-coupled stiffness
+    by node [N/m].
     """
 
     low: float
@@ -66,9 +69,11 @@ def machine_report(
     first = lowest_speed(rotor, top)
     speeds = np.linspace(first, top, _SPEEDS)
     listed = inventory(rotor)
-    unbalances = None
-    if options.mode is not None:
-        placed = placed_unbalances(rotor, options.mode, high)
+    unbalances, mode = None, options.mode
+    if mode is None and not assemble(rotor).unbalance.any():
+        mode = 1
+    if mode is not None:
+        placed = placed_unbalances(rotor, mode, high)
         unbalances = [(p.node, p.amount, p.phase) for p in placed]
     at_speed = answers.modes(rotor, high, count=_MODES)
     diagram = answers.campbell(rotor, speeds)
@@ -90,6 +95,7 @@ def machine_report(
         "Machine": [machine_html(rotor), _html(listed.table())],
         "At rest": _shown(answers.static(rotor, afloat=high), "Deflection under gravity"),
         "Critical speeds": [
+            *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, speeds)),
             _html(diagram.table()),
             figure_html(diagram.figure((low, high)), "Campbell diagram"),
             *_shown(over_stiffness, "Undamped critical speed map"),
@@ -103,7 +109,7 @@ def machine_report(
             ),
         ],
         "Response to unbalance": [
-            f"<p>{escape(_acting(unbalances, options.mode))}</p>",
+            f"<p>{escape(_acting(unbalances, mode))}</p>",
             figure_html(response.figure(probes, (low, high)), "Steady response at the probes"),
             *_shown(check, "Amplification factors and separation margins"),
         ],

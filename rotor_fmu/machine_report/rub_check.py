@@ -163,7 +163,7 @@ def rub_check(
     the machine's own; scale: factor on them; say: is given what takes long.
     """
     machine = with_unbalances(rotor, unbalances, scale)
-    top = 1.25 * high
+    top = max(1.25 * high, rotor.operation.trip_speed or 0.0)
     whirl = SteadyWhirl(machine)
     close = with_criticals(machine, np.linspace(_FIRST * top, top, _SPEEDS))
     closings = _closings(machine, whirl, close, high)

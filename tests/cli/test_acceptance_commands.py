@@ -14,6 +14,7 @@ from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.machine_report.report_page import ReportOptions, as_ranges, machine_report
 
 from ..known import EXAMPLES
+from ..linear.api_617 import RPM, SHAFT, support
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
 COMPRESSOR = str(ROSS / "compressor.toml")
@@ -144,6 +145,18 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
     up, down = data["contact"]["runs"]
     assert up["contacts"][0]["share_in_range"] > 0.5
     assert down["contacts"][0]["share_in_range"] == 0.0
+
+
+def test_a_machine_without_unbalance_is_not_said_to_pass(refusal, tmp_path):
+    """It answers to nothing. A report places the unbalances of API 617 then: its critical speed of
+    4128 rpm is too near to the range."""
+    file = tmp_path / "balanced.toml"
+    file.write_text(SHAFT + support(1, 1e7, 500.0) + support(7, 1e7, 500.0))
+    for arguments in ([], ["--range", "2500:3500rpm"]):
+        assert "no unbalance acts" in refusal("unbalance", "--rotor", str(file), *arguments)
+    report = machine_report(load_rotor(file)[1], ReportOptions(2500 * RPM, 3500 * RPM))
+    assert report.conclusions[0].startswith("Critical speeds too near to the operating range: ")
+    assert "Unbalances placed by API 617 for mode 1: " in report.html
 
 
 def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(command):

@@ -33,7 +33,7 @@ from rotor_fmu.plotting.figure_style import new_figure, save
 from rotor_fmu.run_pictures import run_folder, signal_plots
 from rotor_fmu.run_pictures.signal_plots import bode, orbit
 from rotor_fmu.run_pictures.view import View
-from rotor_fmu.trial_balancing import Balancing, CorrectionPlane, Vibration
+from rotor_fmu.trial_balancing import Balancing, CorrectionPlane, ResidualUnbalance, Vibration
 
 from ..recordings import recorded
 
@@ -146,7 +146,9 @@ def _others():
     yield bearing_answers.rolling(rolling, bearing="left", load=np.array([100.0, 200.0]))
     planes = (CorrectionPlane(4, 1e-4 + 0j, 2e-4j),)
     vibrations = (Vibration(4, "x", 100.0, 1e-5, 0j, 1e-6),)
-    yield Balancing(planes, vibrations, np.ones((1, 1)), rank=1, touches=False)
+    residuals = (ResidualUnbalance(2, 3.0, 1e-4j, 1e-5j, 1e-5, 2.5),)
+    numbers = {"influence": np.ones((1, 1)), "rank": 1, "touches": False, "settles": False}
+    yield Balancing(planes, vibrations, residuals, service_speed=200.0, **numbers)
 
 
 def _column(text, head):

@@ -107,6 +107,15 @@ def test_a_machine_that_seals_do_not_lift_is_at_rest_at_its_rated_speed(with_sea
 def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_seal):
     report = machine_report(load_rotor(with_seal)[1], ReportOptions(300.0, 400.0))
     assert "At rest, 63.662 Hz (400 rad/s)" in report.html
+    assert "oil films, each linearized where its journal rests at that speed" in report.html
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("arguments", [["modes", "--speed"], ["stability", "--rated"]])
+def test_an_answer_about_floating_rings_says_how_they_follow(command, arguments):
+    turbocharger = OIL_FILM.parents[1] / "turbocharger" / "rotor.toml"
+    said = command(*arguments, "12000", "--rotor", str(turbocharger))
+    assert "their rings follow a vibration at the frequency of rotation; slower whirls" in said
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -63,7 +63,8 @@ def test_linear_answers_outside_of_a_table_over_the_speed_say_so(
     )
     shaft = "[material]\nyoung = 2e11\ndensity = 7800.0\n[[section]]\nlength = 0.5\nouter = 0.05\n"
     file = tmp_path / "tables.toml"
-    file.write_text(shaft + "".join(bearings))
+    unbalance = "[[unbalance]]\nnode = 1\namount = 1e-5\n"
+    file.write_text(shaft + unbalance + "".join(bearings))
     said = command(*arguments, "--rotor", str(file), "--out", str(tmp_path))
     named = "linear_bearing[1]: speed {} rad/s lies outside its table, 100 to 300 rad/s"
     assert said.count("linear_bearing[1]: speed") == len(outside)

@@ -2,6 +2,7 @@
 against closed forms and against ROSS 2.3 (tests/reference/make_ross_api.py made its numbers)."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from rotor_fmu.model.linear import (
 )
 from rotor_fmu.model.linear.amplification import Peak, margin, peaks, required_margin
 from rotor_fmu.model.linear.unbalance_placement import residual_unbalance, vibration_limit
+from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 
 from tests.linear.api_617 import CLOSE, ROSS, RPM, SHAFT, example, support
@@ -197,6 +199,20 @@ def test_the_level_of_a_probe_is_that_of_the_peak_itself(damping):
         most = max(major(speed, probe.node) for speed in fine)
         assert probe.peak_to_peak == pytest.approx(2 * most, rel=1e-6)
     assert result.clearances[0].amplitude == pytest.approx(result.probes[1].peak_to_peak / 2)
+
+
+@pytest.mark.parametrize("share", [1.1, 1.7])
+def test_a_clearance_is_checked_up_to_the_trip_speed(share):
+    """Below a critical speed the motion grows with the speed, so that it is largest there."""
+    rotor = parse_rotor(SHAFT + support(1, 1e7, 500.0) + support(7, 1e7, 500.0))
+    high, tripped = 500 * RPM, replace(rotor, operation=Operation(trip_speed=share * 500 * RPM))
+    acting = {"unbalances": [(4, 1e-5, 0.0)], "clearances": {4: 1e-3}}
+    (until,) = unbalance_check(tripped, high, high, [4], **acting).clearances
+    expected = unbalance_response(rotor, [share * high], unbalances=acting["unbalances"])
+    assert until.speed == pytest.approx(share * high)
+    assert until.amplitude == pytest.approx(expected.major[0, 3])
+    (without,) = unbalance_check(rotor, high, high, [4], **acting).clearances
+    assert without.speed == pytest.approx(high)
 
 
 def test_a_critical_speed_just_within_the_largest_margin_is_seen():

@@ -5,8 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.linear import static
+from rotor_fmu.model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
+from rotor_fmu.model.machine.operating_speeds import Operation
+from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.parts.bearing import Bearing
+from rotor_fmu.model.parts.body import Body
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 
@@ -15,6 +19,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
 from rotor_fmu.trial_balancing import balance
 from rotor_fmu.vibration.influence_coefficients import correction
+from tests.linear.api_617 import RPM, SHAFT, support
 
 
 def without_contact():
@@ -55,6 +60,64 @@ def test_influence_coefficients_from_runs_are_those_of_the_linear_response():
     linear = unbalance_response(rotor, [150.0], unbalances=[(4, 1.0, 0.0)])
     expected = [linear.x[0, 5], linear.y[0, 5]]
     np.testing.assert_allclose(result.influence[:, 0], expected, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("rpm", "grade", "micrometres"),
+    [(3000, 2.5, 7.96), (3000, 6.3, 20.1), (1500, 6.3, 40.1), (12000, 1.0, 0.796), (950, 16, 161)],
+)
+def test_a_balance_quality_grade_permits_what_the_standard_does(rpm, grade, micrometres):
+    """Of 80 kg; the values are those of the diagram of ISO 21940-11, to three digits."""
+    permitted = 80 * micrometres * 1e-6
+    assert balance_quality_grade(0.995 * permitted, 80, rpm * RPM) == grade
+    assert balance_quality_grade(1.005 * permitted, 80, rpm * RPM) > grade
+    assert balance_quality_grade(80 * 50.0, 80, rpm * RPM) == np.inf
+
+
+def test_the_unbalance_of_a_rotor_is_divided_between_its_bearings_as_a_force_is():
+    """An overhung one, whose body has its centre of mass beside its node."""
+    supports = support(2, 1e9) + support(5, 1e9)
+    body = Body(node=7, mass=3.0, I_d=0.01, I_p=0.02, offset=0.05, e=1e-4, phase=0.5)
+    rotor = parse_rotor(SHAFT + supports)
+    rotor = replace(rotor, parts=(*rotor.parts, body))
+    first, last = tolerance_planes(rotor)
+    z = rotor.nodes
+    share = (z[4] - (z[6] + 0.05)) / (z[4] - z[1])
+    expected = 3e-4 * np.exp(0.5j) * np.array([share, 1 - share])
+    np.testing.assert_allclose([first.unbalance, last.unbalance], expected, rtol=1e-12)
+    borne = np.abs(static(rotor).load_y) / rotor.gravity
+    np.testing.assert_allclose([first.mass, last.mass], borne, rtol=1e-6)
+    assert not tolerance_planes(parse_rotor(SHAFT + support(4, 1e7)))
+
+
+def test_what_is_left_in_the_bearings_planes_has_its_grade():
+    """One plane takes away the sum of the discs' unbalances, which are alike, and none of the rest;
+    at 150 rad/s, at which the rotor is nearly rigid."""
+    rotor = replace(without_contact(), operation=Operation(maximum_continuous_speed=3000 * RPM))
+    result = balance(rotor, [150.0], [5])
+    planes = tolerance_planes(rotor)
+    assert [r.initial for r in result.residuals] == [plane.unbalance for plane in planes]
+    (plane,) = result.planes
+    for left, first in zip(result.residuals, planes, strict=True):
+        assert left.corrected == pytest.approx(first.unbalance + plane.unbalance / 2, rel=1e-9)
+        assert left.permitted == pytest.approx(6350e-6 * left.mass / 3000, rel=1e-9)
+        size = abs(left.corrected) / left.mass * 3000 * RPM * 1e3
+        assert left.grade / 2.6 < size <= left.grade
+    assert "unbalances permitted at 50 Hz" in result.table().title
+    assert f"G {result.residuals[0].grade:g}" in result.table().text()
+
+
+def test_without_a_service_speed_it_is_that_of_balancing():
+    rotor = replace(without_contact(), operation=Operation(minimum_speed=0.0))
+    assert balance(rotor, [150.0], [5]).service_speed == 150.0
+
+
+def test_a_machine_whose_slowest_mode_outlasts_the_runs_says_so(monkeypatch):
+    monkeypatch.setattr("rotor_fmu.trial_balancing._MOST_TURNS", 20)
+    monkeypatch.setattr("rotor_fmu.trial_balancing._LEAST_TURNS", 10)
+    slow = balance(without_contact(), [300.0], [4])
+    assert not slow.settles
+    assert "20 turns are too few for the slowest mode to settle" in slow.table().title
 
 
 def test_a_machine_that_does_not_settle_is_refused():

@@ -1,8 +1,10 @@
 """The check of clearances with contacts: ranges of a single speed, and runs that fail."""
 
 import math
+from dataclasses import replace
 
 import pytest
+from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.machine_report.rub_check import rub_check
@@ -54,6 +56,13 @@ def test_a_rub_that_lasts_is_told_of_a_rated_speed_too(low):
     assert "The rub lasts in the operating range (contact[1]), in both directions." in (
         check.conclusion
     )
+
+
+@pytest.mark.parametrize(("trip", "top"), [(None, 12.5), (11.0, 12.5), (17.0, 17.0)])
+def test_what_is_looked_at_reaches_the_trip_speed(trip, top):
+    rotor = _machine(1e4, 300.0, 0.0)
+    checked = rub_check(replace(rotor, operation=Operation(trip_speed=trip)), 10.0, 10.0)
+    assert checked.speed[-1] == pytest.approx(top)
 
 
 def test_a_run_that_fails_before_it_has_settled_is_told_as_failed():

@@ -1,0 +1,57 @@
+"""What unbalance is left in a rotor, against the balance quality grades of ISO 21940-11.
+
+The unbalances U of a rigid rotor at z are those of two planes, here of its outermost bearings A and
+B, between which its mass is divided by the same levers, as its weight is between two bearings:
+
+    U_A = sum U (z_B - z) / (z_B - z_A),    U_B = sum U (z - z_A) / (z_B - z_A)
+
+A grade G is the largest eccentricity e = U / m times the service speed in mm/s, so that G 2.5 at
+3000 rev/min permits 7.96 um. Where the centre of mass lies near a bearing or beyond both, the
+standard divides what it permits more evenly; here each plane keeps the size of its own share.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..machine.rotor import Rotor
+from ..structure.assembly import assemble
+from .linear_machine import LinearMachine
+from .undamped import bearings_of, without_seals
+
+GRADES = (0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0)  # [mm/s]
+
+
+class TolerancePlane(NamedTuple):
+    """The plane of a bearing: its node (from 1), the mass that it bears [kg], and the unbalance of
+    the rotor there, complex [kg.m]."""
+
+    node: int
+    mass: float
+    unbalance: complex
+
+
+def balance_quality_grade(unbalance: float, mass: float, speed: float) -> float:
+    """Return the finest grade G [mm/s] that an unbalance [kg.m] of a mass [kg] meets at a service
+    speed [rad/s], infinite where it meets none."""
+    met = (grade for grade in GRADES if abs(unbalance) * speed <= 1e-3 * grade * mass)
+    return next(met, math.inf)
+
+
+def tolerance_planes(rotor: Rotor) -> tuple[TolerancePlane, ...]:
+    """Return the planes of the two outermost bearings, with what a rotor, taken as rigid, has of
+    mass and unbalance there; none where its bearings stand at fewer nodes."""
+    bearings = bearings_of(without_seals(rotor), LinearMachine(rotor).contacts)
+    nodes = sorted({part.node for part in bearings.values()})  # type: ignore[attr-defined]
+    if len(nodes) < 2:
+        return ()
+    structure, z = assemble(rotor), np.asarray(rotor.nodes)
+    at = z[structure.unbalances.dof // 2] + structure.unbalances.offset
+    result = []
+    for node, other in ((nodes[0], nodes[-1]), (nodes[-1], nodes[0])):
+        end, span = z[other - 1], z[other - 1] - z[node - 1]
+        mass = structure.mass_sum[::2] @ (end - z) - structure.mass_sum[1::2].sum()
+        unbalance = structure.unbalance @ (end - at)
+        result.append(TolerancePlane(node, abs(float(mass / span)), complex(unbalance / span)))
+    return tuple(result)

@@ -1,0 +1,34 @@
+"""What linear answers take for granted: the ends of tables, where oil films are linearized, and how
+tilting pads and floating rings follow."""
+
+from collections.abc import Collection
+
+from ..model.linear.linear_machine import LinearMachine
+from ..model.machine.rotor import Rotor
+from ..model.machine.speed_ranges import speed_ranges
+from ..model.parts.floating_ring_bearing import FloatingRingBearing
+from ..model.parts.journal_bearing import JournalBearing
+
+
+def where_linearized(machine: Rotor, speeds: Collection[float]) -> list[str]:
+    """Return a sentence for each table outside of which some of these speeds [rad/s] lie, and for
+    oil films."""
+    ends = sorted({min(speeds), max(speeds)})
+    tables = speed_ranges(machine)
+    result = [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
+    kinds = JournalBearing, FloatingRingBearing
+    films = {name: part for name, part in machine.named_parts() if isinstance(part, kinds)}
+    if names := ", ".join(films):
+        where = "where its journal rests at that speed"
+        if not any(speeds) and not LinearMachine(machine).holds_at(0.0):
+            where = "in the middle of its clearance, since at standstill it carries nothing"
+        result.append(f"oil films, each linearized {where}: {names}")
+    pads = [name for name, part in films.items() if getattr(part, "tilting", False)]
+    rings = [name for name, part in films.items() if isinstance(part, FloatingRingBearing)]
+    for what, named in (("pads that tilt", pads), ("rings", rings)):
+        if named:
+            result.append(
+                f"their {what} follow a vibration at the frequency of rotation; slower whirls have "
+                f"another damping, which a run shows: {', '.join(named)}"
+            )
+    return result
