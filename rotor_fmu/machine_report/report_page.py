@@ -103,10 +103,7 @@ def machine_report(
         "Mode shapes": [
             _html(at_speed.table()),
             _TURNING,
-            figure_html(
-                mode_shapes_figure(at_speed, rotor.name, at_speed.shear),
-                "The same at one instant, with whirl orbits",
-            ),
+            figure_html(mode_shapes_figure(at_speed), "The same at one instant, with whirl orbits"),
         ],
         "Response to unbalance": [
             f"<p>{escape(_acting(unbalances, mode))}</p>",
