@@ -15,14 +15,13 @@ from ..display import current
 from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..model.settings import Settings, SettingsError
-from ..run_status import FAILED, OK, with_doubt
+from ..run_status import FAILED, OK, not_confirmed
 from .job import Job
 from .progress import shown
 from .recording import Recording
 from .run_down import Run, run_direct
 
 CONFIRMED, SENSITIVE, NOT_CONFIRMED = "confirmed", "sensitive", "not confirmed"
-NOT_CONFIRMED_CODE = "not-confirmed"  # in the status of a run
 # Amplitudes agree that differ by less than this share, or by the larger one that a coarse tolerance
 # promises, in tolerances.
 AGREES, AGREES_IN_TOLERANCES = 0.02, 10.0
@@ -141,7 +140,7 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
     verification = compare(run, other, job.settings, job.rotor.length)
     status = run.status
     if verification.conclusion == NOT_CONFIRMED:
-        status = with_doubt(status, NOT_CONFIRMED_CODE)
+        status = not_confirmed(status)
     about = {**recording.about, "status": status, "verification": verification.figures}
     return replace(run, status=status), replace(recording, about=about)
 
