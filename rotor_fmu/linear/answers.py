@@ -12,13 +12,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..display import current, shown_speed, speed_with_unit
 from ..model import linear
-from ..model.linear.modes import FORWARD, PLANAR
+from ..model.linear.modes import FORWARD
 from ..model.one_thread import on_one_thread
 from ..operating_speeds import operating_speeds
 from ..plotting.figure_style import (
@@ -31,13 +30,14 @@ from ..plotting.figure_style import (
     ORANGE,
     PURPLE,
     annotate,
+    broken_at_turns,
     entitle,
     new_figure,
     new_panels,
 )
 from ..plotting.labels import write_labels
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
-from .linear_plots import WHIRL_COLORS, curve, shade, shapes_in_grid, titled
+from .linear_plots import WHIRL_COLORS, curve, draw_whirling, shade, shapes_in_grid, titled
 from .linear_tables import Table, peaks, turns
 
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
@@ -149,7 +149,7 @@ class Campbell(Displayed, linear.Campbell):
         shade(panels, operating)
         for mode, whirl in enumerate(zip(*self.whirl, strict=True)):
             for axes, values in ((above, frequency), (below, self.log_dec)):
-                _whirling(axes, speed, values[:, mode], whirl)
+                draw_whirling(axes, speed, values[:, mode], whirl)
         for order in self.harmonics:
             above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=LIMIT)
         places = [(_speed(c.speed), c.harmonic * abs(_speed(c.speed))) for c in self.critical]
@@ -194,14 +194,6 @@ class Campbell(Displayed, linear.Campbell):
 
 def _speed(omega: float) -> float:
     return float(omega) * current().speed
-
-
-def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
-    """A line in pieces of the colour of its whirl."""
-    for i in range(len(speed) - 1):
-        # a mode at rest whirls neither way: its first piece has the colour of what it becomes
-        word = whirl[i + 1] if whirl[i] in ("", PLANAR) else whirl[i]
-        axes.plot(speed[i : i + 2], values[i : i + 2], color=WHIRL_COLORS.get(word, GREY), lw=1.6)
 
 
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
@@ -255,8 +247,7 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
             for x, dashes in ((self.x, DASHED), (self.y, DOTTED)):
                 above.plot(speed, np.abs(x[:, at]) * scale, color=color, lw=1.0, ls=dashes)
             for angle, dashes in ((self.phase_x, DASHED), (self.phase_y, DOTTED)):
-                phase = np.degrees(angle[:, at])
-                phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
+                phase = broken_at_turns(angle[:, at])
                 phase[self.speeds == 0] = np.nan
                 below.plot(speed, phase, marker=mark, color=color, lw=1.2, ls=dashes)
         handles, _ = above.get_legend_handles_labels()

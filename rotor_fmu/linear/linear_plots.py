@@ -51,6 +51,14 @@ def shapes_in_grid(modes: int) -> tuple[int, int, int]:
     return shown, max(1, -(-shown // columns)), columns
 
 
+def draw_whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
+    """Draw a line in pieces of the colour of its whirl."""
+    for i in range(len(speed) - 1):
+        # a mode at rest whirls neither way: its first piece has the colour of what it becomes
+        word = whirl[i + 1] if whirl[i] in ("", PLANAR) else whirl[i]
+        axes.plot(speed[i : i + 2], values[i : i + 2], color=WHIRL_COLORS.get(word, GREY), lw=1.6)
+
+
 def titled(name: str, text: str) -> str:
     """Return the title of a picture of a machine."""
     return f"{name}: {text}" if name else text
