@@ -234,7 +234,7 @@ def _second(
     from ..periodic.result import check_names
 
     name, low, high = _range(text, "--fold-over", units)
-    check_names(machine, {name: low})
+    check_names(machine, [name])
     check_second(response_request(machine, **options).rotor, name, low, high)
     return name, low, high
 
