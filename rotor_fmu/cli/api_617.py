@@ -245,7 +245,6 @@ def balance(
     speed: Annotated[
         list[str] | None,
         typer.Option(
-            "--speed",
             help="Balancing speed, in rad/s or with rpm or Hz added; at least one; repeatable.",
         ),
     ] = None,

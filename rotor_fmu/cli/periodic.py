@@ -34,7 +34,6 @@ def response(
     speed: Annotated[
         str | None,
         typer.Option(
-            "--speed",
             help="Speeds FROM:TO, or, with --over, one speed, in rad/s, or with rpm or Hz added; "
             "default: from an eighth of the machine's highest speed to that, or its rated speed.",
         ),
