@@ -38,7 +38,7 @@ def hosting(
         runs = {"fmpy_cpu_s": [], "direct_cpu_s": []}
         for _ in range(repetitions):
             runs["fmpy_cpu_s"].append(_cpu(partial(run_fmu, fmu, plan)))
-            runs["direct_cpu_s"].append(_cpu(partial(run_direct, job.rotor, plan)))
+            runs["direct_cpu_s"].append(_cpu(partial(run_direct, plan)))
         store.keep("communication", name, {"step": step, **runs})
 
 

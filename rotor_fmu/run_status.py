@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from .model.message_templates import Message
 
 OK, DOUBTFUL, FAILED = "ok", "doubtful: ", "failed: "
+_NOT_CONFIRMED = "not-confirmed"  # a code
 
 
 def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
@@ -16,11 +17,11 @@ def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
     return f"{DOUBTFUL}{', '.join(codes)}" if codes else OK
 
 
-def with_doubt(status: str, code: str) -> str:
-    """Return a status with the code of a warning added."""
+def not_confirmed(status: str) -> str:
+    """Return the status of a run that the same run, solved more finely, does not confirm."""
     if status == OK:
-        return f"{DOUBTFUL}{code}"
-    return status if status.startswith(FAILED) else f"{status}, {code}"
+        return f"{DOUBTFUL}{_NOT_CONFIRMED}"
+    return status if status.startswith(FAILED) else f"{status}, {_NOT_CONFIRMED}"
 
 
 def messages_and_codes(messages: Iterable[Message]) -> dict[str, list[str]]:

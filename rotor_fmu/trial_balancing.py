@@ -29,6 +29,7 @@ from .model.quantities import STANDARD_GRAVITY
 from .model.structure.assembly import assemble
 from .model.structure.structure import total_mass
 from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
+from .run_status import FAILED
 from .vibration.influence_coefficients import correction, enough_measurements
 
 _SETTLED = 16.0  # time constants of the slowest mode until the motion is steady: 1e-7 of it is left
@@ -169,13 +170,12 @@ class Balancing(Displayed):
         d = current()
         axes.axhline(0, color=GREY, lw=0.8)
         axes.axvline(0, color=GREY, lw=0.8)
-        for kind, color, mark in (
-            ("initial", ORANGE, "o"),
-            ("expected", GREEN, "x"),
-            ("corrected", BLUE, "s"),
+        for kind, label, color, mark in (
+            ("initial", "initial", ORANGE, "o"),
+            ("expected", "expected", GREEN, "x"),
+            ("corrected", "with the correction", BLUE, "s"),
         ):
             values = np.array([getattr(v, kind) for v in self.vibrations]) * d.amplitude
-            label = "with the correction" if kind == "corrected" else kind
             axes.plot(values.real, values.imag, mark, color=color, ms=6, mfc="none", label=label)
         for v in self.vibrations:
             at = v.initial * d.amplitude
@@ -212,10 +212,9 @@ def balance(
     run stops before its end.
     """
     nodes = list(planes if measured is None else measured)
-    highest = len(rotor.nodes)
     for node in (*planes, *nodes):
-        if not 1 <= node <= highest:
-            raise InputError(f"node {node}: must be from 1 to {highest}")
+        if not 1 <= node <= len(rotor.nodes):
+            raise InputError(f"node {node}: must be from 1 to {len(rotor.nodes)}")
     for name, given in (("planes", planes), ("measured", nodes)):
         if len(set(given)) < len(given) or not given:
             raise InputError(f"{name}: {list(given)}: must be different nodes, at least one")
@@ -226,7 +225,8 @@ def balance(
         if not (math.isfinite(speed) and speed > 0):
             raise InputError(f"balancing speed = {speed:g} rad/s: must be > 0 and finite")
     if trial is None:
-        trial = _usual_trial(rotor, min(speeds), len(planes))
+        pull = _TRIAL * total_mass(assemble(rotor)) * STANDARD_GRAVITY
+        trial = pull / (len(planes) * min(speeds) ** 2)
     if not (math.isfinite(trial) and trial > 0):
         raise InputError(f"trial unbalance = {trial:g} kg.m: must be > 0 and finite")
     if not assemble(rotor).unbalance.any():
@@ -244,9 +244,7 @@ def balance(
     rows = zip(bench.rows(), initial, found.expected, corrected, strict=True)
     result = Balancing(
         planes=tuple(CorrectionPlane(n, complex(trial), u) for n, u in corrections.items()),
-        vibrations=tuple(
-            Vibration(*row, complex(a), complex(b), complex(c)) for row, a, b, c in rows
-        ),
+        vibrations=tuple(Vibration(*row, *map(complex, seen)) for row, *seen in rows),
         residuals=_residuals(rotor, _with(rotor, corrections), service_speed),
         service_speed=service_speed,
         influence=found.influence,
@@ -276,11 +274,6 @@ def _residuals(before: Rotor, after: Rotor, speed: float) -> tuple[ResidualUnbal
     )
 
 
-def _usual_trial(rotor: Rotor, speed: float, planes: int) -> float:
-    mass = total_mass(assemble(rotor))
-    return _TRIAL * mass * STANDARD_GRAVITY / (planes * speed**2)
-
-
 class _Bench:
     """A machine that is run at the balancing speeds and measured."""
 
@@ -293,11 +286,10 @@ class _Bench:
         self._turns = [
             math.ceil(min(max(turns, _LEAST_TURNS), _MOST_TURNS)) + _MEASURED for turns in settling
         ]
-        self._done = 0
         sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
-        self._contacts = list(walls(rotor))
-        self.touches = False
+        self._touching = [f"{name}.contact" for name in walls(rotor)]
+        self._done, self.touches = 0, False
 
     def rows(self) -> list[tuple[int, str, float]]:
         """Return node, axis and speed of each measurement."""
@@ -317,7 +309,6 @@ class _Bench:
     def _at(self, rotor: Rotor, speed: float, turns: int) -> np.ndarray:
         turn = 2 * math.pi / speed
         names = [f"measured_{node}.{axis}" for node in self._nodes for axis in "xy"]
-        touching = [f"{name}.contact" for name in self._contacts]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             result = simulate(
@@ -325,15 +316,15 @@ class _Bench:
                 speed=speed,
                 stop=turns * turn,
                 tolerance=_TOLERANCE,
-                record=[*names, *touching],
+                record=[*names, *self._touching],
                 per_turn=_ROWS,
                 step=turn / _STEPS,
             )
-        if result.status.startswith("failed"):
+        if result.status.startswith(FAILED):
             raise RunFailed(f"the run at {speed:g} rad/s {result.status}")
         phi = result["phi"]
         within = (phi > phi[-1] - 2 * math.pi * _MEASURED).nonzero()[0]
-        self.touches |= any(bool((result[name][within] > 0.5).any()) for name in touching)
+        self.touches |= any(bool((result[name][within] > 0.5).any()) for name in self._touching)
         return np.array([_once(phi[within], result[name][within]) for name in names])
 
 

@@ -53,20 +53,22 @@ _DESCRIPTION = "rotor_fmu/fmi/description.py"
 _PACKING = "rotor_fmu/fmi/packing"
 _PYTHON_FMU = f"{_PACKING}/python_fmu.py"
 _DOCUMENTS = f"{_PACKING}/documents.py"
+_OF_TERMINALS = "rotor_fmu/fmi/terminals.py"
 _ENERGY = "model/time_loop/energy.py"
 _OBSERVE = "model/time_loop/observe.py"
 
 MUTANTS = (
     # the description
     Mutant(_DESCRIPTION, "        return inputs\n", "        return []\n", _DEPEND),
-    Mutant(_DESCRIPTION, ".name == variable.reached_by == SPEED", '.name == "none"', _BY_SPEED),
+    Mutant(_DESCRIPTION, "in (variable.reached_by, own)", "== own", _BY_SPEED),
     Mutant(_DESCRIPTION, '("min", variable.low)', '("min", None)', _LIMITS),
     Mutant(_DESCRIPTION, '("max", variable.high)', '("max", variable.low)', _LIMITS),
     Mutant(_DESCRIPTION, '["nominal"] = repr(variable.nominal)', '["nominal"] = "1.0"', _LIMITS),
     Mutant(_DESCRIPTION, "factor=repr(factor)", "factor=repr(1 / factor)", _UNITS),
     Mutant(_DESCRIPTION, "SubElement(unknowns, ", "SubElement(Element('none'), ", _LIMITS),
     Mutant(_DESCRIPTION, "rotor-fmu {content} {table!r}", "rotor-fmu", _GUID),
-    Mutant("rotor_fmu/fmi/interface.py", "reached_by=output.reached_by,\n", "\n", _DEPEND),
+    Mutant("rotor_fmu/fmi/interface.py", "is_driven else output.reached_by", "is_driven else ''",
+           _DEPEND),
     Mutant(_OBSERVE, '        reached_by=ALL,\n    ),\n    Output(\n        "J"',
            '    ),\n    Output(\n        "J"', _DEPEND),
     Mutant("model/parts/clearance_contact.py", ", reached_by=SPEED", "", _INSTANT),
@@ -86,11 +88,11 @@ MUTANTS = (
     Mutant(_DOCUMENTS, '("rotor-fmu", "pythonfmu") if', '("rotor-fmu",) if', _LICENCES),
     Mutant(_DOCUMENTS, "_REFERENCE if related", "_REFERENCE if not related", _PAGE),
     Mutant(_DOCUMENTS, "drive=_DRIVES[table[0].name]", 'drive=_DRIVES["speed"]', _PAGE),
-    Mutant(_DOCUMENTS, '"tau": "tau_drive"}', '"tau": "tau"}', _TERMINALS),
-    Mutant(_DOCUMENTS, '("fx", "fy", "x", "y")', '("fx", "fy", "y")', _TERMINALS),
+    Mutant(_OF_TERMINALS, '"tau": "tau_drive"}', '"tau": "tau"}', _TERMINALS),
+    Mutant(_OF_TERMINALS, '("fx", "fy", "x", "y")', '("fx", "fy", "y")', _TERMINALS),
     Mutant(_DOCUMENTS, 'version=__version__', 'version="0"', _PAGE),
-    Mutant(f"{_PACKING}/variable_table.py", 'number != "1"', 'number == "1"', _README),
-    Mutant(f"{_PACKING}/related_files.py", "rotor != rig() or ", "", _RESULT),
+    Mutant(_DOCUMENTS, 'number != "1"', 'number == "1"', _README),
+    Mutant(_DOCUMENTS, "rotor != rig() or ", "", _RESULT),
     # the ledger
     Mutant(_ENERGY, "out[FLOW.external] = external", "out[FLOW.external] = -external", _LEDGER),
     Mutant(_ENERGY, "    out[FLOW.housing] = housing\n", "    out[FLOW.housing] = 0.0\n", _LEDGER),

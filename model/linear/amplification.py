@@ -16,7 +16,7 @@ continuous speed for one above it (API 617, 7th edition, part 1, 2.6.2), is none
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -195,12 +195,10 @@ def with_peaks(
 
     answer: complex array of a frequency; poles: of the answer [1/s].
     """
-    known: dict[float, np.ndarray] = {}
 
+    @cache
     def answered(w: float) -> np.ndarray:
-        if w not in known:
-            known[w] = np.asarray(answer(float(w)))
-        return known[w]
+        return np.asarray(answer(float(w)))
 
     low, high = frequencies.min(), frequencies.max()
     inside = (pole for pole in poles if low < pole.imag < high)

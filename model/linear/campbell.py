@@ -3,6 +3,7 @@ speed at which the machine loses its stability."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.optimize import brentq
@@ -103,9 +104,7 @@ class _Follower:
     """Follows modes of a machine from speed to speed by their shapes."""
 
     def __init__(self, machine: LinearMachine, count: int) -> None:
-        self._machine = machine
-        self._count = count
-        self._known: dict[float, Modes] = {}
+        self._at = cache(lambda speed: machine_modes(machine, speed, count))
         self.onward = Following(
             lambda modes: modes.damped,
             _likeness,
@@ -114,10 +113,7 @@ class _Follower:
         ).onward
 
     def at(self, speed: float) -> Modes:
-        speed = float(speed)
-        if speed not in self._known:
-            self._known[speed] = machine_modes(self._machine, speed, self._count)
-        return self._known[speed]
+        return self._at(float(speed))
 
 
 def _lines(follow: _Follower, at: np.ndarray, count: int) -> tuple[list[Modes], np.ndarray]:

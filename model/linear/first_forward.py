@@ -16,6 +16,7 @@ it. And a rotor is not stable because one of its modes is. So:
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,18 +53,11 @@ class Pair(NamedTuple):
 class _Followed:
     """An eigenvalue [1/s] over an amount of what is added, followed from amount to amount.
 
-    find: the modes with an amount; known: eigenvalues by their amounts.
+    modes: all modes with an amount; known: eigenvalues by their amounts.
     """
 
-    def __init__(self, find: Callable[[float], Modes], known: dict[float, complex]) -> None:
-        self._find, self.known = find, known
-        self._modes: dict[float, Modes] = {}
-
-    def modes(self, amount: float) -> Modes:
-        """Return all modes with an amount."""
-        if amount not in self._modes:
-            self._modes[amount] = self._find(amount)
-        return self._modes[amount]
+    def __init__(self, modes: Callable[[float], Modes], known: dict[float, complex]) -> None:
+        self.modes, self.known = cache(modes), known
 
     def __call__(self, amount: float) -> complex:
         """Return the eigenvalue with an amount."""

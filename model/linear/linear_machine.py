@@ -32,15 +32,7 @@ from .real_matrices import (
     to_complex,
     unknowns,
 )
-from .supports import (
-    are_linear,
-    interfaces,
-    not_held,
-    pin_forces,
-    rigid_motions,
-    seat,
-    supports,
-)
+from .supports import are_linear, interfaces, not_held, pin_forces, rigid_motions, seat, supports
 from .system_at_speed import Linear, LinearError, Strain
 from .tangents import LawsAtRest, Tangents
 
@@ -92,8 +84,7 @@ class LinearMachine:
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
         self._unknown = unknown = unknowns(size, held)
         self.expand = expansion(unknown)
-        ends = [(dof, end) for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)]
-        self.across = differences(size, ends)
+        self.across = differences(size, list(zip(s.interfaces.dof, s.interfaces.end, strict=True)))
         self._across = (self.across @ self.expand).tocsr()
         rows, columns = unknown[full.rows], unknown[full.columns]
         moving = (rows >= 0) & (columns >= 0)
@@ -287,11 +278,7 @@ class LinearMachine:
         return Strain(by_d, by_v, float(numbers.kappa_h), speed)
 
     def _linear(
-        self,
-        speed: float,
-        at: np.ndarray,
-        frequency: float = 0.0,
-        states: np.ndarray | None = None,
+        self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None
     ) -> Linear:
         """Return the matrices linearized at the displacements `at`, what the laws' states do being
         that of a vibration of a frequency [rad/s]; states: what they were before, None: at the

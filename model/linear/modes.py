@@ -111,11 +111,7 @@ def _word(nodes: np.ndarray, whole: float) -> str:
 
 
 def modes(
-    rotor: Rotor,
-    speed: float = 0.0,
-    *,
-    count: int = DEFAULT_COUNT,
-    contacts: str | None = None,
+    rotor: Rotor, speed: float = 0.0, *, count: int = DEFAULT_COUNT, contacts: str | None = None
 ) -> Modes:
     """Return the `count` lowest modes at a speed [rad/s], fewer where there are fewer.
 

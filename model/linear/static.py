@@ -75,7 +75,7 @@ def static(
         housings=machine.supports.housings,
         housing_x=x[n:-1],
         housing_y=y[n:-1],
-        supports=machine.supports.springs + machine.supports.interfaces,
+        supports=machine.supports.names,
         support_z=machine.nodes[machine.support_dofs // 2],
         load_x=bears[:, 0],
         load_y=bears[:, 1],

@@ -19,6 +19,11 @@ class Supports(NamedTuple):
     interfaces: tuple[str, ...]
     housings: tuple[str, ...]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of springs, then of interfaces."""
+        return self.springs + self.interfaces
+
 
 def seat(rotor: Rotor) -> float:
     """Return how far the shaft falls before its bearings hold it [m]."""

@@ -8,7 +8,7 @@ equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y:
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -129,7 +129,7 @@ class SteadyWhirl:
                 )
             pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
         self._pull = np.column_stack([pull, -1j * pull]).ravel()
-        self._known: dict[float, tuple[np.ndarray, Callable[[], np.ndarray]]] = {}
+        self._solved = cache(self._solve)
 
     @property
     def is_driven(self) -> bool:
@@ -145,18 +145,14 @@ class SteadyWhirl:
         """Return the complex loads on the supports in x and y at a speed [rad/s] in N."""
         return self._solved(float(speed))[1]()
 
-    def _solved(self, speed: float) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
-        if speed not in self._known:
-            self._known[speed] = self._solve(speed)
-        return self._known[speed]
-
     def _solve(self, speed: float) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
         """Return the motion at a speed, and what computes the loads: few ask for them, and they
         take longer."""
         check_speed(speed)
         machine = self.machine
         if speed == 0.0:  # nothing pulls, even on journals that no film carries yet
-            return np.zeros((len(self._pull) // 2, 2), complex), partial(_nothing, machine)
+            nothing = np.zeros((len(machine.supports.names), 2), complex)
+            return np.zeros((len(self._pull) // 2, 2), complex), lambda: nothing
         linear = machine.at(speed)
         force = speed**2 * self._pull
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
@@ -182,13 +178,7 @@ class SteadyWhirl:
             housings=machine.supports.housings,
             housing_x=whole[:, n:-1, 0],
             housing_y=whole[:, n:-1, 1],
-            supports=machine.supports.springs + machine.supports.interfaces,
+            supports=machine.supports.names,
             load_x=load[:, :, 0],
             load_y=load[:, :, 1],
         )
-
-
-def _nothing(machine: LinearMachine) -> np.ndarray:
-    """Return the loads of what rests."""
-    supports = machine.supports
-    return np.zeros((len(supports.springs) + len(supports.interfaces), 2), dtype=complex)

@@ -57,12 +57,7 @@ def vibration_limit(speed: float) -> float:
 
 
 def placed_unbalances(
-    rotor: Rotor,
-    mode: int,
-    speed: float,
-    *,
-    factor: float = FACTOR,
-    contacts: str | None = None,
+    rotor: Rotor, mode: int, speed: float, *, factor: float = FACTOR, contacts: str | None = None
 ) -> list[PlacedUnbalance]:
     """Return the unbalances that excite a mode.
 

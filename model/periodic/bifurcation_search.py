@@ -56,11 +56,7 @@ def _bifurcation(problem: PeriodicEquations, located: _Located) -> Bifurcation:
 
 
 def bifurcations_between(
-    problem: PeriodicEquations,
-    before: CurvePoint,
-    after: CurvePoint,
-    last: Solution,
-    now: Solution,
+    problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, last: Solution, now: Solution
 ) -> list[Bifurcation]:
     """Return the bifurcations between two points, at which the motions are `last` and `now`, in
     their order along the curve; where these have no multipliers, the folds alone."""

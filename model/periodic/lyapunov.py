@@ -37,7 +37,7 @@ def largest_exponent(rotor: Rotor, samples: InterfaceSamples, speed: float, per_
         raise ValueError(f"turns = {turns}: must be >= {LEAST_TURNS}")
     check_parts(rotor)
     machine = CondensedMachine(rotor)
-    path = _path(machine, samples, speed, per_turn)
+    path = _path(machine, samples, speed)
     cuts = [samples.t[k * per_turn : (k + 1) * per_turn + 1] for k in range(turns)]
     parts = [tangents_along(machine, path, times) for times in cuts]
     modes, mean = modes_along(machine, path, parts)
@@ -53,9 +53,7 @@ def largest_exponent(rotor: Rotor, samples: InterfaceSamples, speed: float, per_
     return float(np.average(growth, weights=np.exp(-1.0 / (s * (1.0 - s)))))
 
 
-def _path(
-    machine: CondensedMachine, samples: InterfaceSamples, speed: float, per_turn: int
-) -> MotionPath:
+def _path(machine: CondensedMachine, samples: InterfaceSamples, speed: float) -> MotionPath:
     """Return the path through the samples: displacements by cubic Hermite interpolation, internal
     states by linear interpolation."""
     t, step = samples.t, samples.t[1] - samples.t[0]

@@ -12,6 +12,7 @@ steps themselves, linearized (`floquet`); its eigenvalues are the Floquet multip
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,7 @@ _FAR_BEYOND, _RENEWALS = 1e-2, 3  # for so many times after it has moved far
 _REFINEMENTS = 5  # times that steps are shortened at most
 _STEP = 1e-6  # of the parameter, as a share of its scale, for the derivative by it
 _SHORTER = 3.0  # than by the mean square of all coordinates, a way along the curve counts
+_SYSTEMS = 5  # that are kept, at the last values of the parameter
 _SAME = 1e-5  # of the unknowns: so near the multipliers are those of the last iteration
 
 
@@ -109,7 +111,7 @@ class Shooting:
         mass = np.sqrt(np.diag(machine.matrices(0.0).M))
         of_d = mass / (mass.max() * problem.length_scale * math.sqrt(machine.size) * _SHORTER)
         self._weights = np.concatenate([of_d, of_d / problem.frequency_scale])
-        self._modal_systems: dict[float, ModalSystem] = {}
+        self.modal_system = lru_cache(_SYSTEMS)(self._modal_system)
         self._ends = mesh.uniform_mesh()
         for _ in range(_RENEWALS):
             self._motion_of_mesh = self._interface_motion(machine, orbit)
@@ -150,15 +152,8 @@ class Shooting:
         tangent = tangents_by_y(machine, laws).reshape(*y.shape[:2], b, 2 * b)
         return (laws.force @ machine.B).reshape(*y.shape[:2], b), tangent
 
-    def modal_system(self, value: float) -> ModalSystem:
+    def _modal_system(self, value: float) -> ModalSystem:
         """Return the machine without its interfaces at a value of the parameter."""
-        if value not in self._modal_systems:
-            if len(self._modal_systems) > 4:
-                self._modal_systems.clear()
-            self._modal_systems[value] = self._new_modal_system(value)
-        return self._modal_systems[value]
-
-    def _new_modal_system(self, value: float) -> ModalSystem:
         machine, speed = self.machine_at(value), self.balance.speed_at(value)
         omega = self.balance.omega_at(value)
         frequencies = Frequencies(speed, omega, math.inf)

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from ..errors import InputError, check_one_of, number
 from ..model.simulation import warn
-from ..run_status import messages_and_codes
 from ..runs.recording import Recording
 from ..runs.settings_text import parse_starts
 from .machine import Machine, check_machine, parse
@@ -160,14 +159,5 @@ def simulate_fmu(
     run = run_fmu(path, job)
     for message in run.messages:
         warn(message)
-    about = {
-        "machine": machine.name,
-        "toml": toml,
-        "parameters": dict(job.parameters),
-        "stop": job.stop,
-        "step": job.step,
-        "status": run.status,
-        **messages_and_codes(run.messages),
-    }
     units = {name: machine.units[name] for name in run.columns}
-    return Result(Recording(run.t, run.columns, units, about), run, machine)
+    return Result(Recording(run.t, run.columns, units, job.about(run)), run, machine)

@@ -44,13 +44,13 @@ class RecordedSignals:
     @property
     def speed(self) -> np.ndarray:
         """Speed of rotation [rad/s], shape (n,)."""
-        return self.recording.columns["w"]
+        return self.recording.w
 
     @property
     def status(self) -> str:
         """Status of the run: `ok`, `doubtful` and the codes of its warnings, or `failed` and the
         reason."""
-        return str(self.recording.about.get("status", "ok"))
+        return self.recording.status
 
     @property
     def messages(self) -> tuple[str, ...]:

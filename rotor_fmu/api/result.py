@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError, check_one_of
-from ..model.machine.toml import parse_rotor
-from ..model.quantities import QuantityError
 from ..plotting.notebook import png, shown
 from ..runs import PLOTS_CHANGED
 from ..runs.measuring_points import probe_that_moves_most
@@ -276,9 +274,7 @@ def read_run(folder: Path | str) -> Result:
     """
     path = Path(folder)
     recording = load_recording(path / "recording.npz" if path.is_dir() else path)
-    toml = str(recording.about.get("toml", ""))
-    try:
-        machine = Machine(parse_rotor(toml), toml)
-    except QuantityError:
-        return Result(recording)
-    return Result(recording, machine=machine)
+    rotor = recording.rotor
+    return Result(
+        recording, machine=None if rotor is None else Machine(rotor, str(recording.about["toml"]))
+    )

@@ -103,7 +103,7 @@ def simulate(
     job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
     if verify:
         finer_job(job)  # refused before anything is run
-    run, recording = _recorded(machine, job, _record(machine, record, per_turn))
+    run, recording = _recorded(job, _record(machine, record, per_turn))
     if verify:
         run, recording = verified(job, run, recording, "finer")
     for message in run.messages:
@@ -122,11 +122,10 @@ def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | Non
     return Record(tuple(usual(machine.rotor) if names is None else names), angle, _ROWS)
 
 
-def _recorded(machine: Machine, job: Job, record: Record) -> tuple[Run, Recording]:
+def _recorded(job: Job, record: Record) -> tuple[Run, Recording]:
     """Make the run; what cannot be recorded is an `InputError`."""
-    about = {"toml": machine.toml}
     try:
-        return run_recorded(machine.rotor, job, record, about=about, is_silent=True)
+        return run_recorded(job, record, is_silent=True)
     except ValueError as error:
         raise InputError(str(error)) from error
 

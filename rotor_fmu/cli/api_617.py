@@ -202,13 +202,9 @@ def unbalance(
     _write_response(result, nodes, out / "unbalance.csv")
     if ends is None:
         top = float(np.abs(speeds).max())
-        checked: Any = acceptance.critical_peaks(
-            machine, top, nodes, unbalances=given, contacts=contacts
-        )
+        checked: Any = acceptance.critical_peaks(machine, top, nodes, **acting)
     else:
-        checked = acceptance.unbalance_check(
-            machine, *ends, nodes, unbalances=given, clearances=gaps, contacts=contacts
-        )
+        checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)
     more = {"criticals" if ends is None else "check": checked}
     shown = result.table(nodes), result.figure(nodes, ends)
     return print_answer(result, out, "unbalance", *shown, more)
@@ -249,7 +245,6 @@ def balance(
     speed: Annotated[
         list[str] | None,
         typer.Option(
-            "--speed",
             help="Balancing speed, in rad/s or with rpm or Hz added; at least one; repeatable.",
         ),
     ] = None,

@@ -31,7 +31,6 @@ def bearing(
     speed: Annotated[
         str | None,
         typer.Option(
-            "--speed",
             help="Speeds FROM:TO or FROM:TO:POINTS, or one, in rad/s, or with rpm or Hz added; of "
             "a damper one, the frequency of its orbits; a rolling bearing needs none.",
         ),

@@ -55,7 +55,7 @@ def modes(
     result = answers.modes(machine, at, count=count, contacts=contacts)
     say_where_linearized(machine, [at])
     data = print_answer(result, out, "modes")
-    save(mode_shapes_figure(result, result.machine_name, result.shear), out / "modes_3d.png")
+    save(mode_shapes_figure(result), out / "modes_3d.png")
     return data
 
 

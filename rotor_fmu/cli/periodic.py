@@ -34,7 +34,6 @@ def response(
     speed: Annotated[
         str | None,
         typer.Option(
-            "--speed",
             help="Speeds FROM:TO, or, with --over, one speed, in rad/s, or with rpm or Hz added; "
             "default: from an eighth of the machine's highest speed to that, or its rated speed.",
         ),
@@ -234,7 +233,7 @@ def _second(
     from ..periodic.result import check_names
 
     name, low, high = _range(text, "--fold-over", units)
-    check_names(machine, {name: low})
+    check_names(machine, [name])
     check_second(response_request(machine, **options).rotor, name, low, high)
     return name, low, high
 

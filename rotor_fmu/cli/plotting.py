@@ -188,8 +188,10 @@ def _report_of_runs(
     check_page(out)
     if is_live:
         page = _live_page(paths[0], units)
+    elif is_study:
+        page = _study_page(paths[0], units, out.parent)
     else:
-        page = (_study_page if is_study else _runs_page)(paths, units, out.parent)
+        page = _runs_page(paths, units)
     write_text(page, out)
     typer.echo(out)
     return {"out": out}
@@ -225,18 +227,17 @@ def _live_page(path: Path, units: str | None) -> str:
     return solver_page(recorded, settings_of_run(run, recorded))
 
 
-def _study_page(paths: list[Path], units: str | None, beside: Path) -> str:
+def _study_page(path: Path, units: str | None, beside: Path) -> str:
     from ..report.study_page import pages_of_runs, study_page
     from ..saved_results import read_study, rows_of_quantiles
 
-    about, rows = read_study(paths[0])
+    about, rows = read_study(path)
     choose(units, about.get("units", ""))
     drawn = rows_of_quantiles(about, rows)
-    return study_page(about, rows, pages_of_runs(paths[0], beside), drawn)
+    return study_page(about, rows, pages_of_runs(path, beside), drawn)
 
 
-def _runs_page(paths: list[Path], units: str | None, beside: Path) -> str:
-    """Return the page of one or two runs, which lie wherever they lie."""
+def _runs_page(paths: list[Path], units: str | None) -> str:
     from ..report.run_page import runs_page
     from ..saved_results import read_run, read_summary, with_unique_names
 

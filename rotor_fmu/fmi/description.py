@@ -17,11 +17,10 @@ from .variables import Variable, unit
 
 CATEGORIES = {
     "logAll": "all messages",
-    "logStatusWarning": "messages with the status warning",
-    "logStatusDiscard": "messages with the status discard",
-    "logStatusError": "messages with the status error",
-    "logStatusFatal": "messages with the status fatal",
-    "logStatusPending": "messages with the status pending",
+    **{
+        f"logStatus{status}": f"messages with the status {status.lower()}"
+        for status in ("Warning", "Discard", "Error", "Fatal", "Pending")
+    },
 }
 # FMI 3.0 wants the time among the variables.
 TIME = Variable("time", "Real", "independent", "time", "s")

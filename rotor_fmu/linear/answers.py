@@ -12,13 +12,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..display import current, shown_speed, speed_with_unit
 from ..model import linear
-from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
+from ..model.linear.modes import FORWARD
 from ..model.one_thread import on_one_thread
 from ..operating_speeds import operating_speeds
 from ..plotting.figure_style import (
@@ -26,23 +25,21 @@ from ..plotting.figure_style import (
     COLORS,
     DASHED,
     DOTTED,
-    GREEN,
     GREY,
     LIMIT,
     ORANGE,
     PURPLE,
     annotate,
+    broken_at_turns,
     entitle,
     new_figure,
     new_panels,
 )
 from ..plotting.labels import write_labels
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
-from .linear_plots import curve, shade, titled
+from .linear_plots import WHIRL_COLORS, curve, draw_whirling, shade, shapes_in_grid, titled
 from .linear_tables import Table, peaks, turns
 
-_WHIRL = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
-_MOST_SHAPES = 6
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
 MOST_SPEEDS = 12  # of a table of the response
 _ROUNDING = 1e-10  # of the largest amplitude: a smaller one does not peak
@@ -77,9 +74,7 @@ class Modes(Displayed, linear.Modes):
     def figure(self) -> Figure:
         """Draw the shapes of the lowest modes: each plane at the instant of its largest
         deflection."""
-        shown = min(_MOST_SHAPES, len(self.eigenvalues))
-        columns = 2 if shown > 1 else 1
-        rows = max(1, -(-shown // columns))
+        shown, rows, columns = shapes_in_grid(len(self.eigenvalues))
         figure, panels = new_panels(4.2 * columns, 0.9 + 1.75 * rows, rows, columns, share_x=True)
         for i, axes in enumerate(panels):
             if i >= shown:
@@ -154,7 +149,7 @@ class Campbell(Displayed, linear.Campbell):
         shade(panels, operating)
         for mode, whirl in enumerate(zip(*self.whirl, strict=True)):
             for axes, values in ((above, frequency), (below, self.log_dec)):
-                _whirling(axes, speed, values[:, mode], whirl)
+                draw_whirling(axes, speed, values[:, mode], whirl)
         for order in self.harmonics:
             above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=LIMIT)
         places = [(_speed(c.speed), c.harmonic * abs(_speed(c.speed))) for c in self.critical]
@@ -171,7 +166,9 @@ class Campbell(Displayed, linear.Campbell):
             within = {"xycoords": ("data", "axes fraction"), "va": "top", "ha": ha}
             annotate(below, text, (at, 0.97), (away, 0), color=PURPLE, **within)
         seen = {word for words in self.whirl[1:] for word in words if word}
-        handles = [Line2D([], [], color=c, lw=1.6, label=w) for w, c in _WHIRL.items() if w in seen]
+        handles = [
+            Line2D([], [], color=c, lw=1.6, label=w) for w, c in WHIRL_COLORS.items() if w in seen
+        ]
         label = "1x, the speed" if self.harmonics == (1.0,) else f"{self._orders} times the speed"
         handles.append(Line2D([], [], color="black", lw=1.0, ls=LIMIT, label=label))
         above.legend(
@@ -197,14 +194,6 @@ class Campbell(Displayed, linear.Campbell):
 
 def _speed(omega: float) -> float:
     return float(omega) * current().speed
-
-
-def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
-    """A line in pieces of the colour of its whirl."""
-    for i in range(len(speed) - 1):
-        # a mode at rest whirls neither way: its first piece has the colour of what it becomes
-        word = whirl[i + 1] if whirl[i] in ("", PLANAR) else whirl[i]
-        axes.plot(speed[i : i + 2], values[i : i + 2], color=_WHIRL.get(word, GREY), lw=1.6)
 
 
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
@@ -258,8 +247,7 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
             for x, dashes in ((self.x, DASHED), (self.y, DOTTED)):
                 above.plot(speed, np.abs(x[:, at]) * scale, color=color, lw=1.0, ls=dashes)
             for angle, dashes in ((self.phase_x, DASHED), (self.phase_y, DOTTED)):
-                phase = np.degrees(angle[:, at])
-                phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
+                phase = broken_at_turns(angle[:, at])
                 phase[self.speeds == 0] = np.nan
                 below.plot(speed, phase, marker=mark, color=color, lw=1.2, ls=dashes)
         handles, _ = above.get_legend_handles_labels()

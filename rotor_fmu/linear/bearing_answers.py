@@ -10,15 +10,7 @@ from matplotlib.figure import Figure
 from ..display import current, speed_with_unit
 from ..model import linear
 from ..model.linear.journal_bearing_curves import ANGLES
-from ..plotting.figure_style import (
-    BLUE,
-    ORANGE,
-    PURPLE,
-    empty_figure,
-    entitle,
-    new_panels,
-    style,
-)
+from ..plotting.figure_style import BLUE, ORANGE, PURPLE, empty_figure, entitle, new_panels, style
 from .bearing_columns import (
     coefficient_columns,
     draw_coefficients,

@@ -10,9 +10,12 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from scipy.interpolate import BPoly
 
 from ..display import current
-from ..plotting.figure_style import SKY
+from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, SKY
 
+WHIRL_COLORS = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 _FINE = 12  # points an element of a curve through the nodes
+_MOST_SHAPES = 6  # of modes in a picture
 
 
 def curve(
@@ -38,6 +41,22 @@ def deflection(z: np.ndarray, w: np.ndarray, slope: np.ndarray, shear: Sequence[
     left, right = slope[:-1] + angle, slope[1:] + angle
     third = length / 3
     return BPoly([w[:-1], w[:-1] + third * left, w[1:] - third * right, w[1:]], z)
+
+
+def shapes_in_grid(modes: int) -> tuple[int, int, int]:
+    """Return how many of the modes a picture of their shapes shows, and in how many rows and
+    columns."""
+    shown = min(_MOST_SHAPES, modes)
+    columns = 2 if shown > 1 else 1
+    return shown, max(1, -(-shown // columns)), columns
+
+
+def draw_whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
+    """Draw a line in pieces of the colour of its whirl."""
+    for i in range(len(speed) - 1):
+        # a mode at rest whirls neither way: its first piece has the colour of what it becomes
+        word = whirl[i + 1] if whirl[i] in ("", PLANAR) else whirl[i]
+        axes.plot(speed[i : i + 2], values[i : i + 2], color=WHIRL_COLORS.get(word, GREY), lw=1.6)
 
 
 def titled(name: str, text: str) -> str:

@@ -103,10 +103,7 @@ def machine_report(
         "Mode shapes": [
             _html(at_speed.table()),
             _TURNING,
-            figure_html(
-                mode_shapes_figure(at_speed, rotor.name, at_speed.shear),
-                "The same at one instant, with whirl orbits",
-            ),
+            figure_html(mode_shapes_figure(at_speed), "The same at one instant, with whirl orbits"),
         ],
         "Response to unbalance": [
             f"<p>{escape(_acting(unbalances, mode))}</p>",
@@ -119,22 +116,11 @@ def machine_report(
         ],
         "Into contact": _contact(rub),
     }
+    about = f"by API 617 and 684 {range_with_unit(low, high)}, carried on into contact"
     html = page(
         title=rotor.name,
-        about=(
-            f"Rotor dynamics by API 617 and 684 {range_with_unit(low, high)}, carried on into "
-            "contact"
-        ),
-        body=template("machine.html").substitute(
-            notices=notices_html(conclusions),
-            contents=" | ".join(f'<a href="#{_id(h)}">{h}</a>' for h in sections),
-            sections="\n".join(
-                f'<section id="{_id(heading)}"><h2>{heading}</h2>\n'
-                + "\n".join(parts)
-                + "\n</section>"
-                for heading, parts in sections.items()
-            ),
-        ),
+        about=f"Rotor dynamics {about}",
+        body=_body(conclusions, sections),
         data={"shapes": shapes_for_page(at_speed)},
         scripts=("modes.js",),
         with_charts=False,
@@ -157,8 +143,17 @@ _TURNING = """<div class="controls"><label>mode <select id="mode"></select></lab
 <figcaption>Drag to look from elsewhere; slowed down, and all modes alike</figcaption></figure>"""
 
 
-def _id(heading: str) -> str:
-    return heading.lower().replace(" ", "-")
+def _body(conclusions: Iterable[str], sections: Mapping[str, Sequence[str]]) -> str:
+    """Return the page's own part: the conclusions, then sections of HTML by their headings."""
+    ids = {heading: heading.lower().replace(" ", "-") for heading in sections}
+    return template("machine.html").substitute(
+        notices=notices_html(conclusions),
+        contents=" | ".join(f'<a href="#{ids[heading]}">{heading}</a>' for heading in sections),
+        sections="\n".join(
+            "\n".join([f'<section id="{ids[heading]}"><h2>{heading}</h2>', *parts, "</section>"])
+            for heading, parts in sections.items()
+        ),
+    )
 
 
 def _html(table: Table) -> str:

@@ -54,7 +54,7 @@ def diagrams(study: Study, data: "xarray.Dataset", say: Say) -> "dict[str, Figur
         raise RunFailed("--diagram: every run failed")
     axis = None if runs.how.kind.name == STEPS.name else _across(study.design.axes)
     panels = _panels(study, data, runs, axis, say)
-    return {m.name: _figure(m, runs, axis, panels[m.name]) for m in sections}
+    return {m.name: _figure(m, axis, panels[m.name]) for m in sections}
 
 
 def sections_of(study: Study) -> tuple[MachineRuns, list[Metric]]:
@@ -153,15 +153,14 @@ def _text(axis: Axis, value: float) -> str:
     return f"{axis.name} = {factor * value:.6g}{'' if unit in ('', '1') else f' {unit}'}"
 
 
-def _figure(metric: Metric, runs: MachineRuns, axis: Axis | None, panels: list[Panel]) -> "Figure":
+def _figure(metric: Metric, axis: Axis | None, panels: list[Panel]) -> "Figure":
     from ..plotting.figure_style import new_panels
 
     figure, axes = new_panels(7.2, 0.8 + 3.2 * len(panels), len(panels), 1, share_x=True)
+    name, unit = ("speed", "rad/s") if axis is None else (axis.name.removeprefix(RUN), axis.unit)
     for panel, ax in zip(panels, axes, strict=True):
-        _draw(metric, "rad/s" if axis is None else axis.unit, panel, ax)
-    unit = current().of_si("rad/s" if axis is None else axis.unit).unit
-    name = "speed" if axis is None else axis.name.removeprefix(RUN)
-    axes[-1].set_xlabel(f"{name} [{unit}]")
+        _draw(metric, unit, panel, ax)
+    axes[-1].set_xlabel(f"{name} [{current().of_si(unit).unit}]")
     return figure
 
 

@@ -19,9 +19,9 @@ from ..model.message_templates import Message
 from ..model.settings import Settings
 from ..model.simulation import Simulation, StepFailure
 from ..model.time_loop.recorder import Record, recordable
-from ..run_status import FAILED, messages_and_codes, status_of, with_doubt
+from ..run_status import FAILED, messages_and_codes, not_confirmed, status_of
 from ..runs.recording import Recording
-from ..runs.verify_run import NOT_CONFIRMED_CODE, allowed, finer
+from ..runs.verify_run import allowed, finer
 from ..studies.study import Cell, Column, Result
 from . import run_metrics
 from .metric import Metric, MetricKind
@@ -161,10 +161,10 @@ class MachineRuns:
             return result
         finer_result, _ = self._run({**values, **finer(settings)})
         if finer_result.status.startswith(FAILED):
-            return Result(with_doubt(result.status, NOT_CONFIRMED_CODE), result.cells)
+            return Result(not_confirmed(result.status), result.cells)
         difference = _difference(result.cells, finer_result.cells)
         is_near = difference <= allowed(settings)
-        status = result.status if is_near else with_doubt(result.status, NOT_CONFIRMED_CODE)
+        status = result.status if is_near else not_confirmed(result.status)
         return Result(status, {**result.cells, VERIFICATION: difference})
 
     def _run(self, values: Mapping[str, float]) -> tuple[Result, Settings | None]:

@@ -294,12 +294,7 @@ def _dissipated(metric: Metric, window: Window) -> float:
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * slid))
 
 
-@_kind(
-    "work of friction at a contact of {of}",
-    unit="J",
-    outputs=("ft", "sliding"),
-    is_fine=True,
-)
+@_kind("work of friction at a contact of {of}", unit="J", outputs=("ft", "sliding"), is_fine=True)
 def _slid(metric: Metric, window: Window) -> float:
     """Return friction times the sliding speed, of a contact that gives it since its wall turns."""
     force, speed = (window.steps.columns[f"{metric.of}.{name}"] for name in ("ft", "sliding"))

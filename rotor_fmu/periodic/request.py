@@ -103,7 +103,7 @@ def response_request(
         name = over[0]
         if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
-        check_names(rotor, {name: 0.0})
+        check_names(rotor, [name])
         held, ends = number("speed", speed), numbers("over", over[1:])
     if not isinstance(ends, (tuple, list, np.ndarray)) or len(ends) != 2:
         raise InputError(f"speed = {speed}: must be FROM and TO")

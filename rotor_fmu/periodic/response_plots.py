@@ -16,7 +16,7 @@ from .result import ResponseResult
 from .vertices import pieces
 
 _COLORS = (*COLORS[:4], SKY)
-_LOST_THERE = f"the curve is {LOST.rstrip(': ')}"
+_ENDS = {why: f"the curve is {why.rstrip(': ')}" for why in (LOST, UNFINISHED)}
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
 
@@ -50,9 +50,8 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
             Line2D([], [], color=GREY, marker=_MARKS[kind], mfc="white", ls="", label=kind)
         )
     ends = [why for branch in result.branches for why in branch.ends]
-    for why in (LOST, UNFINISHED):
+    for why, label in _ENDS.items():
         if any(end.startswith(why) for end in ends):
-            label = f"the curve is {why.rstrip(': ')}"
             handles.append(Line2D([], [], color=GREY, marker="x", ls="", label=label))
     axes.legend(handles=handles, frameon=False, fontsize=8)
     axes.set_ylim(bottom=0)
@@ -74,7 +73,7 @@ def fold_figure(result: ResponseResult, name: str, unit: str, folds: FoldCurve) 
     axes.plot(x, y, color=BLUE, lw=1.8)
     for end, why in zip((0, -1), folds.ends, strict=True):
         if why.startswith(LOST):
-            axes.plot(x[end], y[end], "x", color=BLUE, ms=7, label=_LOST_THERE)
+            axes.plot(x[end], y[end], "x", color=BLUE, ms=7, label=_ENDS[LOST])
     if axes.lines[1:]:
         axes.legend(handles=axes.lines[1:2], frameon=False, fontsize=8)
     axes.set_xlabel(f"{name} [{across.unit}]")

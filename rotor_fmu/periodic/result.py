@@ -1,7 +1,7 @@
 """What `rf.response` returns: branches with their curves, orbits, bifurcations and pictures."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -209,7 +209,7 @@ class ResponseResult:
             raise InputError("the curve has no smooth fold")
         if not 0 <= i < len(folds):
             raise InputError(f"i = {i}: must be from 0 to {len(folds) - 1}, a fold of the curve")
-        check_names(self._response.rotor, {name: 0.0})
+        check_names(self._response.rotor, [name])
         try:
             return folds_over(self._response, folds[i], name, low, high, report_value)
         except NotConverged as error:
@@ -317,7 +317,7 @@ def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
     return {where: (2 * p.node - 2, 2 * p.node - 1, p.offset) for where, p in observed}
 
 
-def check_names(rotor: Rotor, names: Mapping[str, float]) -> None:
+def check_names(rotor: Rotor, names: Iterable[str]) -> None:
     """Raise `InputError` for a name that is no quantity of the machine."""
     known = rotor.parameters()
     for name in names:

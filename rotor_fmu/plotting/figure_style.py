@@ -86,6 +86,13 @@ def annotate(
     axes.annotate(text, at, xytext=offset, **options)
 
 
+def broken_at_turns(angle: np.ndarray) -> np.ndarray:
+    """Return an angle [rad] in degrees as a curve that is not drawn where it jumps by a turn."""
+    degrees = np.degrees(angle)
+    degrees[1:][np.abs(np.diff(degrees)) > 180] = np.nan
+    return degrees
+
+
 def save(figure: Figure, path: Path) -> Path:
     """Write a PNG without the date and versions that would make it differ each time."""
     with unfinished(path) as part:

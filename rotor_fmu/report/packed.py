@@ -49,19 +49,6 @@ def packed(values: np.ndarray, bits: int = FINE) -> dict[str, Any]:
     }
 
 
-def unpacked(pack: dict[str, Any]) -> np.ndarray:
-    """Return the values again, as the browser reads them."""
-    bits, n = pack["bits"], pack["n"]
-    raw = zlib.decompress(base64.b64decode(pack["data"]))
-    planes = np.frombuffer(raw, np.uint8).reshape(bits // 8, n).astype(np.uint32)
-    shifts = 8 * np.arange(bits // 8, dtype=np.uint32)[:, None]
-    counts = (planes << shifts).sum(axis=0, dtype=np.uint32)
-    top = np.uint32(2**bits - 1)
-    for _ in range(pack["differences"]):
-        counts = np.cumsum(counts, dtype=np.uint32) & top
-    return np.where(counts == top, np.nan, pack["low"] + pack["step"] * counts)
-
-
 def _planes(counts: np.ndarray, bits: int) -> bytes:
     return b"".join(
         (counts >> np.uint32(shift)).astype(np.uint8).tobytes() for shift in range(0, bits, 8)

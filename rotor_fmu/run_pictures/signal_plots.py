@@ -20,6 +20,7 @@ from ..plotting.figure_style import (
     ORANGE,
     PURPLE,
     annotate,
+    broken_at_turns,
     empty_figure,
     new_figure,
 )
@@ -53,8 +54,7 @@ def bode(view: View) -> Figure:
     ):
         length = broken_at_reversals(n, np.abs(vector) * view.shown.amplitude)
         above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
-        phase = np.degrees(np.angle(vector))
-        phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
+        phase = broken_at_turns(np.angle(vector))
         below.plot(n, broken_at_reversals(n, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"

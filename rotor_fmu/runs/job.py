@@ -3,7 +3,6 @@
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,20 +20,11 @@ from ..operating_speeds import operating_speeds
 from .input_signals import RampGiven, Signals, make_signals, read_signals
 from .progress import shown
 from .recording import Recording
-from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
+from .run_down import Job, Run, run_direct, run_fmu, run_recorded
 from .settings_text import parse_settings
 
 _MOST_ROWS = 2e6
 _USUAL_ROWS = 1e4
-
-
-@dataclass(frozen=True)
-class Job(Plan):
-    """A run that was checked and can begin: a plan, the rotor (also as TOML) and its settings."""
-
-    toml: str
-    rotor: Rotor
-    settings: Settings
 
 
 def prepare(
@@ -144,15 +134,14 @@ def _step_of(settings: Settings, stop: float, fastest: float) -> float:
 def execute(job: Job, fmu: Path | None, label: str) -> Run:
     """Carry out a run with a progress bar: through the FMU, or directly where `fmu` is None."""
     with shown(label, job.stop, job.step, job.settings) as progress:
-        return run_direct(job.rotor, job, progress) if fmu is None else run_fmu(fmu, job, progress)
+        return run_direct(job, progress) if fmu is None else run_fmu(fmu, job, progress)
 
 
 def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run, Recording]:
     """Carry out a run directly, with a progress bar, and record the default signals at its
     steps."""
     with shown(label, job.stop, job.step, job.settings) as progress:
-        about = {"toml": job.toml}
-        return run_recorded(job.rotor, job, progress=progress, about=about, is_silent=is_silent)
+        return run_recorded(job, progress=progress, is_silent=is_silent)
 
 
 def difference(one: Run, other: Run) -> float:

@@ -20,6 +20,7 @@ from ..fmi.log import read_message
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
+from ..model.settings import Settings
 from ..model.simulation import StepFailure
 from ..model.structure.reduction_offer import reduction_offer
 from ..model.time_loop.recorder import Record, recordable
@@ -36,15 +37,31 @@ _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
 
 
 @dataclass(frozen=True)
-class Plan:
-    """The plan of a run: the FMU's variables, values of its parameters by name, its inputs, its end
-    [s] and its communication step [s]."""
+class Job:
+    """A run that was checked and can begin: the FMU's variables, values of its parameters by name,
+    its inputs, its end [s] and its communication step [s]; the rotor, also as TOML, and the
+    settings."""
 
     table: Sequence[Variable]
     parameters: Mapping[str, float]
     signals: Signals
     stop: float
     step: float
+    toml: str
+    rotor: Rotor
+    settings: Settings
+
+    def about(self, run: "Run") -> dict[str, Any]:
+        """Return what a recording says of the run that was made."""
+        return {
+            "machine": self.rotor.name,
+            "toml": self.toml,
+            "parameters": dict(self.parameters),
+            "stop": self.stop,
+            "step": self.step,
+            "status": run.status,
+            **messages_and_codes(run.messages),
+        }
 
 
 @dataclass(frozen=True, repr=False)
@@ -68,14 +85,14 @@ class Run(ShortRepr):
         return self.columns["w"] / (2 * math.pi)
 
 
-def run_fmu(fmu: Path, plan: Plan, progress: ReportProgress = silent) -> Run:
+def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
     """Drive a built FMU with FMPy.
 
     A run that fails is returned up to its last good communication point, with the reason.
     """
     import fmpy
 
-    recorded = [v.name for v in plan.table if v.is_observed]
+    recorded = [v.name for v in job.table if v.is_observed]
     messages: list[Message] = []
     recorder = None
     begun = time.perf_counter()
@@ -107,10 +124,10 @@ def run_fmu(fmu: Path, plan: Plan, progress: ReportProgress = silent) -> Run:
                 model_description=description,
                 validate=False,
                 start_time=0.0,
-                stop_time=plan.stop,
-                output_interval=plan.step,
-                start_values=dict(plan.parameters),
-                input=plan.signals.as_structured(),
+                stop_time=job.stop,
+                output_interval=job.step,
+                start_values=dict(job.parameters),
+                input=job.signals.as_structured(),
                 output=recorded,
                 step_finished=step_finished,
             )
@@ -157,50 +174,34 @@ def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., No
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 
 
-def run_direct(
-    rotor: Rotor, plan: Plan, progress: ReportProgress = silent, is_silent: bool = False
-) -> Run:
+def run_direct(job: Job, progress: ReportProgress = silent, is_silent: bool = False) -> Run:
     """Return the run without an FMU: same steps and numbers where the inputs are linear and the
     loads constant; else exact, where an FMU holds its loads between two communication points."""
-    return _time_loop(rotor, plan, (), progress, is_silent)[0]
+    return _time_loop(job, (), progress, is_silent)[0]
 
 
 def run_recorded(
-    rotor: Rotor,
-    plan: Plan,
-    record: Record | Sequence[str] | None = None,
+    job: Job,
+    record: Record | None = None,
     progress: ReportProgress = silent,
-    about: Mapping[str, Any] | None = None,
     is_silent: bool = False,
 ) -> tuple[Run, Recording]:
     """Make the run as `run_direct` does, bit for bit, and record it at the solver's own steps.
 
-    record: names of `recordable`, or with the least angle between rows; by default `usual`. phi and
-    w are always recorded. about: description of the run in the recording, besides machine,
-    parameters, stop and step [s], angle between rows [rad], status and messages. is_silent:
+    record: names of `recordable`; by default `usual`. phi and w are always recorded. is_silent:
     warnings go to the run's messages alone. Raises `ValueError` for what cannot be recorded.
     """
-    given = usual(rotor) if record is None else record
-    taped = given if isinstance(given, Record) else Record(given, rows=_RECORDER_ROWS)
+    taped = record or Record(usual(job.rotor), rows=_RECORDER_ROWS)
     taped = taped._replace(names=tuple(dict.fromkeys(("phi", "w", *taped.names))))
-    run, rows = _time_loop(rotor, plan, taped, progress, is_silent)
-    units = {str(entry.name): entry.output.unit for entry in recordable(rotor)}
-    options = {
-        "machine": rotor.name,
-        "parameters": dict(plan.parameters),
-        "stop": plan.stop,
-        "step": plan.step,
-        "angle": taped.angle,
-        "status": run.status,
-        **messages_and_codes(run.messages),
-    }
+    run, rows = _time_loop(job, taped, progress, is_silent)
+    units = {str(entry.name): entry.output.unit for entry in recordable(job.rotor)}
     # a column each, so that one can be kept without the others
     t, *columns = (column.copy() for column in rows.T)
     return run, Recording(
         t,
         dict(zip(taped.names, columns, strict=True)),
         {name: units[name] for name in taped.names},
-        options | dict(about or {}),
+        job.about(run) | {"angle": taped.angle},
     )
 
 
@@ -219,15 +220,11 @@ def usual(rotor: Rotor) -> tuple[str, ...]:
 
 
 def _time_loop(
-    rotor: Rotor,
-    plan: Plan,
-    record: Record | Sequence[str],
-    progress: ReportProgress,
-    is_silent: bool = False,
+    job: Job, record: Record | Sequence[str], progress: ReportProgress, is_silent: bool
 ) -> tuple[Run, np.ndarray]:
     """Make a run and return it with its recorded rows."""
-    signals, stop = plan.signals, plan.stop
-    values = {v.name: v.start for v in plan.table if v.start is not None} | dict(plan.parameters)
+    signals, stop = job.signals, job.stop
+    values = {v.name: v.start for v in job.table if v.start is not None} | dict(job.parameters)
     values |= {name: signals.at(name, 0.0) for name in signals.values}
     messages: list[Message] = []
 
@@ -237,13 +234,13 @@ def _time_loop(
             level = "note" if message.is_note else "warning"
             print(f"rotor-fmu: {level}: {message}", file=sys.stderr, flush=True)
 
-    simulation = build_simulation(rotor, plan.table, values, warn, record=record)
+    simulation = build_simulation(job.rotor, job.table, values, warn, record=record)
     if simulation.settings.reduction == 0:
         fastest = float(np.abs(signals.values.get("speed", values["speed"])).max())
         offer = reduction_offer(simulation.rotor, simulation.structure, fastest)
         if offer is not None:
             warn(offer.note)
-    driver = Driver(signals, load_names(rotor), values["speed_continuation"] != 0)
+    driver = Driver(signals, load_names(job.rotor), values["speed_continuation"] != 0)
 
     def values_now() -> Mapping[str, float]:
         return dict(zip(simulation.names, simulation.observed.tolist(), strict=True))
@@ -254,7 +251,7 @@ def _time_loop(
     begun = time.perf_counter()
     taped = [simulation.drain()]
     while t < stop and not math.isclose(t, stop):
-        target = min((n + 1) * plan.step, stop)
+        target = min((n + 1) * job.step, stop)
         try:
             driver.advance(simulation, t, target)
         except StepFailure as error:

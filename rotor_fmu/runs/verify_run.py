@@ -15,14 +15,13 @@ from ..display import current
 from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..model.settings import Settings, SettingsError
-from ..run_status import FAILED, OK, with_doubt
+from ..run_status import FAILED, OK, not_confirmed
 from .job import Job
 from .progress import shown
 from .recording import Recording
 from .run_down import Run, run_direct
 
 CONFIRMED, SENSITIVE, NOT_CONFIRMED = "confirmed", "sensitive", "not confirmed"
-NOT_CONFIRMED_CODE = "not-confirmed"  # in the status of a run
 # Amplitudes agree that differ by less than this share, or by the larger one that a coarse tolerance
 # promises, in tolerances.
 AGREES, AGREES_IN_TOLERANCES = 0.02, 10.0
@@ -137,11 +136,11 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
         return run, recording
     finer = finer_job(job)
     with shown(label, finer.stop, finer.step, finer.settings) as progress:
-        other = run_direct(finer.rotor, finer, progress, is_silent=True)
+        other = run_direct(finer, progress, is_silent=True)
     verification = compare(run, other, job.settings, job.rotor.length)
     status = run.status
     if verification.conclusion == NOT_CONFIRMED:
-        status = with_doubt(status, NOT_CONFIRMED_CODE)
+        status = not_confirmed(status)
     about = {**recording.about, "status": status, "verification": verification.figures}
     return replace(run, status=status), replace(recording, about=about)
 
@@ -160,7 +159,7 @@ def _last(run: Run, name: str) -> float:
 
 def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]:
     """Return rows of quantity, this run and the finer one, in the unit of displacements that is
-    shown, and their difference [%]; figures: `runs.verification.Verification.figures`."""
+    shown, and their difference [%]; figures: `Verification.figures`."""
     small = current().small
     return [
         (f"{c['name']}, {title}", small * c["value"], small * c["finer"], 100 * c["difference"])
@@ -171,13 +170,13 @@ def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]
 
 def headline_of(figures: Mapping[str, Any]) -> str:
     """Return the conclusion and the finer run it is based on; figures:
-    `runs.verification.Verification.figures`."""
+    `Verification.figures`."""
     changed = ", ".join(f"{name} = {value:g}" for name, value in figures["finer"].items())
     return f"{figures['conclusion']}, by the same run with {changed}: {figures['finer_status']}"
 
 
 def text_of(figures: Mapping[str, Any]) -> str:
-    """Return `runs.verification.Verification.figures` as a table of plain text."""
+    """Return `Verification.figures` as a table of plain text."""
     lines = [f"{'verification':20s} {headline_of(figures)}"]
     lines.append(f"  {'':26s} {'this run':>12s} {'finer':>12s} {'difference':>12s}")
     unit = current().small_word

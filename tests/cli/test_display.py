@@ -247,7 +247,7 @@ def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it(
         at_rest,
         *(each.figure().axes[0] for each in of_rig if not isinstance(each, Static)),
         answers.campbell(rig(), np.linspace(10.0, 300.0, 5)).figure().axes[0],
-        mode_shapes_figure(answers.modes(rig(), 100.0), rig().name).axes[0],
+        mode_shapes_figure(answers.modes(rig(), 100.0)).axes[0],
     ]
     for axes in pictures:
         titles = axes.get_title("left"), axes.figure.get_suptitle()

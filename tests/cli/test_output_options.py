@@ -169,7 +169,7 @@ def test_the_wall_time_leaves_out_what_the_first_step_compiles(tmp_path, monkeyp
     monkeypatch.setattr(run_down, "time", ticking)
     job = prepare(None, "robust", ["speed=100"], None, 0.1, 0.01)
     fmu = rf.build_fmu(rf.load(), tmp_path) if is_fmu else None
-    run = run_down.run_fmu(fmu, job) if fmu else run_down.run_direct(job.rotor, job)
+    run = run_down.run_fmu(fmu, job) if fmu else run_down.run_direct(job)
     assert clock.now == 109.0
     assert run.wall_s == 9.0
 

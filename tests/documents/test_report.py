@@ -1,9 +1,11 @@
 """The page as a file: what it holds, what it says, what it refuses. A browser opens it in
 test_page.py."""
 
+import base64
 import json
 import math
 import re
+import zlib
 from html import escape, unescape
 
 import numpy as np
@@ -16,7 +18,7 @@ from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.plotting.thinning import extremes
 from rotor_fmu.report.criticals import criticals_of
-from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
+from rotor_fmu.report.packed import COARSE, FINE, packed
 from rotor_fmu.report.report_tables import table
 from rotor_fmu.report.run_page import runs_page, write_report
 from rotor_fmu.report.study_page import study_page
@@ -35,6 +37,19 @@ def block(text, name):
     """What a page's block of data holds."""
     result = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', text, re.S)
     return json.loads(result.group(1))
+
+
+def unpacked(pack):
+    """The values of a pack again, as the browser reads them."""
+    bits, n = pack["bits"], pack["n"]
+    raw = zlib.decompress(base64.b64decode(pack["data"]))
+    planes = np.frombuffer(raw, np.uint8).reshape(bits // 8, n).astype(np.uint32)
+    shifts = 8 * np.arange(bits // 8, dtype=np.uint32)[:, None]
+    counts = (planes << shifts).sum(axis=0, dtype=np.uint32)
+    top = np.uint32(2**bits - 1)
+    for _ in range(pack["differences"]):
+        counts = np.cumsum(counts, dtype=np.uint32) & top
+    return np.where(counts == top, np.nan, pack["low"] + pack["step"] * counts)
 
 
 @pytest.mark.parametrize("bits", [COARSE, FINE])

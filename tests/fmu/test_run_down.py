@@ -25,7 +25,7 @@ def through_fmu(fmu, *sets, **options):
 
 def direct(*sets, **options):
     job = job_of(*sets, **options)
-    return run_direct(job.rotor, job)
+    return run_direct(job)
 
 
 @cache

@@ -14,9 +14,7 @@ def words_of(preset, *sets, stop=0.2, step=None):
     """What is said at each communication point of a run of the rig in its resonance."""
     job = prepare(None, preset, ["speed=185", *sets], None, stop, step)
     said = []
-    run_direct(
-        job.rotor, job, lambda t, observe: said.append(steps(observe(), job.step, job.settings))
-    )
+    run_direct(job, lambda t, observe: said.append(steps(observe(), job.step, job.settings)))
     return said
 
 

@@ -52,6 +52,6 @@ def test_the_rig_is_never_slow():
 def test_a_run_whose_shortest_steps_miss_the_tolerance_is_not_ok():
     sets = ["solver.tolerance=1e-5", "solver.h_min=1e-3", "solver.h=1e-3"]
     job = prepare(None, None, sets, None, 0.1, 0.05)
-    run = run_direct(job.rotor, job)
+    run = run_direct(job)
     assert run.status == "doubtful: too-coarse"
     assert any("lower solver.h_min" in message for message in run.messages)

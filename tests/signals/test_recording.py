@@ -30,8 +30,8 @@ def test_another_file_is_refused_by_its_name(tmp_path, content):
 
 def test_a_recorded_run_is_the_run():
     job = prepare(None, None, ["speed=185"], None, 0.5, 0.02)
-    bare = run_direct(job.rotor, job)
-    run, recording = run_recorded(job.rotor, job)
+    bare = run_direct(job)
+    run, recording = run_recorded(job)
     assert np.array_equal(run.t, bare.t)
     assert all(np.array_equal(run.columns[name], bare.columns[name]) for name in bare.columns)
     assert list(recording.columns) == list(usual(job.rotor))
@@ -41,7 +41,7 @@ def test_a_recorded_run_is_the_run():
 
 def test_a_recording_goes_through_the_communication_points():
     job = prepare(None, "robust", ["speed=185"], None, 0.5, 0.02)
-    run, recording = run_recorded(job.rotor, job, Record(("disc[3].x", "bearing[2].fn"), 0.0))
+    run, recording = run_recorded(job, Record(("disc[3].x", "bearing[2].fn"), 0.0))
     assert list(recording.columns) == ["phi", "w", "disc[3].x", "bearing[2].fn"]
     assert len(recording.t) == run.columns["solver.steps"][-1] + 1
     at = np.searchsorted(recording.t, run.t)
@@ -52,7 +52,7 @@ def test_a_recording_goes_through_the_communication_points():
 
 def test_a_run_that_fails_is_recorded_until_then():
     job = prepare(None, "paper", ["solver.method=wbz", "solver.alpha_m=0.08"], None, 5.0, 0.1)
-    run, recording = run_recorded(job.rotor, job)
+    run, recording = run_recorded(job)
     assert run.status.startswith("failed")
     assert run.t[-1] < recording.t[-1] <= run.t[-1] + 0.1
     assert recording.about["status"] == run.status

@@ -44,7 +44,7 @@ def past_50_hz():
     plan = type(plan)(**{**vars(plan), "signals": signals})
 
     def at(angle):
-        recording = run_recorded(job.rotor, plan, Record(NAMES, angle, 100_000))[1]
+        recording = run_recorded(plan, Record(NAMES, angle, 100_000))[1]
         late = recording.t > 1.0
         columns = {name: column[late] for name, column in recording.columns.items()}
         return Recording(recording.t[late], columns, recording.units, {})

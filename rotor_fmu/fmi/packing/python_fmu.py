@@ -30,15 +30,11 @@ def build(
     platforms: Sequence[str] | None = None,
     starts: Mapping[str, float] = NO_STARTS,
 ) -> Path:
-    """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
-    `out` and return its path, which `machine_files.fmu_identifier` names.
+    """Build the FMU that runs in its host's Python, and return its path; arguments and errors are
+    those of `native_fmu.build_native`. Equal sources give equal bytes.
 
-    rotor_toml: TOML text of the rotor, by default the paper's rig; reduction: component modes kept
-    of the shaft, 0 for all of it; platforms: of `SYSTEMS`, by default those whose library is there,
-    this machine's if there is none; starts: start values of solver parameters by name. Raises
-    `QuantityError` for an impossible rotor, `SettingsError` for impossible values, `LibraryError`
-    where a library is missing and cannot be made, and `OSError` if `out` cannot be written. Equal
-    sources give equal bytes.
+    platforms: of `SYSTEMS`, by default those whose library is there, this machine's if there is
+    none.
     """
     machine = machine_of(rotor_toml, is_free, reduction, starts=starts)
     libraries = _libraries(platforms)
