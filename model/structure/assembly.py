@@ -78,9 +78,13 @@ def assemble(rotor: Rotor) -> Structure:
     numbers = _numbers(rotor, ports)
     numbers[0].own_inertia = inertia
     numbers[0].is_supported = np.count_nonzero(held) >= 2
-    on_shaft = (i for _, i in _of_kind(InterfaceElement, elements) if i.ring == GROUND)
-    walls = [_dof(i) for i in on_shaft if i.law.stiffness is None]
-    numbers[0].lowest_omega = lowest_omega(rotor, M, K_shaft, K_axial, held, walls)
+    firm = [
+        i
+        for _, i in _of_kind(InterfaceElement, elements)
+        if i.ring == GROUND and i.law.stiffness is None
+    ]
+    bearings, walls = ([_dof(i) for i in firm if i.law.has_wall == w] for w in (False, True))
+    numbers[0].lowest_omega = lowest_omega(rotor, M, K_shaft, K_axial, held, bearings, walls)
     unbalances = [u for _, u in _of_kind(UnbalanceElement, elements)]
     structure = Structure(
         M=M,

@@ -22,20 +22,22 @@ def lowest_omega(
     K_shaft: np.ndarray,
     K_axial: np.ndarray,
     held: np.ndarray,
+    bearings: Sequence[int],
     walls: Sequence[int],
 ) -> float:
     """Return the lowest elastic natural frequency [rad/s] of the band matrices of a shaft that is
-    held by stiffnesses [N/m] at its dofs, shape (n,); one that these do not support at two nodes is
-    pinned at the dofs of its walls.
+    held by stiffnesses [N/m] at its dofs, shape (n,), and pinned at the dofs of its other bearings;
+    one that these do not support at two nodes is pinned at the dofs of its walls, too.
 
     Raises `QuantityError` where rounding leaves nothing of it.
     """
-    pinned = [] if np.count_nonzero(held) >= 2 else walls
+    supported = {*np.flatnonzero(held), *bearings}
+    pinned = [*bearings, *(walls if len(supported) < 2 else ())]
     others = K_axial.copy()
     others[:, 0] += held
     free = np.delete(np.arange(len(M)), np.array(pinned, dtype=int))
     among = np.ix_(free, free)
-    is_supported = np.count_nonzero(held) >= 2 or len(set(walls)) >= 2
+    is_supported = len(supported.union(pinned)) >= 2
     try:
         if len(M) > LONG:
             if is_supported:

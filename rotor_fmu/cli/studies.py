@@ -235,9 +235,11 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
         typer.echo(sentence)
     for name, result in report.get("sensitivity", {}).items():
         if result:
-            typer.echo(f"{name}, indices from {result['blocks']} of {result['of']} blocks:")
             # Sobol's indices are shares, those of Morris in the unit of the column
-            factor = shown[name].factor if definition.design.kind == "morris" else 1.0
+            is_share = definition.design.kind != "morris"
+            factor, unit = (1.0, "") if is_share else (shown[name].factor, shown[name].word)
+            blocks = f"{result['blocks']} of {result['of']} blocks"
+            typer.echo(f"{_named(name, unit)}, indices from {blocks}:")
             indices = result["indices"].items()
             table = [{"parameter": a} | {k: factor * v for k, v in r.items()} for a, r in indices]
             _print_table(table)

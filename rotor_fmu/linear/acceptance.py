@@ -215,6 +215,7 @@ class CriticalPeaks(Displayed):
         )
         for critical in self.criticals:
             _mark(axes, critical, BLUE)
+        axes.update_datalim([(0.0, DAMPED)])
         axes.set_xlim(left=0)
         plain_ticks(axes.yaxis)
         return figure

@@ -100,7 +100,7 @@ class Modes(Displayed, linear.Modes):
                 axes.set_ylabel("Shape [1]")
         if shown:
             figure.legend(
-                *panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2
+                *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2
             )
         title = f"Modes at {turns(self.speed, self.contacts)}"
         entitle(figure, titled(self.machine_name, title))

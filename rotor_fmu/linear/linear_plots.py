@@ -65,10 +65,10 @@ def titled(name: str, text: str) -> str:
 
 
 def shade(panels: Sequence[Axes] | np.ndarray, operating: tuple[float, float] | None) -> None:
-    """Shade the operating range [rad/s] of axes over the speed."""
+    """Shade the operating range [rad/s] of axes over the speed; one speed is a line."""
     if operating is not None:
         for axes in panels:
-            axes.axvspan(*np.multiply(operating, current().speed), color=SKY, alpha=0.25, lw=0)
+            axes.axvspan(*np.multiply(operating, current().speed), color=SKY, alpha=0.25, lw=1.5)
 
 
 def plain_ticks(axis: Axis) -> None:

@@ -302,7 +302,7 @@ def _slid(metric: Metric, window: Window) -> float:
 
 
 @_kind(
-    "mean rate at which PART.x, PART.y turn about zero of {of}",
+    "mean rate at which {of} turns about zero in x and y",
     unit="rad/s",
     outputs=("x", "y"),
     is_fine=True,

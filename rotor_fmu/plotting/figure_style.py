@@ -68,14 +68,17 @@ def style(axes: Axes) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.set_axisbelow(True)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.label.set_wrap(True)
 
 
-def entitle(where: Axes | Figure, text: str, size: float = 10) -> None:
-    """Write a title at the left above axes or a figure."""
+def entitle(where: Axes | Figure, text: str, size: float = 10, pad: float | None = None) -> None:
+    """Write a title at the left above axes or a figure, a long one in several lines; pad: between
+    it and the axes [pt]."""
     if isinstance(where, Figure):
-        where.suptitle(text, fontsize=size, x=0.01, ha="left")
+        where.suptitle(text, fontsize=size, x=0.01, ha="left", wrap=True)
     else:
-        where.set_title(text, loc="left", fontsize=size)
+        where.set_title(text, loc="left", fontsize=size, pad=pad, wrap=True)
 
 
 def annotate(

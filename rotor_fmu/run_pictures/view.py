@@ -11,7 +11,7 @@ from matplotlib.patches import Circle
 
 from .. import vibration
 from ..display import Display, current
-from ..plotting.figure_style import new_panels
+from ..plotting.figure_style import entitle, new_panels
 from ..runs.measuring_points import MeasuringPoint
 from ..runs.recording import Recording
 
@@ -94,7 +94,7 @@ class View:
     def title(self, axes: Axes, text: str, pad: float | None = None) -> None:
         """Write the heading of a picture."""
         heading = self.heading or self.run.machine
-        axes.set_title(f"{heading}: {text}", loc="left", fontsize=10, pad=pad)
+        entitle(axes, f"{heading}: {text}", pad=pad)
 
 
 def broken_at_reversals(speed: np.ndarray, values: np.ndarray) -> np.ndarray:

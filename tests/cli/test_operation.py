@@ -17,6 +17,9 @@ from rotor_fmu.operating_speeds import operating_speeds
 from rotor_fmu.runs.input_signals import RampGiven
 from tools.checkout import ROOT
 
+from ..known import EXAMPLES
+from ..toml_text import table
+
 RPM = math.pi / 30
 
 
@@ -58,6 +61,22 @@ def test_a_machine_that_says_nothing_passes_its_lowest_natural_frequency():
     assert stiffer.trip / speeds.trip > 1.5
     turns = [s.trip**2 / s.run_down_rate for s in (speeds, stiffer)]
     assert turns[0] == pytest.approx(turns[1])
+
+
+def test_oil_films_hold_a_machine_whatever_else_surrounds_its_shaft():
+    """Clearances that its shaft may touch hold nothing while its bearings do, and soft seals hold
+    less than its oil films."""
+    plain = (EXAMPLES / "oil_film" / "rotor.toml").read_text()
+    keys = {"journal_radius": 0.015, "clearance": 3e-4, "mu": 0.1, "k": 1e7}
+    contacts = "".join(table("[contact]", node=node, **keys) for node in (2, 3, 4))
+    soft = {"kxx": 2e4, "kyy": 2e4, "cxx": 10.0, "cyy": 10.0}
+    seals = "".join(table("[seal]", node=node, **soft) for node in (2, 4))
+    alone, between, sealed = (
+        operating_speeds(parse_rotor(f"{plain}\n{others}")).rated
+        for others in ("", contacts, seals)
+    )
+    assert between == alone
+    assert sealed == pytest.approx(alone, rel=0.1)
 
 
 def test_speeds_rates_and_times_take_units_and_are_held_at_the_highest_speed():

@@ -38,6 +38,8 @@ def test_a_point_of_the_map_opens_its_run(silent, tmp_path):
     assert float(output["peak [µm]"]) == pytest.approx(500 + 800 * columns["mu"][row], rel=1e-4)
     assert output["with its signals"] == "rotor-fmu study ... --select id017"
     hertz = page.run("return map.line.data.x")
+    start, end = page.run("return [map.curve.plot.x_range.start, map.curve.plot.x_range.end]")
+    assert start < min(hertz) < max(hertz) < end  # the whole curve is seen
     assert hertz == pytest.approx([w / (2 * math.pi) for w in (20.0, 30.0, 40.0)])
     page.find("after").click()
     assert page.text("reading").startswith("Run 18, id018")

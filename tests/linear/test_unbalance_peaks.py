@@ -9,6 +9,7 @@ from rotor_fmu.model.linear import critical_peaks, response_with_peaks, unbalanc
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.cli import app
+from rotor_fmu.linear import acceptance
 from rotor_fmu.machine_report.rub_check import rub_check
 
 OVERHUNG = """
@@ -49,6 +50,20 @@ def test_the_response_is_asked_for_at_its_peaks():
     i = int(np.argmax(found.major[:, 3]))
     assert found.speeds[i] == pytest.approx(x.peak.speed, rel=1e-9)
     assert found.major[i, 3] == pytest.approx(x.peak.amplitude, rel=1e-6)
+
+
+def test_critical_speeds_that_are_all_but_the_same_are_marked_within_their_picture():
+    figure = acceptance.critical_peaks(parse_rotor(LIGHT), 400.0, [2, 4]).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    within = [mark.get_window_extent().x1 < axes.bbox.x1 for mark in axes.lines[1:]]
+    assert within == 4 * [True]
+
+
+def test_an_operating_range_of_one_speed_is_seen():
+    figure = acceptance.unbalance_check(parse_rotor(LIGHT), 300.0, 300.0, [4]).figure()
+    (span,) = figure.axes[0].patches
+    assert span.get_linewidth() > 0
 
 
 def test_of_a_rotor_that_turns_backward_too():

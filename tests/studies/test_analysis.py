@@ -7,7 +7,7 @@ import pytest
 from SALib.analyze import morris
 from xarray import Dataset
 
-from rotor_fmu.cli.studies import _print_table
+from rotor_fmu.cli.studies import _analyse, _print_table
 from rotor_fmu.studies.analysis import (
     analyse,
     design_of,
@@ -20,6 +20,7 @@ from rotor_fmu.studies.analysis import (
 from rotor_fmu.studies.design import Axis, Design, Distribution
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.store import about_of, open_dataset
+from rotor_fmu.studies.study import Column
 
 from .functions import Ishigami, here, ishigami_study, quiet, study_text
 
@@ -137,6 +138,20 @@ def test_the_share_of_a_grids_points_is_no_estimate(tmp_path):
     assert 0 < result["above"] < result["count"] == 27
     assert "interval" not in result
     assert "the points of a grid are chosen" in report["says"][0]
+
+
+class _IshigamiInMetres(Ishigami):
+    columns = (Column("y", "m", "value"), Ishigami.columns[1])
+
+
+@pytest.mark.parametrize(
+    ("kind", "heading"), [("morris", "y [um], indices from 8 of"), ("saltelli", "y, indices from")]
+)
+def test_only_indices_of_morris_have_the_columns_unit(kind, heading, tmp_path, capsys):
+    study = ishigami_study(tmp_path, _IshigamiInMetres(), study_text(kind, 8))
+    run_study(study, tmp_path / "out", here, quiet)
+    _analyse(study, tmp_path / "out")
+    assert f"\n{heading}" in capsys.readouterr().out
 
 
 def test_points_that_morris_places_give_no_quantiles_and_no_share(tmp_path):

@@ -41,7 +41,7 @@ class StudyMap {
     this.chart.onTap((x, y) => this.pick(this.nearest(x, y)));
     if (study.curves.length) {
       this.curve = new Chart("curve", {
-        x: " ", y: " ", xRange: fixedRange(0, 1), yRange: fixedRange(0, 1),
+        x: " ", y: " ", xRange: new Bokeh.Range1d(), yRange: new Bokeh.Range1d(),
       });
       this.line = this.curve.source(["x", "y"]);
       this.curve.line(this.line, "c0");
