@@ -73,8 +73,8 @@ def amplitude_axes(axes: Axes, run: Run, place: str, axis: str) -> None:
 
 
 def journal_angle(recording: Recording, caption: str) -> Figure:
-    """Draw the position of the last contact's journal in its bearing against speed: the share of
-    the time, and a point for each turn; if the steps are too long for that, a point for each
+    """Draw the position of the journal of `last_contact` in its bearing against speed: the share
+    of the time, and a point for each turn; if the steps are too long for that, a point for each
     step."""
     figure, axes = new_figure()
     part = str(last_contact(recording.columns))

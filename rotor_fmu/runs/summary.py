@@ -2,7 +2,7 @@
 sentences."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ _AXES = {"x": "horizontal", "y": "vertical"}
 
 def summary(run: Run, place: str | None = None) -> dict[str, Any]:
     """Return the figures of a run: peaks of a place after the start-up, by default of the one that
-    moves most, the last bearing's psi there, and what the solver did.
+    moves most, psi there of the last bearing that touches, and what the solver did.
 
     Peaks are None where there are none: an amplitude that is largest at an edge of the run, or a
     run at one speed, has none (no_peak says why). x_largest_um, y_largest_um: the largest after the
@@ -52,9 +52,11 @@ def summary(run: Run, place: str | None = None) -> dict[str, Any]:
     }
 
 
-def last_contact(names: Collection[str]) -> str | None:
-    """Return the last part that has a contact angle."""
-    return next((n.removesuffix(".psi") for n in reversed([*names]) if n.endswith(".psi")), None)
+def last_contact(columns: Mapping[str, np.ndarray]) -> str | None:
+    """Return the last part with a contact angle of those that touch, of all where none does."""
+    parts = [name.removesuffix(".psi") for name in columns if name.endswith(".psi")]
+    touching = [part for part in parts if np.any(columns.get(f"{part}.fn", 0.0) > 0.0)]
+    return next(reversed(touching or parts), None)
 
 
 def _peaks(run: Run, place: str | None) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from rotor_fmu.runs.peaks import is_constant, peak_index, start_up
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run, run_recorded
 from rotor_fmu.runs.run_files import clear
-from rotor_fmu.runs.summary import sentences, summary
+from rotor_fmu.runs.summary import last_contact, sentences, summary
 
 from ..recordings import recorded
 
@@ -50,6 +50,14 @@ def past_50_hz():
         return Recording(recording.t[late], columns, recording.units, {})
 
     return at(TURN / 64), at(TURN / 150), at(0.0)
+
+
+def test_the_contact_that_is_shown_is_the_last_one_that_touches():
+    columns = recorded().columns
+    idle = {"labyrinth.psi": columns["bearing[1].psi"], "labyrinth.fn": 0 * columns["phi"]}
+    assert last_contact(columns | idle) == "bearing[1]"
+    assert last_contact(idle) == "labyrinth"
+    assert last_contact({"phi": columns["phi"]}) is None
 
 
 def apart(one, other):
