@@ -147,6 +147,7 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
     assert down["contacts"][0]["share_in_range"] == 0.0
 
 
+@pytest.mark.usefixtures("coarse_report")
 def test_a_machine_without_unbalance_is_not_said_to_pass(refusal, tmp_path):
     """It answers to nothing. A report places the unbalances of API 617 then: its critical speed of
     4128 rpm is too near to the range."""
@@ -159,6 +160,7 @@ def test_a_machine_without_unbalance_is_not_said_to_pass(refusal, tmp_path):
     assert "Unbalances placed by API 617 for mode 1: " in report.html
 
 
+@pytest.mark.usefixtures("coarse_report")
 def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(command):
     """The Jeffcott rotor's is at 955 rpm; looked at is one and a half times the highest speed."""
     rotor = load_rotor(Path(JEFFCOTT))[1]

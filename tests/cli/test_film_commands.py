@@ -104,6 +104,7 @@ def test_a_machine_that_seals_do_not_lift_is_at_rest_at_its_rated_speed(with_sea
         answers.static(with_seal, 0.0)
 
 
+@pytest.mark.usefixtures("coarse_report")
 def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_seal):
     report = machine_report(load_rotor(with_seal)[1], ReportOptions(300.0, 400.0))
     assert "At rest, 63.662 Hz (400 rad/s)" in report.html

@@ -107,14 +107,21 @@ def test_what_is_left_in_the_bearings_planes_has_its_grade():
     assert f"G {result.residuals[0].grade:g}" in result.table().text()
 
 
+@pytest.fixture
+def few_turns(monkeypatch):
+    """Runs that are short, where what they lead to is not looked at."""
+    monkeypatch.setattr("rotor_fmu.trial_balancing._MOST_TURNS", 20)
+    monkeypatch.setattr("rotor_fmu.trial_balancing._LEAST_TURNS", 10)
+
+
+@pytest.mark.usefixtures("few_turns")
 def test_without_a_service_speed_it_is_that_of_balancing():
     rotor = replace(without_contact(), operation=Operation(minimum_speed=0.0))
     assert balance(rotor, [150.0], [5]).service_speed == 150.0
 
 
-def test_a_machine_whose_slowest_mode_outlasts_the_runs_says_so(monkeypatch):
-    monkeypatch.setattr("rotor_fmu.trial_balancing._MOST_TURNS", 20)
-    monkeypatch.setattr("rotor_fmu.trial_balancing._LEAST_TURNS", 10)
+@pytest.mark.usefixtures("few_turns")
+def test_a_machine_whose_slowest_mode_outlasts_the_runs_says_so():
     slow = balance(without_contact(), [300.0], [4])
     assert not slow.settles
     assert "20 turns are too few for the slowest mode to settle" in slow.table().title
@@ -126,10 +133,12 @@ def test_a_machine_that_does_not_settle_is_refused():
         balance(rotor, [300.0], [4])
 
 
+@pytest.mark.usefixtures("few_turns")
 def test_a_contact_that_closes_is_said():
     assert balance(rig(), [150.0], [5]).touches
 
 
+@pytest.mark.usefixtures("few_turns")
 def test_the_command_tells_the_corrections(tmp_path, capsys):
     app(
         ["balance", "--speed", "150", "--plane", "5", "--out", str(tmp_path)],

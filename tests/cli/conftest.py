@@ -1,0 +1,24 @@
+"""A report that takes a part of its time."""
+
+from importlib import import_module
+
+import pytest
+
+COARSE = {
+    "rotor_fmu.machine_report.report_page": {"_SPEEDS": 7, "_CURVE": 13},
+    "rotor_fmu.machine_report.rub_check": {"_SPEEDS": 13},
+    "rotor_fmu.model.linear.unbalance_check": {"_POINTS": 13},
+    "rotor_fmu.model.linear.critical_map": {"_SAMPLES": 10},
+}
+
+
+@pytest.fixture
+def coarse_report(monkeypatch):
+    """The report of a machine from fewer speeds, without its pictures, where one of its sentences
+    is looked at. Peaks are found between the speeds, however many these are."""
+    for name, counts in COARSE.items():
+        module = import_module(name)
+        for constant, count in counts.items():
+            monkeypatch.setattr(module, constant, count)
+    page = import_module("rotor_fmu.machine_report.report_page")
+    monkeypatch.setattr(page, "figure_html", lambda figure, caption: caption)
