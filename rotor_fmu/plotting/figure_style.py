@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -75,10 +76,11 @@ def style(axes: Axes) -> None:
 def entitle(where: Axes | Figure, text: str, size: float = 10, pad: float | None = None) -> None:
     """Write a title at the left above axes or a figure, a long one in several lines; pad: between
     it and the axes [pt]."""
+    is_wrapped = not is_math_text(text)  # Matplotlib would measure it as a formula
     if isinstance(where, Figure):
-        where.suptitle(text, fontsize=size, x=0.01, ha="left", wrap=True)
+        where.suptitle(text, fontsize=size, x=0.01, ha="left", wrap=is_wrapped)
     else:
-        where.set_title(text, loc="left", fontsize=size, pad=pad, wrap=True)
+        where.set_title(text, loc="left", fontsize=size, pad=pad, wrap=is_wrapped)
 
 
 def annotate(

@@ -57,7 +57,7 @@ def test_names_lie_within_the_pictures_of_a_run(kind, run):
         lambda machine: machine.show(),
         lambda machine: machine.static().figure(),
         lambda machine: machine.modes(100.0).figure(),
-        lambda machine: mode_shapes_figure(machine.modes(100.0), MACHINE),
+        lambda machine: mode_shapes_figure(machine.modes(100.0)),
         lambda machine: machine.campbell((1.0, 400.0)).figure(),
         lambda machine: machine.unbalance_response((1.0, 400.0)).figure(),
         lambda machine: rf.response(machine, speed=(60.0, 90.0)).figure(),
