@@ -15,6 +15,8 @@ from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.fmi.interface import ports
 
+from ..toml_text import table
+
 GRAVITY = 9.81
 SAMPLES = 401
 
@@ -81,21 +83,6 @@ class _Draw:
         return float(self.rng.choice(choices))
 
 
-def _table(heading: str, /, **quantities: object) -> str:
-    lines = [f"{key} = {_spelled(value)}" for key, value in quantities.items()]
-    return "\n".join([f"[[{heading}]]", *lines, ""])
-
-
-def _spelled(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f'"{value}"'
-    if isinstance(value, list):
-        return f"[{', '.join(_spelled(v) for v in value)}]"
-    return repr(float(value)) if isinstance(value, float) else str(value)
-
-
 @dataclass(frozen=True)
 class _Shaft:
     """What every machine has: a shaft of four to seven elements with one or two discs."""
@@ -123,19 +110,19 @@ def _shaft(draw: _Draw, eta_v: float, others: str = "") -> _Shaft:
             shape |= {"outer": d}
         if draw.between(0, 1) < 0.25:
             shape |= {"bore": 0.3 * d}
-        sections += _table("section", **shape)
+        sections += table("[section]", **shape)
     disc = int(draw.rng.integers(2, nodes))
     width, disc_diameter = draw.between(0.02, 0.05), diameter * draw.between(5, 10)
     mass = 7800.0 * math.pi / 4 * disc_diameter**2 * width
     text = (
         f'name = "drawn"\n{others}\n[material]\nyoung = 2.1e11\ndensity = 7800.0\n'
         f"[shaft]\neta_v = {eta_v!r}\n{sections}"
-        + _table("disc", node=disc, diameter=disc_diameter, width=width, e=1e-5, phase=0.4)
+        + table("[disc]", node=disc, diameter=disc_diameter, width=width, e=1e-5, phase=0.4)
     )
     if draw.between(0, 1) < 0.4:
         other = 1 + disc % (nodes - 1)
-        text += _table(
-            "disc", node=other, diameter=0.6 * disc_diameter, width=width, e=5e-6, phase=2.0
+        text += table(
+            "[disc]", node=other, diameter=0.6 * disc_diameter, width=width, e=5e-6, phase=2.0
         )
     return _Shaft(text, nodes, disc, length, diameter, mass)
 
@@ -159,10 +146,10 @@ def _held(draw: _Draw, shaft: _Shaft, stiffness: float) -> str:
         k = stiffness * draw.log(1.0, 10.0)
         c = 2 * draw.log(0.03, 0.3) * math.sqrt(k * shaft.mass)
         if draw.between(0, 1) < 0.5:
-            text += _table("support", node=node, stiffness=k, damping=c)
+            text += table("[support]", node=node, stiffness=k, damping=c)
         else:
             other = k * draw.between(0.5, 1.0)
-            text += _table("linear_bearing", node=node, kxx=k, kyy=other, cxx=c, cyy=0.7 * c)
+            text += table("[linear_bearing]", node=node, kxx=k, kyy=other, cxx=c, cyy=0.7 * c)
     return text
 
 
@@ -172,8 +159,8 @@ def _tabulated(draw: _Draw, kind: str, shaft: _Shaft, k: float, crossed: float, 
     speeds = [0.1 * top, 0.4 * top, 0.7 * top, 1.1 * top]
     rise = [0.2, 0.5, 0.8, 1.2]
     c = 2 * draw.log(0.02, 0.1) * math.sqrt(k * shaft.mass)
-    return _table(
-        kind,
+    return table(
+        f"[{kind}]",
         node=shaft.disc if kind == "seal" else 1,
         speed=speeds,
         kxx=[k * (1 + 0.2 * r) for r in rise],
@@ -195,8 +182,8 @@ def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
     k, near = _stiffness(shaft), max(2, min(shaft.nodes - 1, shaft.disc + 1))
     if kind == "bearing":
         return "".join(
-            _table(
-                "bearing",
+            table(
+                "[bearing]",
                 node=node,
                 **_contact(draw, k, clearance),
                 mass=0.2 * shaft.mass * draw.between(0.3, 1.0),
@@ -209,28 +196,28 @@ def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
         )
     if kind == "touchdown":
         return "".join(
-            _table(
-                "touchdown_bearing",
+            table(
+                "[touchdown_bearing]",
                 node=node,
                 **_contact(draw, k, clearance),
                 race_inertia=draw.log(1e-5, 1e-3),
                 race_drag=draw.log(1e-4, 1e-2),
             )
             for node in (1, shaft.nodes)
-        ) + _table("start", y=0.0).replace("[[start]]", "[start]")
+        ) + table("start", y=0.0)
     if kind == "housing":
         mass, stiff = 0.3 * shaft.mass, k * draw.log(3, 30)
-        text = _table(
-            "housing", name="pedestal", mass=mass, mass_ratio=1.3, kx=stiff, ky=2 * stiff,
+        text = table(
+            "[housing]", name="pedestal", mass=mass, mass_ratio=1.3, kx=stiff, ky=2 * stiff,
             cx=0.1 * math.sqrt(stiff * mass), cy=0.1 * math.sqrt(stiff * mass),
         )  # fmt: skip
-        text += _table(
-            "linear_bearing", node=1, housing="pedestal", kxx=2 * k, kyy=3 * k,
+        text += table(
+            "[linear_bearing]", node=1, housing="pedestal", kxx=2 * k, kyy=3 * k,
             cxx=0.1 * math.sqrt(k * shaft.mass), cyy=0.1 * math.sqrt(k * shaft.mass),
         )  # fmt: skip
-        text += _table("support", node=shaft.nodes, stiffness=3 * k, damping=20.0)
-        return text + _table(
-            "contact", node=near, housing="pedestal", **_contact(draw, k, clearance)
+        text += table("[support]", node=shaft.nodes, stiffness=3 * k, damping=20.0)
+        return text + table(
+            "[contact]", node=near, housing="pedestal", **_contact(draw, k, clearance)
         )
     more: dict[str, object] = {}
     if kind == "hertz":
@@ -241,7 +228,7 @@ def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
     if kind == "worn":
         more = {"wear": clearance * draw.between(0.1, 1.0), "wear_angle": draw.between(0, 6)}
     text = _held(draw, shaft, k)
-    return text + _table("contact", node=near, **(_contact(draw, k, clearance) | more))
+    return text + table("[contact]", node=near, **(_contact(draw, k, clearance) | more))
 
 
 KINDS = (
