@@ -17,9 +17,9 @@ from ..linear.linear_tables import Table, numbers
 from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
+from ..model.linear.unbalance import SteadyWhirl
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
-from ..model.structure.assembly import assemble
 from ..report.report_tables import notices_html
 from ..report.run_page import figure_html, machine_html, page, template
 from .rub_check import RubCheck, rub_check
@@ -70,7 +70,7 @@ def machine_report(
     speeds = np.linspace(first, top, _SPEEDS)
     listed = inventory(rotor)
     unbalances, mode = None, options.mode
-    if mode is None and not assemble(rotor).unbalance.any():
+    if mode is None and not SteadyWhirl(rotor).is_driven:
         mode = 1
     if mode is not None:
         placed = placed_unbalances(rotor, mode, high)
