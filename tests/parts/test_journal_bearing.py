@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone, critical_mass
+from rotor_fmu.model.linear.reynolds_2d import film_in_plane
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights
@@ -130,12 +131,22 @@ _LOBES = {
 def test_grooves_and_lobes_against_a_grid(shape, length):
     position, K_grid, C_grid = _LOBES[shape, length]
     values = {**_SHAPES[shape]} | ({} if shape == "axial grooves" else {"preload": 0.5})
-    film = BearingAlone(_bearing(length=length, viscosity=0.02, **values), 100 * _PI)
+    bearing = _bearing(length=length, viscosity=0.02, **values)
+    film = BearingAlone(bearing, 100 * _PI)
     d = film.rest(-2500j)
     assert abs(d / 1e-4 - complex(*position)) < 0.005
     K, C = film.coefficients(d)
     np.testing.assert_allclose(K.ravel() / 1e6, K_grid, atol=0.015 * np.abs(K_grid).max())
     np.testing.assert_allclose(C.ravel() / 1e3, C_grid, atol=0.01 * np.abs(C_grid).max())
+
+    # the load and the stiffness of another grid, of finite differences, there
+    def in_plane(moved=0.0):
+        return film_in_plane(bearing, 100 * _PI, 1e-4 * complex(*position) + moved)
+
+    assert abs(in_plane() - 2500j) < 0.003 * 2500
+    by_d = [(in_plane(-2e-7 * way) - in_plane(2e-7 * way)) / 4e-7 for way in (1.0, 1j)]
+    K_plane = np.array([[k.real for k in by_d], [k.imag for k in by_d]]) / 1e6
+    np.testing.assert_allclose(K_plane.ravel(), K_grid, atol=0.006 * np.abs(K_grid).max())
 
 
 def _states(count, seed):
