@@ -9,6 +9,19 @@
 
 static const char RECOVER[] = "reset the FMU, or set a state from before";
 
+size_t head_size(const Instance *m)
+{
+    return sizeof(State) + (size_t)(m->table->observed_at + 2 * m->table->inputs) * sizeof(double);
+}
+
+void forget_slopes(Instance *m)
+{
+    for (int64_t i = 0; i < m->table->inputs; i++) {
+        m->slopes[i] = NAN;
+        m->continued[i] = 0.0;
+    }
+}
+
 void begin_anew(Instance *m)
 {
     const Table *t = m->table;
@@ -123,65 +136,4 @@ Status allow(Instance *m, const char *call, unsigned phases)
     default:
         return refuse(m, "%s: the simulation was terminated; %s", call, RECOVER);
     }
-}
-
-/* The variable of one of the solver's settings. */
-static const Variable *setting(const Table *t, int64_t at)
-{
-    const Variable *v = variables(t);
-    while (v->role != SETTING || v->at != at)
-        v++;
-    return v;
-}
-
-Status set_up(Instance *m, const char *call, double start, int has_stop, double stop,
-              int has_tolerance, double tolerance)
-{
-    State *s = m->state;
-    if (allow(m, call, 1u << INSTANTIATED))
-        return ERROR;
-    if (!isfinite(start))
-        return refuse(m, "%s: start time = %g: must be finite", call, start);
-    if (has_stop && !(stop >= start))
-        return refuse(m, "%s: stop time = %g s: must not lie before the start time, %g s", call,
-                      stop, start);
-    const Variable *rule = setting(m->table, m->table->tolerance_at);
-    if (has_tolerance && !(tolerance > 0 && tolerance <= rule->most))
-        return refuse(m, "%s: tolerance = %g: %s", call, tolerance, text(m->table, rule->rule));
-    if (has_tolerance && tolerance < rule->least) { /* hosts give one for all FMUs of a system */
-        warn_of(m, "%s: tolerance = %g: %g is taken, the least that can be held "
-                   "[tolerance-raised]",
-                call, tolerance, rule->least);
-        tolerance = rule->least;
-    }
-    s->start = s->now = start;
-    s->has_stop = has_stop != 0;
-    s->stop = has_stop ? stop : 0.0;
-    s->has_tolerance = has_tolerance != 0;
-    s->tolerance = has_tolerance ? tolerance : 0.0;
-    return OK;
-}
-
-Status enter(Instance *m)
-{
-    if (allow(m, "enterInitializationMode", 1u << INSTANTIATED))
-        return ERROR;
-    m->state->phase = INITIALIZING;
-    return OK;
-}
-
-Status leave_initialization(Instance *m)
-{
-    if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m))
-        return ERROR;
-    m->state->phase = STEPPING;
-    return m->is_whole ? take_state(m, &m->before) : OK; /* steps then need no memory */
-}
-
-Status terminate(Instance *m)
-{
-    if (allow(m, "terminate", 1u << STEPPING | 1u << FAILED))
-        return ERROR;
-    m->state->phase = TERMINATED;
-    return OK;
 }

@@ -43,22 +43,12 @@ static inline double in_block(const Instance *m, int64_t place)
 {
     return *(const double *)(m->block + place);
 }
-/* OK where a value reference is that of an input. */
-Status check_input(Instance *, const char *call, uint32_t reference);
-/* OK where a parameter of the machine may have this value. */
-Status check_parameter(Instance *, const Variable *, double value);
 /* How many numbers the model computes. */
 static inline int64_t computed(const Table *t)
 {
     const Variable *last = variables(t) + t->variables - 1;
     return t->variables - t->observed_at - (last->role == TIME);
 }
-/* Bytes of a state without its run. */
-size_t head_size(const Instance *);
-/* None of the inputs' slopes are known. */
-void forget_slopes(Instance *);
-/* A host that allows no early return wants none at contacts, whatever the parameter says. */
-void choose_contacts(Instance *);
 
 /* To a text of LONGEST characters. */
 void add(char *out, const char *more);
@@ -76,8 +66,24 @@ void warn(Instance *, int code, const double *numbers);
 
 /* OK in these phases, each a bit; else the call is refused. */
 Status allow(Instance *, const char *call, unsigned phases);
+/* Bytes of a state without its run. */
+size_t head_size(const Instance *);
+/* None of the inputs' slopes are known. */
+void forget_slopes(Instance *);
+
 /* The run from the values that are set now, if there is none. */
 Status build(Instance *);
+/* OK where a parameter of the machine may have this value. */
+Status check_parameter(Instance *, const Variable *, double value);
+/* Hand the inputs over, but the drive. */
+void take_loads(Instance *);
+/* A host that allows no early return wants none at contacts, whatever the parameter says. */
+void choose_contacts(Instance *);
+/* Take up parameters that were changed since the last step; the ledger counts what that does. */
+Status retune(Instance *);
+/* Look for what grows up to the present speed, and warn of it. */
+void survey(Instance *, int is_start);
+void warn_beyond_tables(Instance *);
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

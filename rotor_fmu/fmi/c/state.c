@@ -11,11 +11,6 @@ size_t state_size(const void *state)
     return (size_t)((const State *)state)->bytes;
 }
 
-size_t head_size(const Instance *m)
-{
-    return sizeof(State) + (size_t)(m->table->observed_at + 2 * m->table->inputs) * sizeof(double);
-}
-
 /* Whether a state is of this size. */
 static int is_size(const Instance *m, uint64_t bytes)
 {

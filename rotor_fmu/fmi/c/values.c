@@ -21,7 +21,7 @@ static Status check_reference(Instance *m, const char *call, uint32_t reference)
                   (unsigned long)reference, (int)m->table->variables - 1);
 }
 
-Status check_input(Instance *m, const char *call, uint32_t reference)
+static Status check_input(Instance *m, const char *call, uint32_t reference)
 {
     if (check_reference(m, call, reference))
         return ERROR;
@@ -142,6 +142,35 @@ Status set_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
     for (size_t i = 0; i < count; i++)
         take_value(m, references[i], as_kind(m, references[i], item(values, i)));
     if (m->state->phase != STEPPING)
+        m->state->is_built = 0;
+    return OK;
+}
+
+Status set_slopes(Instance *m, const uint32_t *references, size_t count, const int *orders,
+                  const double *values)
+{
+    const char call[] = "setRealInputDerivatives";
+    if (count && (!references || !orders || !values))
+        return refuse(m, "%s: NULL where %zu values are given", call, count);
+    if (allow(m, call, 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING))
+        return ERROR;
+    for (size_t i = 0; i < count; i++) {
+        char shown[LONGEST] = "";
+        if (check_input(m, call, references[i]))
+            return ERROR;
+        if (orders[i] != 1)
+            return refuse(m, "%s: %s: order %d: must be 1", call, name_of(m, references[i]),
+                          orders[i]);
+        add_number(shown, values[i], 17);
+        if (!isfinite(values[i]))
+            return refuse(m, "%s: %s = %s: must be a finite number", call,
+                          name_of(m, references[i]), shown);
+    }
+    for (size_t i = 0; i < count; i++) {
+        m->slopes[references[i]] = values[i];
+        m->continued[references[i]] = 0.0;
+    }
+    if (count && m->state->phase != STEPPING)
         m->state->is_built = 0;
     return OK;
 }
