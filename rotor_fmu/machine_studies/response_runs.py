@@ -24,7 +24,8 @@ from .run_excitation import Excitation
 from .run_kinds import NOT_NEGATIVE, POSITIVE, Number, RunKind
 
 if TYPE_CHECKING:
-    from ..periodic.result import Curve, ResponseResult
+    from ..periodic.curves import Curve
+    from ..periodic.result import ResponseResult
 
 KINDS: dict[str, MetricKind] = {}
 _kind = partial(declared, KINDS)
@@ -76,7 +77,7 @@ class ResponseRuns(MachineRuns):
     @property
     def units(self) -> dict[str, str]:
         """Return the quantities of a curve by name, with their units."""
-        from ..periodic.result import UNITS, probes
+        from ..periodic.curves import UNITS, probes
 
         places = probes(self.machine.rotor)
         of_places = {f"{place}.{q}": unit for place in places for q, unit in UNITS.items()}

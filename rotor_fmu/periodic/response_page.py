@@ -9,6 +9,7 @@ from ..model.periodic.branch import Bifurcation, Solution
 from ..report.packed import COARSE, packed
 from ..report.report_tables import notices_html, table
 from ..report.run_page import page, template
+from .curves import UNITS
 from .vertices import vertices
 
 if TYPE_CHECKING:
@@ -20,8 +21,6 @@ _MOST_VALUES = 3_000_000  # of all orbits
 
 def response_page(result: "ResponseResult", name: str) -> str:
     """Return the page as HTML; name: of the machine."""
-    from .result import UNITS
-
     lines, axis = [vertices(branch) for branch in result.branches], result.axis
     points = [vertex.motion for line in lines for vertex in line]
     places = list(result.probes)
@@ -68,8 +67,6 @@ def _place(
     result: "ResponseResult", place: str, points: list[Solution | Bifurcation], samples: int
 ) -> dict[str, Any]:
     """Return the curves of a place and its orbits, one after another."""
-    from .result import UNITS
-
     values = [result.quantities(point, place) for point in points]
     curves = {
         q: packed(_shown(unit)[0] * np.array([each[q] for each in values]))

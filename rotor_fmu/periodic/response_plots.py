@@ -12,7 +12,7 @@ from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS, U
 from ..model.periodic.continuation import LOST
 from ..model.periodic.folds import FoldCurve
 from ..plotting.figure_style import BLUE, COLORS, DASHED, GREY, SKY, entitle, new_figure
-from .result import ResponseResult
+from .curves import ResponseCurves
 from .vertices import pieces
 
 _COLORS = (*COLORS[:4], SKY)
@@ -20,7 +20,7 @@ _ENDS = {why: f"the curve is {why.rstrip(': ')}" for why in (LOST, UNFINISHED)}
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
 
-def response_figure(result: ResponseResult, names: Sequence[str] | None = None) -> Figure:
+def response_figure(result: ResponseCurves, names: Sequence[str] | None = None) -> Figure:
     """Amplitudes of places over the parameter; by default of the three that move most."""
     if names is None:
         largest = {n: result.curve(n).value.max(initial=0.0) for n in result.probes}
@@ -64,7 +64,7 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
     return figure
 
 
-def fold_figure(result: ResponseResult, name: str, unit: str, folds: FoldCurve) -> Figure:
+def fold_figure(result: ResponseCurves, name: str, unit: str, folds: FoldCurve) -> Figure:
     """The parameter at a fold over another one, of a name and SI unit; a cross where the curve is
     lost inside the range."""
     across, up = current().of_si(unit), result.axis

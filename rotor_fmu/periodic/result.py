@@ -1,74 +1,30 @@
-"""What `rf.response` returns: branches with their curves, orbits, bifurcations and pictures."""
+"""What `rf.response` returns: branches of periodic motions, with tables and pictures."""
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..display import Shown, current
-from ..errors import InputError, check_one_of, nearest
+from ..errors import InputError, nearest
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
-from ..model.parts.base import ProbeElement
 from ..model.periodic.arclength import NotConverged
-from ..model.periodic.branch import FOLD, Bifurcation, Solution
+from ..model.periodic.branch import FOLD, Solution
 from ..model.periodic.folds import FoldCurve
-from ..model.periodic.problem import Note, Response
+from ..model.periodic.problem import Note
 from ..model.periodic.queries import folds_over, motions_at, persists_in_time
 from ..model.periodic.starting_points import Persistence
 from ..plotting.notebook import png
-from .vertices import pieces
+from .curves import ResponseCurves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_LARGEST = 4096  # points of a period that `orbit` gives at most
-# What a motion of a place has, and its unit.
-QUANTITIES = ("r_amp", "x_amp", "y_amp", "x_1x", "y_1x", "x_1x_phase", "y_1x_phase", "x", "y")
-UNITS = {name: "rad" if name.endswith("phase") else "m" for name in QUANTITIES}
 
-
-class Curve(NamedTuple):
-    """A quantity along the branches, n points: value of the parameter, the quantity [m, rad],
-    whether the motion is stable, and the number of the branch, each of shape (n,)."""
-
-    parameter: np.ndarray
-    value: np.ndarray
-    stable: np.ndarray
-    branch: np.ndarray
-
-
-class OrbitSeries(NamedTuple):
-    """A period of a motion, n samples: t [s], and x, y of each probe [m] by its name, `disc[1]`."""
-
-    t: np.ndarray
-    x: Mapping[str, np.ndarray]
-    y: Mapping[str, np.ndarray]
-
-
-class SectionLine(NamedTuple):
-    """A part of a Poincare section's curve, n points: the parameter and the displacement [m], each
-    of shape (n,), and whether the motions are stable."""
-
-    parameter: np.ndarray
-    value: np.ndarray
-    is_stable: bool
-
-
-class ResponseResult:
-    """Periodic motions of a machine over a parameter; a notebook shows the picture.
-
-    parameter: its name, unit: of its values; branches: see `model.periodic.branch`.
-    """
-
-    def __init__(self, result: Response) -> None:
-        self._response = result
-        self.parameter = result.task.name
-        self.branches = result.branches
-        self.probes = probes(result.rotor)
+class ResponseResult(ResponseCurves):
+    """What `rf.response` returns, beside the curves; a notebook shows the picture."""
 
     def __repr__(self) -> str:
         count = len(self.branches)
@@ -78,24 +34,9 @@ class ResponseResult:
         )
 
     @property
-    def machine(self) -> str:
-        """Name of the machine."""
-        return self._response.rotor.name
-
-    @property
     def is_stopped(self) -> bool:
         """Whether the search was interrupted."""
         return self._response.is_stopped
-
-    @property
-    def unit(self) -> str:
-        """Of the parameter."""
-        return self._response.unit
-
-    @property
-    def axis(self) -> Shown:
-        """How the parameter is shown."""
-        return current().of_si(self.unit)
 
     @property
     def notes(self) -> tuple[Message, ...]:
@@ -104,63 +45,6 @@ class ResponseResult:
         notes = self._response.notes
         return tuple(n.shown(*shown) if isinstance(n, Note) else n for n in notes)
 
-    @property
-    def points(self) -> list[Solution]:
-        """Of all branches, one after another."""
-        return [point for branch in self.branches for point in branch.points]
-
-    @property
-    def bifurcations(self) -> list[Bifurcation]:
-        """Of all branches."""
-        return [b for branch in self.branches for b in branch.bifurcations]
-
-    def curve(self, name: str, quantity: str = "r_amp") -> Curve:
-        """A quantity of a probe along the branches; name: such as `disc[3]`, or with the quantity,
-        `disc[3].x_1x`.
-
-        quantity: r_amp, the largest distance from the mean; x_amp, y_amp, half of the range; x_1x,
-        y_1x, the amplitudes at the speed, with x_1x_phase, y_1x_phase, by which they lead the
-        shaft's mark; x, y, the means. Raises `InputError` for an unknown name.
-        """
-        if name not in self.probes and name.rpartition(".")[0] in self.probes:
-            name, _, quantity = name.rpartition(".")
-        if name not in self.probes:
-            raise InputError(f"{name}: no such place; the nearest is {nearest(name, self.probes)}")
-        check_one_of(f"{name}.{quantity}", quantity, QUANTITIES)
-        rows = [
-            (p.value, self.quantities(p, name)[quantity], p.is_stable, i)
-            for i, branch in enumerate(self.branches, 1)
-            for p in branch.points
-        ]
-        table = np.array(rows, float).reshape(-1, 4)
-        return Curve(table[:, 0], table[:, 1], table[:, 2] > 0, table[:, 3].astype(int))
-
-    def orbit(self, i: int, samples: int = 256) -> OrbitSeries:
-        """A period of the motion at point i, of all branches one after another."""
-        points = self.points
-        if not -len(points) <= i < len(points):
-            raise InputError(f"i = {i}: must be from 0 to {len(points) - 1}")
-        if not 2 <= samples <= _LARGEST:
-            raise InputError(f"samples = {samples}: must be from 2 to {_LARGEST}")
-        point = points[i]
-        t = 2 * math.pi / abs(point.orbit.omega) * np.arange(samples) / samples
-        places = {name: self.series(point, name, samples) for name in self.probes}
-        return OrbitSeries(
-            t, {n: s[0] for n, s in places.items()}, {n: s[1] for n, s in places.items()}
-        )
-
-    def section(self, name: str, side: str) -> list[SectionLine]:
-        """x or y (side) of a place [m] each time the keyphasor's mark passes, along the branches:
-        lines that are stable or not, one a turn of a period."""
-        lines = []
-        for branch in self.branches:
-            turns = branch.points[0].orbit.turns if branch.points else 0
-            for motions, is_stable in pieces(branch):
-                over = np.array([m.value for m in motions])
-                values = [self.series(m, name, turns)["xy".index(side)] for m in motions]
-                lines += [SectionLine(over, line, is_stable) for line in np.array(values).T]
-        return lines
-
     def at(self, value: float) -> list[Solution]:
         """All motions at a value of the parameter, exact, stable ones and others."""
         return motions_at(self._response, value)
@@ -168,27 +52,6 @@ class ResponseResult:
     def check(self, point: Solution, turns: int = 50) -> Persistence:
         """Start the integrator on a motion: whether it stays there for so many turns."""
         return persists_in_time(self._response, point, turns)
-
-    def amplitude(self, point: Solution | Bifurcation, name: str, quantity: str = "r_amp") -> float:
-        """A quantity of a probe, as `curve` has them, of a motion [m, rad]."""
-        return self.quantities(point, name)[quantity]
-
-    def quantities(self, point: Solution | Bifurcation, name: str) -> dict[str, float]:
-        """Return all quantities of a probe, as `curve` has them, of a motion [m, rad]."""
-        X = self._amplitudes(point, name)
-        samples = 64 * 2 ** math.ceil(math.log2(max(1, len(X) / 8)))
-        x, y = self.series(point, name, samples)
-        mean = X[0].real
-        once = X[point.orbit.turns] if len(X) > point.orbit.turns else np.zeros(2, complex)
-        values = (
-            np.hypot(x - mean[0], y - mean[1]).max(),
-            np.ptp(x) / 2,
-            np.ptp(y) / 2,
-            *np.abs(once),
-            *np.angle(once),
-            *mean,
-        )
-        return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}
 
     def fold_curve(
         self,
@@ -291,30 +154,8 @@ class ResponseResult:
             "notes": self.notes,
         }
 
-    def series(
-        self, point: Solution | Bifurcation, name: str, samples: int
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """x and y of a place over a period of a motion, from the keyphasor's mark on, each of shape
-        (samples,) [m]."""
-        X = self._amplitudes(point, name)
-        k = np.arange(len(X))
-        angle = 2 * math.pi * np.arange(samples) / samples
-        result = (np.exp(1j * np.outer(angle, k)) @ X).real
-        return result[:, 0], result[:, 1]
-
-    def _amplitudes(self, point: Solution | Bifurcation, name: str) -> np.ndarray:
-        dof, slope, offset = self.probes[name]
-        at = np.array([0, 1])
-        return point.motion[:, 2 * dof + at] + offset * point.motion[:, 2 * slope + at]
-
     def _repr_png_(self) -> bytes:
         return png(self.figure())
-
-
-def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
-    """Names of the places that are observed, with dof, slope and offset [m]."""
-    observed = rotor.elements_of_kind(ProbeElement)
-    return {where: (2 * p.node - 2, 2 * p.node - 1, p.offset) for where, p in observed}
 
 
 def check_names(rotor: Rotor, names: Iterable[str]) -> None:
