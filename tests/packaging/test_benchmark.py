@@ -67,6 +67,7 @@ def test_more_bearings_stand_between_the_first_and_the_last():
     rest(rotor)
 
 
+@pytest.mark.slow
 def test_this_project_and_cvode_find_the_same_beginning_of_the_run_down():
     problem = replace(beginning(), stop=0.06)
     truth = cvode.reference(problem)
@@ -139,6 +140,7 @@ def short():
     return problem, cvode.reference(problem)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "solve",
     [

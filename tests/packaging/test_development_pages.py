@@ -121,6 +121,7 @@ def test_the_warnings_that_a_page_adds_are_given(extended):
     assert "far from the axis since t = " in run(*RUN, "--set", "disc[1].e=0.05")
 
 
+@pytest.mark.slow
 def test_the_mode_that_a_page_adds_has_errors_that_fall_with_the_tolerance(extended):
     *given, finest = map(float, extended("add_a_solver_mode")(program=HALVED).splitlines())
     errors = [abs(x - finest) for x in given]
