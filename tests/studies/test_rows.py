@@ -100,6 +100,28 @@ def test_merging_parts_changes_no_row(undisturbed, tmp_path):
     assert studies.open(tmp_path).identical(data)
 
 
+def test_rows_are_read_while_the_call_at_work_merges_their_parts(
+    undisturbed, tmp_path, monkeypatch
+):
+    study, data = undisturbed
+    with Store(tmp_path, study) as written:
+        for number in range(len(study.design)):
+            written.write({number: study.model.run(study.design.values(number))})
+        listed = store.parts
+
+        def merging(folder):
+            there = listed(folder)
+            monkeypatch.setattr(store, "parts", listed)
+            written.merge_small(least=2)
+            return there
+
+        for read in (studies.open, lambda _: written.done()):
+            monkeypatch.setattr(store, "parts", merging)
+            found = read(tmp_path)
+            assert found.identical(data) if read is studies.open else found.all()
+            written.write({0: study.model.run(study.design.values(0))})
+
+
 def test_a_full_disk_is_said_in_one_line_and_loses_no_row_that_was_written(
     undisturbed, tmp_path, monkeypatch
 ):
