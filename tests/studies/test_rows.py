@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import multiprocessing
 import os
 import random
 import signal
@@ -238,6 +239,14 @@ def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp
     study, data = undisturbed
     run_study(study, tmp_path, partial(engine, ExecutorConfig(cluster=2)), quiet)
     assert studies.open(tmp_path).identical(data)
+
+
+def test_ctrl_c_ends_no_worker_that_has_just_been_started():
+    with engine(ExecutorConfig(1)) as made:
+        theirs = made.executor.submit(signal.getsignal, signal.SIGINT)
+        for process in multiprocessing.active_children():
+            os.kill(process.pid, signal.SIGINT)
+        assert theirs.result() == signal.SIG_IGN
 
 
 @pytest.mark.slow
