@@ -2,6 +2,7 @@
 
 import base64
 import csv
+import math
 import re
 import runpy
 import select
@@ -113,6 +114,21 @@ def test_a_slider_moved_by_the_keys_runs_again_beside_the_run_before(silent, rig
     assert page.run("return document.querySelector('#amplitude .key').textContent") == "this run"
     page.find("reset").click()
     assert page.run("return Object.keys(values)") == []
+
+
+def test_a_ramp_stands_over_time_beside_a_run_at_constant_speed(silent, rig):
+    page = LivePage(silent, rig).ended()
+    page.run("change(byName.get('course.to'), 400); change(byName.get('course.hold'), 0.3)")
+    page.find("run").click()
+    page.ended(2)
+    assert page.run("return before.plan.duration") == pytest.approx(0.5)
+    assert page.run("return charts.amplitude.view.xs") == pytest.approx([0, 0.5])
+    page.find("reset").click()
+    page.run("change(byName.get('course.to'), 395)")
+    page.find("run").click()
+    page.ended(3)
+    speeds = page.run("return charts.amplitude.view.xs")
+    assert speeds == pytest.approx([395 / math.tau, 400 / math.tau])
 
 
 def test_a_run_can_be_stopped_and_what_there_is_stays(silent, rig):
