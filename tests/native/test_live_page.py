@@ -151,6 +151,15 @@ def test_what_cannot_be_is_said_in_the_fmus_words(silent, rig):
     page.set(page.run("return byName.get('course.rate').input.id"), "0", "change")
     page.find("run").click()
     assert page.notices() == ["rate of the speed: must be > 0"]
+    assert page.text("state") == "Not run."
+
+
+def test_a_run_that_cannot_begin_is_not_called_running(silent, rig):
+    page = LivePage(silent, rig, "#solver.method=99").ended()
+    assert page.text("state").startswith("Ended early after ")
+    page = LivePage(silent, rig, "#solver.method=1.5")
+    assert page.notices() == ["solver.method: must be an integer"]
+    assert page.text("state") == "Not run."
 
 
 def test_no_request_leaves_the_page(driver, rig):

@@ -110,8 +110,9 @@ function say() {
 function redraw() {
   clearTimeout(drawing);
   drawing = 0;
-  if (!now?.n) return;
+  if (!now) return;
   say();
+  if (!now.n) return;
   const place = data.places[field("place").value];
   const signal = data.recorded[field("signal").value];
   const t = shownTime(place);
