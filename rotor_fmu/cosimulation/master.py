@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from .member import Member
 
 # (output of one FMU, connected input of the other)
@@ -41,7 +42,10 @@ class Point(NamedTuple):
 def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
     """Yield the communication points of two initialized FMUs to `stop` [s], `step` [s] apart, the
     last after what is left of a step; both leave the initialization mode at the first. Raises
-    `RunFailed`."""
+    `RunFailed`, and `InputError` for an end or a step that is not above 0."""
+    for name, value in (("stop", stop), ("step", step)):
+        if not 0 < value < math.inf:
+            raise InputError(f"{name} = {value:g} s: must be > 0 and finite")
     sides = (one, other)
     read = [side.member.references(*side.outputs) for side in sides]
     inputs = [

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..display import current, shown_speed, speed_with_unit
+from ..display import current, range_with_unit, speed_with_unit
 from ..errors import InputError, RunFailed
 from ..run_status import FAILED
 from ..studies.design import Axis
@@ -131,7 +131,7 @@ def _response(
     n = runs.how.numbers
     try:
         if axis is None or axis.targets == (_SPEED,):
-            say(f"periodic motions from {shown_speed(low)} to {speed_with_unit(high)}")
+            say(f"periodic motions {range_with_unit(low, high)}")
             request = response_request(rotor, speed=(low, high), parameters=given, branches=True)
             return compute_response(request)
         if len(axis.targets) > 1 or axis.targets[0] not in names:

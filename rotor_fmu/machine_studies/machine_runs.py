@@ -219,6 +219,7 @@ class MachineRuns:
             "machine": self.machine.rotor.name,
             "toml": self.toml,
             "parameters": {**self.values, **values},
+            "parameter_units": {n: unit for n, unit in self.variable_units.items() if n in values},
             "run": {"kind": how.kind.name, **how.numbers},
             "status": status_of(messages, failure),
             **messages_and_codes(messages),

@@ -172,12 +172,13 @@ class Recording(ShortRepr):
 
     def parameter_units(self) -> dict[str, str]:
         """Return the SI units of what may be set in the run's machine, none where the recording
-        does not hold it."""
+        does not hold it, and of what a study varied."""
+        varied: dict[str, str] = self.about.get("parameter_units", {})
         if self.rotor is None:
-            return {}
+            return varied
         from ..fmi.interface import interface
 
-        return {v.name: v.unit for v in interface(self.rotor) if v.unit}
+        return {v.name: v.unit for v in interface(self.rotor) if v.unit} | varied
 
     def _clearance(self, name: str) -> float | None:
         given: Mapping[str, Any] = self.about.get("parameters", {})

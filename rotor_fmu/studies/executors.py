@@ -12,7 +12,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -86,7 +86,7 @@ def engine(where: ExecutorConfig) -> Iterator[Engine]:
         return
     # before a worker loads NumPy: one thread a process, and the same bits in each
     with _environment(ONE_THREAD):
-        executor = ProcessPoolExecutor(
+        executor = _Processes(
             where.jobs, multiprocessing.get_context("spawn"), initializer=_begin_worker
         )
         try:
@@ -97,6 +97,15 @@ def engine(where: ExecutorConfig) -> Iterator[Engine]:
             for process in processes:  # whatever they are at is made again
                 process.terminate()
             executor.shutdown(wait=True)
+
+
+class _Processes(ProcessPoolExecutor):
+    """Processes that are deaf to Ctrl-C from their start, which is when they are given work."""
+
+    def submit(self, *work: Any, **named: Any) -> Future:
+        """Schedule a call, as `Executor.submit` does."""
+        with _started_deaf():
+            return super().submit(*work, **named)
 
 
 def _begin_worker() -> None:
@@ -110,6 +119,16 @@ def _begin_worker() -> None:
             os._exit(1)
 
     threading.Thread(target=follow, daemon=True).start()
+
+
+@contextlib.contextmanager
+def _started_deaf() -> Iterator[None]:
+    """Start processes that inherit no answer to Ctrl-C: it is the caller's."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextlib.contextmanager
@@ -133,16 +152,13 @@ def _dask(where: ExecutorConfig) -> Iterator[Engine]:
         address: Any = where.scheduler
         if where.cluster:
             stack.enter_context(_environment(ONE_THREAD))
-            before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as the workers inherit it
-            try:
+            with _started_deaf():
                 cluster = dask.LocalCluster(
                     where.cluster,
                     threads_per_worker=1,
                     dashboard_address=None,
                     silence_logs=logging.ERROR,
                 )
-            finally:
-                signal.signal(signal.SIGINT, before)
             address = stack.enter_context(cluster)
         try:
             client = stack.enter_context(dask.Client(address, timeout=TIME_OUT))

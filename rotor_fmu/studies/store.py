@@ -47,6 +47,14 @@ def read_part(path: Path, **options: Any) -> "pyarrow.Table":
         ) from error
 
 
+def read_parts(folder: Path, **options: Any) -> "list[pyarrow.Table]":
+    """Return the rows of all parts; options: of `pyarrow.parquet.read_table`. Where a call at work
+    merges some of them meanwhile, they are listed again."""
+    while True:
+        with contextlib.suppress(FileNotFoundError):
+            return [read_part(path, **options) for path in parts(folder)]
+
+
 class Store:
     """The folder of a study, open to be written to; a context that holds its lock.
 
@@ -93,8 +101,8 @@ class Store:
     def done(self) -> np.ndarray:
         """Return whether each run has its row, shape (runs,)."""
         is_done = np.zeros(len(self._study.design), dtype=bool)
-        for path in parts(self._folder):
-            is_done[read_part(path, columns=["run"])["run"].to_numpy()] = True
+        for part in read_parts(self._folder, columns=["run"]):
+            is_done[part["run"].to_numpy()] = True
         return is_done
 
     def write(self, results: Mapping[int, Result]) -> None:
@@ -169,10 +177,10 @@ def read_rows(folder: Path) -> "pyarrow.Table":
     study."""
     import pyarrow as pa
 
-    result = parts(folder)
+    result = read_parts(folder)
     if not result:
         raise InputError(f"{folder}: holds no rows of a study")
-    table = pa.concat_tables([read_part(path) for path in result])
+    table = pa.concat_tables(result)
     _, first = np.unique(table["run"].to_numpy(), return_index=True)
     return table.take(pa.array(first))
 

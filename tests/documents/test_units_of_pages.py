@@ -1,6 +1,7 @@
 """Pages in the units that were chosen, of runs, of a study and of a machine that runs."""
 
 import json
+import math
 import re
 from dataclasses import replace
 
@@ -11,9 +12,11 @@ from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.display import choose, restored
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.live.live_page import page_data
+from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.report.run_page import runs_page
 
 from ..recordings import recorded, write_study
+from ..toml_text import table
 
 
 def test_tables_of_the_page_are_in_the_units_chosen():
@@ -41,6 +44,22 @@ def test_what_was_set_in_a_run_is_shown_with_its_unit():
     assert _cells(page, re.escape("speed_rate, as set [rpm/s]")) == [-50.0]
     assert _cells(page, re.escape("bearing[2].clearance, as set [mil]")) == [3.937]
     assert _cells(page, re.escape("bearing[2].mu, as set")) == [0.1]
+
+
+def test_what_a_study_varied_of_a_run_is_shown_with_its_unit(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(
+        table("run", kind="constant", speed=300, settle=0.01, turns=1, per_turn=8)
+        + table("vary", **{"run.speed": {"values": ["3000 rpm"]}})
+        + table("keep", end={"last": "w"})
+    )
+    model = read_study(path).model
+    recording = model.record({"run.speed": 100 * math.pi, "disc[1].e": 2.54e-5})
+    with restored():
+        choose("rpm,mil")
+        page = runs_page([recording.named("one")], [{}])
+    assert _cells(page, re.escape("run.speed, as set [rpm]")) == [3000.0]
+    assert _cells(page, re.escape("disc[1].e, as set [mil]")) == [1.0]
 
 
 def _cells(page, place):

@@ -1,8 +1,11 @@
 """The communication points of the Jacobi master."""
 
+import math
+
 import pytest
 
 from rotor_fmu.cosimulation.master import Side, points
+from rotor_fmu.errors import InputError
 
 
 class Counted:
@@ -44,3 +47,10 @@ def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengt
     for member in (one, other):
         assert [h for _, h in member.steps] == pytest.approx(lengths, rel=1e-9)
         assert [t for t, _ in member.steps] == pytest.approx(seen[:-1], abs=1e-12)
+
+
+@pytest.mark.parametrize(("stop", "step"), [(1.0, 0.0), (1.0, -0.1), (-1.0, 0.1), (math.inf, 0.1)])
+def test_a_run_without_an_end_or_a_step_is_refused(stop, step):
+    sides = Side(Counted(), (), ()), Side(Counted(), (), ())
+    with pytest.raises(InputError, match="must be > 0 and finite"):
+        list(points(*sides, stop, step))

@@ -2,6 +2,7 @@
 
 import base64
 import csv
+import math
 import re
 import runpy
 import select
@@ -115,6 +116,21 @@ def test_a_slider_moved_by_the_keys_runs_again_beside_the_run_before(silent, rig
     assert page.run("return Object.keys(values)") == []
 
 
+def test_a_ramp_stands_over_time_beside_a_run_at_constant_speed(silent, rig):
+    page = LivePage(silent, rig).ended()
+    page.run("change(byName.get('course.to'), 400); change(byName.get('course.hold'), 0.3)")
+    page.find("run").click()
+    page.ended(2)
+    assert page.run("return before.plan.duration") == pytest.approx(0.5)
+    assert page.run("return charts.amplitude.view.xs") == pytest.approx([0, 0.5])
+    page.find("reset").click()
+    page.run("change(byName.get('course.to'), 395)")
+    page.find("run").click()
+    page.ended(3)
+    speeds = page.run("return charts.amplitude.view.xs")
+    assert speeds == pytest.approx([395 / math.tau, 400 / math.tau])
+
+
 def test_a_run_can_be_stopped_and_what_there_is_stays(silent, rig):
     page = LivePage(silent, rig, "")
     page.wait("now.n > 400")
@@ -135,6 +151,15 @@ def test_what_cannot_be_is_said_in_the_fmus_words(silent, rig):
     page.set(page.run("return byName.get('course.rate').input.id"), "0", "change")
     page.find("run").click()
     assert page.notices() == ["rate of the speed: must be > 0"]
+    assert page.text("state") == "Not run."
+
+
+def test_a_run_that_cannot_begin_is_not_called_running(silent, rig):
+    page = LivePage(silent, rig, "#solver.method=99").ended()
+    assert page.text("state").startswith("Ended early after ")
+    page = LivePage(silent, rig, "#solver.method=1.5")
+    assert page.notices() == ["solver.method: must be an integer"]
+    assert page.text("state") == "Not run."
 
 
 def test_no_request_leaves_the_page(driver, rig):

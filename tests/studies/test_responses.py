@@ -146,7 +146,7 @@ def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
     said = []
     drawn = diagrams(study, open_dataset(tmp_path / "out"), said.append)
     assert sorted(drawn) == ["x", "y"]
-    assert said == ["periodic motions from 20.69 to 35.014 Hz"]
+    assert said == ["periodic motions between 20.69 and 35.014 Hz"]
     for figure in drawn.values():
         (axes,) = figure.axes
         lines = [line.get_xydata() for line in axes.lines if len(line.get_xydata())]

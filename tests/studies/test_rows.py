@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import multiprocessing
 import os
 import random
 import signal
@@ -98,6 +99,28 @@ def test_merging_parts_changes_no_row(undisturbed, tmp_path):
             written.merge_small(least=9)
     assert len(store.parts(tmp_path)) < 9
     assert studies.open(tmp_path).identical(data)
+
+
+def test_rows_are_read_while_the_call_at_work_merges_their_parts(
+    undisturbed, tmp_path, monkeypatch
+):
+    study, data = undisturbed
+    with Store(tmp_path, study) as written:
+        for number in range(len(study.design)):
+            written.write({number: study.model.run(study.design.values(number))})
+        listed = store.parts
+
+        def merging(folder):
+            there = listed(folder)
+            monkeypatch.setattr(store, "parts", listed)
+            written.merge_small(least=2)
+            return there
+
+        for read in (studies.open, lambda _: written.done()):
+            monkeypatch.setattr(store, "parts", merging)
+            found = read(tmp_path)
+            assert found.identical(data) if read is studies.open else found.all()
+            written.write({0: study.model.run(study.design.values(0))})
 
 
 def test_a_full_disk_is_said_in_one_line_and_loses_no_row_that_was_written(
@@ -216,6 +239,14 @@ def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp
     study, data = undisturbed
     run_study(study, tmp_path, partial(engine, ExecutorConfig(cluster=2)), quiet)
     assert studies.open(tmp_path).identical(data)
+
+
+def test_ctrl_c_ends_no_worker_that_has_just_been_started():
+    with engine(ExecutorConfig(1)) as made:
+        theirs = made.executor.submit(signal.getsignal, signal.SIGINT)
+        for process in multiprocessing.active_children():
+            os.kill(process.pid, signal.SIGINT)
+        assert theirs.result() == signal.SIG_IGN
 
 
 @pytest.mark.slow

@@ -18,8 +18,9 @@ const { speed: SPEED, displacement: SMALL, amplitude: AMPLITUDE } = data.units;
 // A distance from the centre is no amplitude, which may be shown peak-to-peak.
 const sizeOf = (place) => (place.amplitude ? AMPLITUDE : SMALL);
 
+// Of both runs the time, or of both the speed: they share the picture's axis.
 function abscissa(run) {
-  return isSteady(run) ? run.t.subarray(0, run.n) : scaled(column(run, "w"), SPEED.factor);
+  return isSteady(now) ? run.t.subarray(0, run.n) : scaled(column(run, "w"), SPEED.factor);
 }
 
 function amplitude(run, place) {
@@ -109,8 +110,9 @@ function say() {
 function redraw() {
   clearTimeout(drawing);
   drawing = 0;
-  if (!now?.n) return;
+  if (!now) return;
   say();
+  if (!now.n) return;
   const place = data.places[field("place").value];
   const signal = data.recorded[field("signal").value];
   const t = shownTime(place);

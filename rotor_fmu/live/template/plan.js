@@ -22,6 +22,11 @@ function planOf(data, values) {
   for (const [name, value] of Object.entries(values)) {
     if (!Number.isFinite(value)) throw new Error(`${name}: must be a finite number`);
   }
+  for (const { name, kind } of controlsOf(data)) {
+    if (kind !== "Real" && name in values && !Number.isInteger(values[name])) {
+      throw new Error(`${name}: must be an integer`);
+    }
+  }
   if (from !== to && !(rate > 0)) throw new Error("rate of the speed: must be > 0");
   if (!(hold >= 0)) throw new Error("time at the last speed: must be >= 0");
   if (!(samples >= 4)) throw new Error("samples a turn: must be >= 4");
