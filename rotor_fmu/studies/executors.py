@@ -100,11 +100,11 @@ def engine(where: ExecutorConfig) -> Iterator[Engine]:
 
 
 class _Processes(ProcessPoolExecutor):
-    """Processes that are deaf to Ctrl-C from their start, which is when they are given work."""
+    """Workers that ignore Ctrl-C from their start, which is when they are given work."""
 
     def submit(self, *work: Any, **named: Any) -> Future:
         """Schedule a call, as `Executor.submit` does."""
-        with _started_deaf():
+        with _interrupts_ignored():
             return super().submit(*work, **named)
 
 
@@ -122,8 +122,12 @@ def _begin_worker() -> None:
 
 
 @contextlib.contextmanager
-def _started_deaf() -> Iterator[None]:
-    """Start processes that inherit no answer to Ctrl-C: it is the caller's."""
+def _interrupts_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C while processes are started, which inherit that; it is left to the caller. A
+    call in another thread than the main one, where Python sets no signals, leaves it as it is."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
@@ -152,7 +156,7 @@ def _dask(where: ExecutorConfig) -> Iterator[Engine]:
         address: Any = where.scheduler
         if where.cluster:
             stack.enter_context(_environment(ONE_THREAD))
-            with _started_deaf():
+            with _interrupts_ignored():
                 cluster = dask.LocalCluster(
                     where.cluster,
                     threads_per_worker=1,

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -247,6 +247,11 @@ def test_ctrl_c_ends_no_worker_that_has_just_been_started():
         for process in multiprocessing.active_children():
             os.kill(process.pid, signal.SIGINT)
         assert theirs.result() == signal.SIG_IGN
+
+
+def test_processes_may_be_started_in_any_thread():
+    with engine(ExecutorConfig(1)) as made, ThreadPoolExecutor(1) as threads:
+        assert threads.submit(made.executor.submit, os.getppid).result().result() == os.getpid()
 
 
 @pytest.mark.slow
