@@ -105,6 +105,8 @@ def response(
 
     A call that was stopped keeps its points in the folder, and the same call continues from there.
     """
+    if whirl and check:
+        raise InputError("--check: not with --whirl, which is computed without unbalance")
     toml, machine = load_rotor(rotor)
     choose(units, machine.units, rotor or "")
     of = {name: known.quantity.unit for name, known in machine.parameters().items()}
@@ -267,14 +269,20 @@ def _folds(
 
 def _checked(result: "ResponseResult") -> list[dict[str, Any]]:
     """Points of the branches, evenly chosen, in time; said one a line."""
+    from ..model.simulation import StepFailure
+
     points = result.points[:: max(1, len(result.points) // _CHECKED)]
     rows, axis = [], result.axis
     for point in points:
-        seen = result.check(point)
+        value = axis.text(point.value)
+        try:
+            seen = result.check(point)
+        except (InputError, StepFailure) as error:  # the curve itself is a result
+            typer.echo(f"{value}: {error}")
+            continue
         row = {"value": point.value, "stable": point.is_stable}
         rows.append(row | {"stays": seen.stays, "distance": seen.distance})
         what = "stable" if point.is_stable else "unstable"
-        value = axis.text(point.value)
         typer.echo(
             f"{value}, {what}: {'stays' if seen.stays else 'leaves'}, "
             f"{seen.distance:.2g} of the orbit away after {seen.turns} turns"

@@ -98,7 +98,7 @@ class RubCheck:
     def conclusion(self) -> str:
         """What the runs say, in a sentence or two."""
         if not self.closings:
-            return "The linear response closes no clearance; no run with contacts was needed."
+            return "The linear response closes no contact; no run with contacts was needed."
         for run in self.runs:
             if run.status.startswith(FAILED):
                 return f"The {run.direction} with contacts {run.status}."

@@ -58,6 +58,14 @@ def test_a_rub_that_lasts_is_told_of_a_rated_speed_too(low):
     )
 
 
+def test_a_response_that_closes_no_contact_says_nothing_of_other_clearances():
+    """Those given for seals beside it may be closed."""
+    rotor = _machine(1e4, 300.0, 0.0)
+    parts = tuple(part for part in rotor.parts if not hasattr(part, "mu"))
+    conclusion = rub_check(replace(rotor, parts=parts), 299.0, 300.0).conclusion
+    assert conclusion == "The linear response closes no contact; no run with contacts was needed."
+
+
 @pytest.mark.parametrize(("trip", "top"), [(None, 12.5), (11.0, 12.5), (17.0, 17.0)])
 def test_what_is_looked_at_reaches_the_trip_speed(trip, top):
     rotor = _machine(1e4, 300.0, 0.0)

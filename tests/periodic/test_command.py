@@ -5,7 +5,8 @@ import re
 from pathlib import Path
 
 import pytest
-from rotor_fmu.model.periodic import laws
+from rotor_fmu.model.periodic import laws, queries
+from rotor_fmu.model.simulation import StepFailure
 
 import rotor_fmu as rf
 
@@ -47,6 +48,28 @@ def test_a_curve_of_folds_is_drawn_and_said(process, tmp_path):
     found = json.loads((tmp_path / "response.json").read_text())["folds"]
     assert found["second"][0] == 0.04
     assert found["first"] == sorted(found["first"], reverse=True)
+
+
+def test_a_check_of_whirl_is_refused_before_it_is_computed(process, tmp_path):
+    asked = ("--speed", "8", "--over", "contact[1].mu=0.05:0.5", "--whirl", "--check")
+    done = process("response", "--rotor", str(JEFFCOTT), *asked, "--out", "out")
+    assert done.returncode == 2
+    assert "--check" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_curve_whose_check_fails_in_time_is_written_and_why_is_said(
+    process, tmp_path, monkeypatch
+):
+    def fails(*_):
+        raise StepFailure("step at t = 0.1 s failed")
+
+    monkeypatch.setattr(queries, "integrate_from_orbit", fails)
+    asked = ("--speed", "100:110", "--check", "--out", "out")
+    done = process("response", "--rotor", str(JEFFCOTT), *asked)
+    assert done.returncode == 0, done.stderr
+    assert "step at t = 0.1 s failed" in done.stdout
+    assert json.loads((tmp_path / "out" / "response.json").read_text())["check"] == []
 
 
 def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process, tmp_path):
