@@ -32,7 +32,16 @@ from .real_matrices import (
     to_complex,
     unknowns,
 )
-from .supports import are_linear, interfaces, not_held, pin_forces, rigid_motions, seat, supports
+from .supports import (
+    are_linear,
+    interfaces,
+    not_held,
+    pin_forces,
+    rigid_motions,
+    seat,
+    supports,
+    unsprung,
+)
 from .system_at_speed import Linear, LinearError, Strain
 from .tangents import LawsAtRest, Tangents
 
@@ -331,4 +340,5 @@ class LinearMachine:
         held = len(self.supports.springs) + int(self._acts.sum())
         held += len(self.pinned) if self.contacts == PINNED else 0
         is_unpressed = not self.weight.any() and (self._acts & self._is_curved).any()
-        return not_held(self.contacts, held, self.rotor.gravity if is_unpressed else None)
+        gravity = self.rotor.gravity if is_unpressed else None
+        return not_held(self.contacts, held, gravity, unsprung(self.rotor))
