@@ -60,8 +60,9 @@ _SENTENCES = {
     "static equilibrium under the loads at the start",
     "FILM_AT_REST": f"{_NO_REST}: the oil film at node {{d}} does not carry them at {{.4g}} rad/s: "
     f"{choice(('its load is', 'the load on the machine is'))} {{.4g}} N, and it carries {{.4g}} N "
-    "when it is as thin as its roughness; take a larger length, viscosity or speed, or give the "
-    "bearing a contact stiffness k: then a journal that stands still lies on its wall",
+    "when it is as thin as its roughness; take a larger length, viscosity or speed, or, of a "
+    "damper, stiffness; or give the bearing a contact stiffness k: then a journal that stands "
+    "still lies on its wall",
     "FILM_BROKEN": f"{_WHERE}the oil film at node {{d}} is thinner than its roughness; give the "
     "bearing a contact stiffness k: then the surfaces touch",
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "

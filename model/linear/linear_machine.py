@@ -10,7 +10,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import scipy.sparse as sp
@@ -32,7 +32,16 @@ from .real_matrices import (
     to_complex,
     unknowns,
 )
-from .supports import are_linear, interfaces, not_held, pin_forces, rigid_motions, seat, supports
+from .supports import (
+    are_linear,
+    interfaces,
+    not_held,
+    pin_forces,
+    rigid_motions,
+    seat,
+    supports,
+    unsprung,
+)
 from .system_at_speed import Linear, LinearError, Strain
 from .tangents import LawsAtRest, Tangents
 
@@ -43,7 +52,8 @@ _ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _FAR = 1e9  # what is more than any displacement [m]
 _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
-_ABOVE = (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.4)
+_SHARES = tuple(0.5**i for i in range(10))  # of such a step
+_MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
 # Of the displacements, and of `small` where they are none but rounding; the latter of a change that
 # no longer shrinks.
 _CHANGE, _STEADY = 1e-12, 1e-8
@@ -108,10 +118,10 @@ class LinearMachine:
         self._is_held_turning = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
         self._near: np.ndarray | None = None  # where it was at rest last
         # pads that tilt, without preload, hold a journal only where it is off their middle
-        self._is_off = not (self._is_held_loaded or self._is_held_turning)
-        if self._is_off:
-            begins = (self._linear(turning, self._begin(way)) for way in _WAYS)
-            self._is_held_turning = self._holds(*begins)
+        if not (self._is_held_loaded or self._is_held_turning):
+            fallen = [(self._moved(way, self._fall), self._moved(way, _FAR)) for way in _WAYS]
+            off = (self._linear(turning, self._within_films(*places)) for places in fallen)
+            self._is_held_turning = self._holds(*off)
         self.is_held = self._is_held_loaded or self._is_held_turning
 
     @property
@@ -156,10 +166,8 @@ class LinearMachine:
         if not self._holds_at(speed, given):
             raise LinearError(self.why_not_held())
         force = self.expand.T @ given
-        x, y = self._rigid()[:, :2].T @ force
-        way = complex(x, y) / math.hypot(x, y) if x or y else 0j
-        for near in self._beginnings(speed, force, way):
-            linear = self._rested(speed, force, near)
+        for near in (self._near, np.zeros_like(force)):
+            linear = None if near is None else self._rested(speed, force, near)
             if linear is not None:
                 self._near = linear.rest
                 at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
@@ -171,59 +179,44 @@ class LinearMachine:
         """Return the machine moved as one body in a direction, so far [m]."""
         return self._rigid()[:, :2] @ np.array([far * way.real, far * way.imag])
 
-    def _beginnings(self, speed: float, force: np.ndarray, way: complex) -> Iterator[np.ndarray]:
-        """Yield where Newton's method begins: the last rest, then two that take longer."""
-        if self._near is not None:
-            yield self._near
-        yield self._begin(way)
-        yield self._above(speed, force, way)
-
-    def _begin(self, way: complex) -> np.ndarray:
-        """Return where Newton's method begins under a force of this direction, 0 for none: fallen
-        until its bearings hold the machine."""
-        fallen = self._moved(way, self._fall)
-        return self._within_films(fallen, self._moved(way or -1j, _FAR)) if self._is_off else fallen
-
-    def _above(self, speed: float, force: np.ndarray, way: complex) -> np.ndarray:
-        """Return where a force holds the machine at a somewhat higher speed, from far above on: oil
-        films are thicker and less curved there."""
-        near = self._begin(way)
-        for times in _ABOVE:
-            linear = self._rested(times * speed, force, near)
-            near = near if linear is None else linear.rest
-        return near
-
     def _rested(self, speed: float, force: np.ndarray, rest: np.ndarray) -> Linear | None:
         """Return the machine linearized where a force holds it, looked for from `rest` on by
-        Newton's method; None where that finds nothing."""
-        before, states, last, share = math.inf, None, np.zeros_like(rest), 1.0
+        Newton's method; None where that finds nothing. Each step is halved until its tangents, from
+        where it ends, lead hardly further than they did from where it began, which is no worse in
+        other units (Deuflhard 2011)."""
+        linear, before = self._linear(speed, rest), math.inf
         least = _CHANGE * self.structure.numbers[0].small
         for _ in range(_ITERATIONS):
-            linear = self._linear(speed, rest, 0.0, states)
-            states = linear.states
-            # Newton's step to where the tangents lead, not by what is left: that is small numbers
-            # of large ones where the shaft is stiff
-            of_laws = linear.laws.force - to_complex(self._tangent(linear.laws.by_d, rest))
-            result, pull = self._towards(linear, rest, force + self._across.T @ in_plane(of_laws))
+            lead = self._leading(linear, force)
+            result, pull = lead(rest, linear.laws.force)
+            change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
             step = self._within_films(rest, result) - rest
-            change, size = (np.abs(x).max(initial=0.0) for x in (step, rest + step))
-            # to and fro where a film begins to carry, with a slope without bound: less of a step
-            returns = change >= 0.5 * before and step @ last < 0.0
-            share = 0.5 * share if returns else min(1.0, 1.2 * share)
-            rest, last = rest + share * step, step
+            for share in _SHARES:
+                at = self._linear(speed, rest + share * step, 0.0, linear.states)
+                left = lead(at.rest, at.laws.force)[0] - at.rest
+                if np.abs(left).max(initial=0.0) <= _MORE * change:
+                    break
+            rest, linear = at.rest, at
             is_steady = change <= _STEADY * size and change >= 0.5 * before
             if change <= max(_CHANGE * size, least) or is_steady:
-                return linear._replace(rest=rest, pull=pull)
+                return linear._replace(pull=pull)
             before = change
         return None
 
-    def _towards(
-        self, linear: Linear, rest: np.ndarray, force: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return where tangents lead, and the elements' end forces there; softly held at `rest`,
-        for they may hold the machine in one direction only."""
-        held = linear._replace(own_K=linear.own_K + self._soft * linear.own_M)
-        return held.factorized()(force + self._soft * (linear.M @ rest))
+    def _leading(
+        self, linear: Linear, force: np.ndarray
+    ) -> Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """Return a function of a place and the laws' force there: where tangents lead from it under
+        a force, and the elements' end forces; softly held at that place, for the tangents may hold
+        the machine in one direction only."""
+        solve = linear._replace(own_K=linear.own_K + self._soft * linear.own_M).factorized()
+
+        def lead(at: np.ndarray, of_laws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            # not by what is left: that is small numbers of large ones where the shaft is stiff
+            of_laws = of_laws - to_complex(self._tangent(linear.laws.by_d, at))
+            return solve(force + self._across.T @ in_plane(of_laws) + self._soft * (linear.M @ at))
+
+        return lead
 
     def cross_coupling(self, stiffness: Mapping[int, float]) -> np.ndarray:
         """Return what F_x = -q y, F_y = q x add to K, as numbers of the system; stiffness: q [N/m]
@@ -347,4 +340,5 @@ class LinearMachine:
         held = len(self.supports.springs) + int(self._acts.sum())
         held += len(self.pinned) if self.contacts == PINNED else 0
         is_unpressed = not self.weight.any() and (self._acts & self._is_curved).any()
-        return not_held(self.contacts, held, self.rotor.gravity if is_unpressed else None)
+        gravity = self.rotor.gravity if is_unpressed else None
+        return not_held(self.contacts, held, gravity, unsprung(self.rotor))

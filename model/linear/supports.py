@@ -1,13 +1,13 @@
 """What holds the shaft of a machine: names of its supports, its interfaces."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
 from ..machine.rotor import Rotor
-from ..parts.base import InterfaceElement, MountElement, SpringElement
+from ..parts.base import GROUND, InterfaceElement, MountElement, SpringElement
 from ..parts.linear_bearing import LINEAR_BEARING
 
 
@@ -85,10 +85,19 @@ def pin_forces(
     return np.linalg.lstsq(rows, left[:-2], rcond=None)[0].reshape(-1, 2)
 
 
-def not_held(contacts: str, held: int, gravity: float | None) -> str:
+def unsprung(rotor: Rotor) -> list[str]:
+    """Return the names of the parts that hold their node at rest by a spring, and have none."""
+    return [
+        name
+        for name, e in rotor.elements_of_kind(InterfaceElement)
+        if e.law.stiffness and e.law.stiffness(e.source) == 0.0 and e.ring == GROUND
+    ]
+
+
+def not_held(contacts: str, held: int, gravity: float | None, springless: Sequence[str]) -> str:
     """Return one line about supports that do not hold a machine; contacts: `open` or `pinned`;
     held: how many there are; gravity: where none of it presses the shaft into its bearings
-    [m/s2]."""
+    [m/s2]; springless: of `unsprung`."""
     if held < 2:
         return (
             f"the machine is not held: with its contacts {contacts} it has {held} bearings or "
@@ -103,5 +112,10 @@ def not_held(contacts: str, held: int, gravity: float | None) -> str:
         result += (
             f"; {why}, and in the middle of its clearance a bearing without preload has none: give "
             "the machine gravity across its shaft, or its bearings preload"
+        )
+    if springless:
+        result += (
+            "; without a centring spring a squeeze film holds nothing at rest: give "
+            f"{' and '.join(springless)} a stiffness"
         )
     return result

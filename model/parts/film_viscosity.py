@@ -167,7 +167,7 @@ def _temperature(part: Any, speed: float, viscosity: Callable[[float], float]) -
         seen = film.outputs(d)
         heat = part.heat_share * seen["power"]
         carried = part.density * part.specific_heat * seen["flow"]
-        return float(part.inlet_temperature + heat / carried)
+        return float(part.inlet_temperature + heat / carried) if carried > 0.0 else math.inf
 
     low, end = float(part.inlet_temperature), float(part.temperature[-1])
     first = film_temperature(low)

@@ -269,7 +269,9 @@ ROLLING_BEARING = Law(
     losses=LOSSES,
     states=tuple(0.0 for _ in _STATE),
     seat=lambda part: (
-        part.clearance + _PRESSED * part.element_diameter if part.clearance >= 0.0 else 0.0
+        part.clearance / math.cos(math.pi / part.count) + _PRESSED * part.element_diameter
+        if part.clearance >= 0.0  # between two elements it falls furthest
+        else 0.0
     ),
 )
 

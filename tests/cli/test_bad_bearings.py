@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import LinearError, bearings, modes
+from rotor_fmu.model.linear import LinearError, bearings, modes, static
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
@@ -172,7 +172,20 @@ def test_no_equilibrium_in_a_damper_says_its_load_and_what_its_spring_carries():
         "in that direction when the film is as thin as its roughness, 1e-06 m"
     )
     assert "the oil film at node 1 does not carry them" in start
+    assert "or, of a damper, stiffness; or give the bearing a contact stiffness k" in start
     assert _load_and_carried(start) == pytest.approx((197.0, 9.9), rel=1e-3)
+
+
+def test_dampers_without_springs_are_named_where_a_machine_is_not_held():
+    text = heavy_shaft() + "".join(
+        table("[squeeze_film_damper]", **{**DAMPER, "node": node}) for node in (1, 3)
+    )
+    with pytest.raises(LinearError) as refused:
+        static(parse_rotor(text))
+    assert one_line(refused.value).endswith(
+        "; without a centring spring a squeeze film holds nothing at rest: give "
+        "squeeze_film_damper[1] and squeeze_film_damper[2] a stiffness"
+    )
 
 
 def test_a_journal_at_standstill_lies_on_its_wall_if_there_is_one():

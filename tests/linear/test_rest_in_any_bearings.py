@@ -124,16 +124,15 @@ def _distance(seed):
     return np.abs(seen - expected).max() / np.abs(expected).max()
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", [*range(12), 67, 179, 355, 398, 399, 571])
 def test_a_machine_rests_where_its_run_begins(seed):
     distance = _distance(seed)
     assert distance is None or distance < 1e-6
 
 
 @pytest.mark.slow
-def test_few_machines_rest_where_only_a_run_finds_them():
+def test_no_machine_rests_where_only_a_run_finds_it():
     distances = [_distance(seed) for seed in range(12, 312)]
     known = np.array([distance for distance in distances if distance is not None])
     assert len(known) > 250
-    assert np.count_nonzero(known == np.inf) <= 5
-    assert known[known < np.inf].max() < 1e-6
+    assert known.max() < 1e-6

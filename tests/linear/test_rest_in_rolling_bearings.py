@@ -113,3 +113,17 @@ def test_a_load_holds_an_upright_machine_in_its_clearance():
     by_load = static(rotor, loads=[(3, weight * math.sin(1.0), -weight * math.cos(1.0))])
     assert by_load.load_x.sum() == pytest.approx(weight * math.sin(1.0))
     assert by_load.load_y.sum() == pytest.approx(-weight * math.cos(1.0))
+
+
+@pytest.mark.parametrize("cage", [0.0, 0.5 * math.pi])
+@pytest.mark.parametrize("count", [3, 4, 6])
+def test_a_machine_falls_between_its_elements(count, cage):
+    """Further than the clearance: to it over cos(pi / count) between two elements."""
+    given = f"clearance = 1e-4\ncage_angle = {cage}\n"
+    bearings = "".join(
+        _BEARING.format(node=n).replace("count = 8", f"count = {count}") + given for n in (1, 5)
+    )
+    rotor = parse_rotor(_SHAFT + bearings)
+    rest = static(rotor)
+    motion = Simulation(rotor, choose(), warn=lambda _: None).motion
+    assert abs(complex(rest.x[0], rest.y[0]) - motion.q[0]) < 1e-6 * abs(motion.q[0])
