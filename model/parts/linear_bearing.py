@@ -201,11 +201,13 @@ class LinearBearing(Coefficients, Part):
             raise QuantityError(f"{where}.speed = {self.speed!r}: must be a list of numbers")
         check_ascending(f"{where}.speed", "rad/s", self.speed)
         tabulated = [n for n in quantities(Coefficients) if isinstance(getattr(self, n), tuple)]
+        if tabulated and not self.speed:
+            raise QuantityError(f"{where}.{tabulated[0]}: a list needs {where}.speed")
+        if tabulated and len(self.speed) < 2:
+            raise QuantityError(f"{where}.speed: {len(self.speed)} given, at least 2 are needed")
         for name in tabulated:
             values, over = getattr(self, name), f"{where}.speed"
             check_column(f"{where}.{name}", values, over, len(self.speed))
-        if tabulated and len(self.speed) < 2:
-            raise QuantityError(f"{where}.speed: {len(self.speed)} given, at least 2 are needed")
         if self.speed and not tabulated:
             raise QuantityError(f"{where}.speed: no coefficient is a list over it")
 
