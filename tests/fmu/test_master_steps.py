@@ -1,8 +1,11 @@
 """The communication points of the Jacobi master."""
 
+import math
+
 import pytest
 
 from rotor_fmu.cosimulation.master import Side, points
+from rotor_fmu.errors import InputError
 
 
 class Counted:
@@ -44,3 +47,13 @@ def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengt
     for member in (one, other):
         assert [h for _, h in member.steps] == pytest.approx(lengths, rel=1e-9)
         assert [t for t, _ in member.steps] == pytest.approx(seen[:-1], abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["stop", "step"])
+@pytest.mark.parametrize("value", [0.0, -0.1, math.inf, math.nan])
+def test_a_run_that_is_none_is_refused(name, value):
+    one, other = Counted(), Counted()
+    length = {"stop": 1.0, "step": 0.1, name: value}
+    with pytest.raises(InputError, match=rf"^{name} = .* s: must be > 0 and finite$"):
+        list(points(Side(one, (), ()), Side(other, (), ()), **length))
+    assert not one.steps
