@@ -34,7 +34,8 @@ def terminals_of(table: Sequence[Variable]) -> list[Terminal]:
     """Return the terminals of a machine: the shaft's driven end, each body's forces and
     displacements, and each line's waves."""
     names = {variable.name for variable in table}
-    ports = sorted(name.removesuffix(".fx") for name in names if name.endswith(".fx"))
+    inputs = {variable.name for variable in table if variable.causality == "input"}
+    ports = sorted(name.removesuffix(".fx") for name in inputs if name.endswith(".fx"))
     terminals = [shaft_terminal(_FREE if "tau_drive" in names else _DRIVEN)]
     for port in ports:
         kind, known = ("line", _OF_LINES) if f"{port}.wave_x" in names else ("body", _OF_BODIES)

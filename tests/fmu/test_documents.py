@@ -19,6 +19,7 @@ from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.fmi.terminals import terminals_of
 from rotor_fmu.machine_file.loading import machine_text
 
+from ..parts.films import film
 from ..parts.machines import FLEXIBLE
 from ..toml_text import table
 
@@ -74,6 +75,16 @@ def test_the_end_of_a_line_takes_and_gives_waves():
     assert {"fx", "fy", "wave_x", "wave_y"} <= set(terminals["wire"].members)
     assert terminals["port[1]"].kind == "body"
     assert not {"wave_x", "wave_y"} & set(terminals["port[1]"].members)
+
+
+def test_what_a_bearing_exerts_makes_no_terminal():
+    """Outputs of the same names as the inputs of a body: nothing can be joined there."""
+    rotor = parse_rotor(FLEXIBLE + film(2))
+    outputs = {v.name for v in interface(rotor) if v.causality == "output"}
+    assert "journal_bearing[1].fx" in outputs
+    inputs = {v.name for v in interface(rotor) if v.causality == "input"}
+    terminals = {t.name: t.members for t in terminals_of(interface(rotor)) if t.kind == "body"}
+    assert terminals.keys() == {name.removesuffix(".fx") for name in inputs if name.endswith(".fx")}
 
 
 def test_terminals_refer_to_variables_that_exist(fmu, contents):
