@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..about import RELEASED
+from ..errors import InputError
 from ..files import unfinished
 from ..fmi.description import complete
 from ..fmi.packing.archive import repack, wrap
@@ -103,17 +104,16 @@ class Coupling:
 
         partner_fmu, rotor_fmu: files, or the folders into which they were extracted; parameters by
         name, set before the initialization; of_partner, of_rotor: variables to record beside those
-        that are exchanged. Raises `RunFailed` where a call of one of the FMUs fails.
+        that are exchanged. Raises `RunFailed` where a call of one of the FMUs fails, and
+        `InputError` for a pair of the source that does not connect the partner with the rotor.
         """
-        messages: list[Message] = []
+        initial, messages = self._pairs("INITIAL"), list[Message]()
         with (
             Member(partner_fmu, partner_parameters, messages) as partner,
             Member(rotor_fmu, rotor_parameters, messages) as rotor,
         ):
             members = {PARTNER: partner, ROTOR: rotor}
-            for output, variable in self._declared["INITIAL"]:
-                from_side, _, given = output.partition(".")
-                to_side, _, taken = variable.partition(".")
+            for from_side, given, to_side, taken in initial:
                 receiver = members[to_side]
                 receiver.set(receiver.references(taken), [members[from_side].read(given)])
             yield (
@@ -136,8 +136,7 @@ class Coupling:
         """Run both FMUs with a Jacobi master and return the recorded variables.
 
         stop: end of the run [s]; step: communication step [s]; progress: called with the time at
-        each communication point, ends the run by raising; all else as in `open`. Raises `RunFailed`
-        where a call of one of the FMUs fails.
+        each communication point, ends the run by raising; all else as in `open`, errors too.
         """
         with self.open(
             partner_fmu, rotor_fmu, partner_parameters, rotor_parameters, of_partner, of_rotor
@@ -146,12 +145,23 @@ class Coupling:
 
     def _connections(self, side: str) -> tuple[Connection, ...]:
         """Return the outputs of one side, each with the connected input of the other."""
-        start = f"{side}."
-        return tuple(
-            (output.removeprefix(start), variable.partition(".")[2])
-            for output, variable in self._declared["CONNECTIONS"]
-            if output.startswith(start)
-        )
+        pairs = self._pairs("CONNECTIONS")
+        return tuple((given, taken) for from_side, given, _, taken in pairs if from_side == side)
+
+    def _pairs(self, table: str) -> list[tuple[str, str, str, str]]:
+        """Return the pairs of a list of the source: side and name of the output, then of the
+        input. Raises `InputError`."""
+        result = []
+        for output, variable in self._declared[table]:
+            from_side, _, given = output.partition(".")
+            to_side, _, taken = variable.partition(".")
+            if {from_side, to_side} != {PARTNER, ROTOR}:
+                raise InputError(
+                    f"{self.source.name}: {table}: {output!r}, {variable!r}: one must be "
+                    f"{PARTNER}.NAME and the other {ROTOR}.NAME"
+                )
+            result.append((from_side, given, to_side, taken))
+        return result
 
 
 def listed_variables(table: Sequence[partner_slave.Listed]) -> tuple[Variable, ...]:

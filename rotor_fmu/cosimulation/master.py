@@ -42,7 +42,7 @@ class Point(NamedTuple):
 def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
     """Yield the communication points of two initialized FMUs to `stop` [s], `step` [s] apart, the
     last after what is left of a step; both leave the initialization mode at the first. Raises
-    `RunFailed`, and `InputError` for an end or a step that is not above 0."""
+    `RunFailed`, and `InputError` for a stop or step that is not positive and finite."""
     for name, value in (("stop", stop), ("step", step)):
         if not 0 < value < math.inf:
             raise InputError(f"{name} = {value:g} s: must be > 0 and finite")
@@ -79,7 +79,7 @@ def run_jacobi(
 
     Returns the communication points, shape (n,) [s], and the values read from each by name, shape
     (n,). Both leave the initialization mode. `progress` gets the time at each communication point,
-    and ends the run by raising. Raises `RunFailed`.
+    and ends the run by raising. Errors are those of `points`.
     """
     seen = []
     for point in points(one, other, stop, step):

@@ -50,12 +50,13 @@ def ports(rotor: Rotor) -> list[tuple[str, PortElement]]:
 
 
 def _loads(rotor: Rotor, name: str, port: PortElement) -> list[Variable]:
-    """Return the external forces on a port along both axes [N], or the acceleration of the base
-    [m/s2]."""
+    """Return the external forces on a port along both axes, or the waves of a line [N], or the
+    acceleration of the base [m/s2]."""
     of, what, unit, nominal = "a", f"acceleration of {port.where}", "m/s2", 1.0
     if port.node != BASE:
         where = f"{port.where} at z = {rotor.nodes[port.node - 1]:g} m"
-        of, what, unit, nominal = "f", f"external force on {where}", "N", 10.0
+        acts = "incoming wave of the line" if port.impedance else "external force"
+        of, what, unit, nominal = "f", f"{acts} on {where}", "N", 10.0
     texts = {axis: f"{what}, {direction}; {_HELD}" for axis, direction in _DIRECTIONS}
     return [
         Variable(f"{name}.{of}{axis}", "Real", "input", text, unit, 0.0, nominal=nominal)

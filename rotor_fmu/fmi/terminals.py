@@ -11,6 +11,7 @@ _FREE = {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"}
 # for a drive that takes the whole torque, or that holds the rotor's inertia itself
 _DRIVEN = {"w": "speed", "phi": "phi", "tau": "tau", "tau_load": "tau_load"}
 _OF_BODIES = ("fx", "fy", "x", "y")
+_OF_LINES = (*_OF_BODIES, "wave_x", "wave_y")  # whose fx, fy are waves too
 
 
 @dataclass(frozen=True)
@@ -30,17 +31,17 @@ def shaft_terminal(members: Mapping[str, str]) -> Terminal:
 
 
 def terminals_of(table: Sequence[Variable]) -> list[Terminal]:
-    """Return the terminals of a machine: the shaft's driven end, and each body's forces and
-    displacements."""
+    """Return the terminals of a machine: the shaft's driven end, each body's forces and
+    displacements, and each line's waves."""
     names = {variable.name for variable in table}
-    bodies = sorted(name.removesuffix(".fx") for name in names if name.endswith(".fx"))
-    return [
-        shaft_terminal(_FREE if "tau_drive" in names else _DRIVEN),
-        *(
-            Terminal(body, "body", {m: f"{body}.{m}" for m in _OF_BODIES if f"{body}.{m}" in names})
-            for body in bodies
-        ),
-    ]
+    inputs = {variable.name for variable in table if variable.causality == "input"}
+    ports = sorted(name.removesuffix(".fx") for name in inputs if name.endswith(".fx"))
+    terminals = [shaft_terminal(_FREE if "tau_drive" in names else _DRIVEN)]
+    for port in ports:
+        kind, known = ("line", _OF_LINES) if f"{port}.wave_x" in names else ("body", _OF_BODIES)
+        members = {m: f"{port}.{m}" for m in known if f"{port}.{m}" in names}
+        terminals.append(Terminal(port, kind, members))
+    return terminals
 
 
 def terminals_element(terminals: Iterable[Terminal]) -> Element:

@@ -15,6 +15,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.fmi.description import Described
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
 from rotor_fmu.linear import bearing_answers as answers
@@ -58,7 +59,7 @@ SPEED = 300.0
 def used(text):
     """What becomes of a file: read, described, each of its bearings by itself, modes, a run."""
     rotor = parse_rotor(text)
-    documents(rotor, interface(rotor), "Machine", needs_python=True, fmi=2)
+    documents(Described(rotor, "Machine", needs_python=True), interface(rotor), fmi=2)
     for name, part in bearings(rotor).items():
         try:
             _alone(rotor, name, part).table()

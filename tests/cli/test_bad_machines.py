@@ -13,6 +13,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation
 
 from rotor_fmu.cli import main
+from rotor_fmu.fmi.description import Described
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
 from rotor_fmu.linear.machine_warnings import machine_warnings
@@ -118,7 +119,7 @@ def used(text):
     """What becomes of a file: read, judged, described, started and run for some steps."""
     rotor = parse_rotor(text)
     machine_warnings(rotor)
-    documents(rotor, interface(rotor), "Machine", needs_python=True, fmi=2)
+    documents(Described(rotor, "Machine", needs_python=True), interface(rotor), fmi=2)
     try:
         modes(rotor, 100.0)
     except QuantityError as error:

@@ -7,7 +7,7 @@ import pytest
 from rotor_fmu.examples import example_folder
 
 from rotor_fmu.cosimulation.coupling import Coupling
-from rotor_fmu.errors import RunFailed
+from rotor_fmu.errors import InputError, RunFailed
 
 from ..processes import run_python
 
@@ -76,6 +76,24 @@ def test_the_initial_values_are_exchanged_before_the_first_step(coupling, fmu, t
 def test_what_the_partner_refuses_ends_the_run_with_its_sentence(coupling, fmu, tmp_path):
     with pytest.raises(RunFailed, match="w_start = -1 rad/s: must be >= 0"):
         coupled(coupling, fmu, tmp_path, w_start=-1.0)
+
+
+@pytest.mark.parametrize(
+    ("table", "right", "wrong"),
+    [
+        ("CONNECTIONS", '("rotor.tau", "partner.tau"))\nI', '("rotr.tau", "partner.tau"))\nI'),
+        ("CONNECTIONS", '"partner.w", "rotor.speed"', '"partner.w", "speed"'),
+        ("INITIAL", '"partner.w_start"', '"w_start"'),
+        ("INITIAL", '"partner.w_start"', '"rotor.w"'),
+    ],
+)
+def test_a_pair_that_does_not_connect_both_is_refused(fmu, tmp_path, table, right, wrong):
+    """It would be left out without a word, and the run be that of another coupling."""
+    assert right in SOURCE
+    source = tmp_path / "steady_motor.py"
+    source.write_text(SOURCE.replace(right, wrong))
+    with pytest.raises(InputError, match=rf"steady_motor\.py: {table}: .* partner\.NAME"):
+        coupled(Coupling(source), fmu, tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,15 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 
 from rotor_fmu.about import __version__
 from rotor_fmu.fmi.description import default_experiment, summary
+from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
+from rotor_fmu.fmi.terminals import terminals_of
 from rotor_fmu.machine_file.loading import machine_text
+
+from ..parts.films import film
+from ..parts.machines import FLEXIBLE
+from ..toml_text import table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -54,6 +60,31 @@ def test_the_page_names_every_kind_of_variable_and_its_pictures_exist(fmu, conte
             name = name.replace(f"disc[{index}]", "disc[i]")
             name = name.replace(f"bearing[{index}]", "bearing[i]")
         assert name in shown
+
+
+def test_the_end_of_a_line_takes_and_gives_waves():
+    """Its input is no force, and its terminal none of a body that a force acts on."""
+    rotor = parse_rotor(
+        FLEXIBLE + table("[line]", name="wire", node=2, impedance=30.0) + table("[port]", node=2)
+    )
+    variables = {v.name: v for v in interface(rotor)}
+    assert variables["wire.fx"].text.startswith("incoming wave of the line on node 2 at z = ")
+    assert variables["port[1].fx"].text.startswith("external force on node 2 at z = ")
+    terminals = {t.name: t for t in terminals_of(interface(rotor))}
+    assert terminals["wire"].kind == "line"
+    assert {"fx", "fy", "wave_x", "wave_y"} <= set(terminals["wire"].members)
+    assert terminals["port[1]"].kind == "body"
+    assert not {"wave_x", "wave_y"} & set(terminals["port[1]"].members)
+
+
+def test_what_a_bearing_exerts_makes_no_terminal():
+    """Outputs of the same names as the inputs of a body: nothing can be joined there."""
+    rotor = parse_rotor(FLEXIBLE + film(2))
+    outputs = {v.name for v in interface(rotor) if v.causality == "output"}
+    assert "journal_bearing[1].fx" in outputs
+    inputs = {v.name for v in interface(rotor) if v.causality == "input"}
+    terminals = {t.name: t.members for t in terminals_of(interface(rotor)) if t.kind == "body"}
+    assert terminals.keys() == {name.removesuffix(".fx") for name in inputs if name.endswith(".fx")}
 
 
 def test_terminals_refer_to_variables_that_exist(fmu, contents):

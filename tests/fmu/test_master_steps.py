@@ -49,8 +49,11 @@ def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengt
         assert [t for t, _ in member.steps] == pytest.approx(seen[:-1], abs=1e-12)
 
 
-@pytest.mark.parametrize(("stop", "step"), [(1.0, 0.0), (1.0, -0.1), (-1.0, 0.1), (math.inf, 0.1)])
-def test_a_run_without_an_end_or_a_step_is_refused(stop, step):
-    sides = Side(Counted(), (), ()), Side(Counted(), (), ())
-    with pytest.raises(InputError, match="must be > 0 and finite"):
-        list(points(*sides, stop, step))
+@pytest.mark.parametrize("name", ["stop", "step"])
+@pytest.mark.parametrize("value", [0.0, -0.1, math.inf, math.nan])
+def test_a_run_that_is_none_is_refused(name, value):
+    one, other = Counted(), Counted()
+    length = {"stop": 1.0, "step": 0.1, name: value}
+    with pytest.raises(InputError, match=rf"^{name} = .* s: must be > 0 and finite$"):
+        list(points(Side(one, (), ()), Side(other, (), ()), **length))
+    assert not one.steps

@@ -62,6 +62,9 @@ def test_every_file_to_compile_is_named_and_there(tmp_path, fmi, description, li
     assert "Apache License" in licence
     assert "TERMS AND CONDITIONS" in licence
     assert not (folder / "binaries").exists()
+    page = " ".join((folder / "documentation" / "index.html").read_text().split())
+    assert "holds C17 source code and no library" in page
+    assert "its libraries" not in page
     assert validate_fmu(str(tmp_path / "RotorBearingSource.fmu")) == []
 
 

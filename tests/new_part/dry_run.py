@@ -13,6 +13,7 @@ from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.fmi.description import Described
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
 
@@ -56,7 +57,7 @@ _, p, q = CUBIC.tangent(
 linear = derivative(record, d, d_dot, dz, 1.0, 0.02)
 runs = [run(steps) for steps in (40, 80, 160)]
 variables = interface(parse_rotor(TOML))
-files = documents(parse_rotor(TOML), variables, "RotorBearing", needs_python=True, fmi=2)
+files = documents(Described(parse_rotor(TOML), "RotorBearing", needs_python=True), variables, fmi=2)
 seen = {
     "tangent": abs(p * dz + q * dz.conjugate() - linear) / abs(linear),
     "x": [abs(b[0] - a[0]) for a, b in pairwise(runs)],

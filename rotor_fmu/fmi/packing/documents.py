@@ -13,7 +13,7 @@ from ...about import __version__
 from ...cells import markdown_table
 from ...model.machine.rotor import Rotor
 from ...model.machine.toml import rig
-from ..description import default_experiment, summary
+from ..description import Described, default_experiment, summary
 from ..terminals import terminals_element, terminals_of
 from ..variables import Variable, unit
 from .archive import xml_bytes
@@ -43,6 +43,8 @@ _NEEDS_PYTHON = """The host runs, or can load, Python 3.11 or newer, and needs n
 the solver comes as machine code."""
 _NEEDS_NOTHING = """The host needs nothing but the FMU: its libraries hold the solver as machine
 code."""
+_NEEDS_COMPILER = """The FMU holds C17 source code and no library: the host, or a C compiler before
+it (<code>fmpy compile</code>), makes one."""
 # What the page says of the drive, by the input that drives.
 _DRIVES = {
     "speed": "the speed of the shaft and the external loads go in; displacements, contact angles "
@@ -61,33 +63,33 @@ a steady motion, so another processor gives the same within 1e-3 of each output'
 """
 
 
-def documents(
-    rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool, fmi: int
-) -> dict[str, bytes]:
-    """Return the files of the FMU called `name`, by their path in it; fmi: the version of FMI."""
+def documents(of: Described, table: Sequence[Variable], fmi: int) -> dict[str, bytes]:
+    """Return the files of an FMU by their path in it; fmi: the version of FMI."""
     from ...plotting.machine_drawing import machine_picture  # with matplotlib, which no run needs
 
-    picture = machine_picture(rotor)
-    related = related_files(rotor, name)
+    picture = machine_picture(of.rotor)
+    related = related_files(of.rotor, of.identifier)
     pages = files(__package__).joinpath("pages")
-    carried = ("rotor-fmu", "pythonfmu") if needs_python else ("rotor-fmu",)
+    carried = ("rotor-fmu", "pythonfmu") if of.needs_python else ("rotor-fmu",)
     result = {
         # where FMI 3.0 wants it, and FMI 2.0
         "terminalsAndIcons/icon.png" if fmi == 3 else "model.png": picture,
         "documentation/model.png": picture,
-        "documentation/index.html": _index(rotor, table, name, needs_python, fmi).encode(),
+        "documentation/index.html": _index(of, table, fmi).encode(),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals(table),
         **{f"documentation/licenses/{of}.txt": _licence(of) for of in carried},
         **related,
     }
-    if rotor == rig():
+    if of.rotor == rig():
         result["documentation/run_down.png"] = pages.joinpath("run_down.png").read_bytes()
-    if needs_python:
+    if of.needs_python:
         result["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
     return result
 
 
-def _index(rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool, fmi: int) -> str:
+def _index(of: Described, table: Sequence[Variable], fmi: int) -> str:
+    rotor, name = of.rotor, of.identifier
+    needs = _NEEDS_COMPILER if of.sources else _NEEDS_NOTHING
     page = files(__package__).joinpath("pages", "index.html").read_text(encoding="utf-8")
     head, *body = rows(table)
     cells = ["<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in head) + "</tr>"]
@@ -100,7 +102,7 @@ def _index(rotor: Rotor, table: Sequence[Variable], name: str, needs_python: boo
         drive=_DRIVES[table[0].name],
         fmi=fmi,
         start=Template(_START).substitute(
-            name=name, needs=_NEEDS_PYTHON if needs_python else _NEEDS_NOTHING
+            name=name, needs=_NEEDS_PYTHON if of.needs_python else needs
         ),
         version=__version__,
         variables=variables,

@@ -75,7 +75,7 @@ def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]
     known = machine.table if fmi == 2 else (*machine.table, TIME)
     fmu_interface = FmuInterface(machine.rotor, known, machine.is_free)
     return {
-        **documents(machine.rotor, machine.table, of.identifier, of.needs_python, fmi),
+        **documents(of, machine.table, fmi),
         DESCRIPTION: xml_bytes(description(of, machine.table, fmi)),
         TABLE: table_bytes(fmu_interface, sources, of.guid),
         ROTOR_FILE: machine.toml.encode(),
