@@ -77,7 +77,7 @@ def documents(of: Described, table: Sequence[Variable], fmi: int) -> dict[str, b
         "documentation/model.png": picture,
         "documentation/index.html": _index(of, table, fmi).encode(),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals(table),
-        **{f"documentation/licenses/{of}.txt": _licence(of) for of in carried},
+        **{f"documentation/licenses/{project}.txt": _licence(project) for project in carried},
         **related,
     }
     if of.rotor == rig():
