@@ -52,7 +52,7 @@ _ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _FAR = 1e9  # what is more than any displacement [m]
 _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
-_SHARES = tuple(0.5**i for i in range(10))  # of such a step
+_SHARES = tuple(0.5**i for i in range(41))  # of such a step, down to what is rounding of it
 _MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
 # Of the displacements, and of `small` where they are none but rounding; the latter of a change that
 # no longer shrinks.
@@ -164,7 +164,8 @@ class LinearMachine:
         loads: x, y of every dof, shape (2 size,) [N, N.m]."""
         given = self.weight if loads is None else self.weight + loads
         if not self._holds_at(speed, given):
-            raise LinearError(self.why_not_held())
+            turning = "; it is held as it turns: give a speed" if self._is_held_turning else ""
+            raise LinearError(f"{self.why_not_held()}{turning}")
         force = self.expand.T @ given
         for near in (self._near, np.zeros_like(force)):
             linear = None if near is None else self._rested(speed, force, near)

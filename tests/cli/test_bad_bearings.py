@@ -162,6 +162,15 @@ def test_a_film_among_several_supports_says_the_load_on_the_machine():
     assert load == pytest.approx(assemble(rotor).mass_sum[::2].sum() * 1e5, rel=1e-3)
 
 
+def test_a_machine_that_only_films_hold_is_said_to_be_held_as_it_turns():
+    rotor = parse_rotor(heavy_shaft() + film(1) + film(3))
+    static(rotor, speed=300.0)
+    with pytest.raises(LinearError, match=r"it is held as it turns: give a speed$"):
+        static(rotor)
+    with pytest.raises(LinearError, match=r"must be held$"):
+        static(parse_rotor(heavy_shaft() + film(1)))
+
+
 def test_no_equilibrium_in_a_damper_says_its_load_and_what_its_spring_carries():
     text = heavy_shaft() + "".join(
         table("[squeeze_film_damper]", **{**DAMPER, "node": node, **_SHORT}, stiffness=1e5)

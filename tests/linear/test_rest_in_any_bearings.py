@@ -107,10 +107,9 @@ def _drawn(seed):
     return parse_rotor("\n".join(tables)), speed
 
 
-def _distance(seed):
+def _distance(rotor, speed):
     """How far apart both are, of the displacement; None where the run finds no equilibrium,
     infinite where only the run does."""
-    rotor, speed = _drawn(seed)
     try:
         motion = Simulation(rotor, choose(), speed=speed, warn=lambda _: None).motion
     except EquilibriumError:  # a run is also refused where it would begin too far from the axis
@@ -126,13 +125,28 @@ def _distance(seed):
 
 @pytest.mark.parametrize("seed", [*range(12), 67, 179, 355, 398, 399, 571])
 def test_a_machine_rests_where_its_run_begins(seed):
-    distance = _distance(seed)
+    distance = _distance(*_drawn(seed))
     assert distance is None or distance < 1e-6
+
+
+def test_a_journal_rests_where_another_pad_is_about_to_bear():
+    # pads without preload: in the second bearing one bears right of the journal and not left of it
+    film = {"journal_radius": 0.03, "tilting": True, "pad_inertia": 1e-4}
+    four = {"pads": [1.5708, 3.1416, 4.7124, 6.2832], "arc": 1.25, "clearance": 1.2e-4}
+    three = {"pads": [2.618, 4.7124, 0.5236], "arc": 1.667, "clearance": 3.46e-5}
+    tables = (
+        table("material", young=2.1e11, density=7800.0),
+        table("shaft", nodes=[0.0, 0.14, 0.29, 0.51, 0.62, 0.73, 0.79], diameters=[0.04] * 6),
+        table("[disc]", node=4, diameter=0.328, width=0.026),
+        table("[journal_bearing]", node=1, length=0.021, viscosity=0.0068, **film, **four),
+        table("[journal_bearing]", node=2, length=0.034, viscosity=0.037, **film, **three),
+    )
+    assert _distance(parse_rotor("\n".join(tables)), 380.0) < 1e-6
 
 
 @pytest.mark.slow
 def test_no_machine_rests_where_only_a_run_finds_it():
-    distances = [_distance(seed) for seed in range(12, 312)]
+    distances = [_distance(*_drawn(seed)) for seed in range(12, 312)]
     known = np.array([distance for distance in distances if distance is not None])
     assert len(known) > 250
     assert known.max() < 1e-6
