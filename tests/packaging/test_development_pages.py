@@ -109,6 +109,7 @@ def test_the_command_that_a_page_adds_prints_what_the_page_says(extended):
     assert said.strip() in (PAGES / "add_a_command.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_output_that_a_page_adds_is_a_variable_and_has_values(extended):
     run = extended("add_an_output")
     (line,) = [row for row in run("variables").splitlines() if "pace" in row]
@@ -116,6 +117,7 @@ def test_the_output_that_a_page_adds_is_a_variable_and_has_values(extended):
     run(*RUN)
 
 
+@pytest.mark.slow
 def test_the_warnings_that_a_page_adds_are_given(extended):
     run = extended("add_a_warning")
     assert "far from the axis since t = " in run(*RUN, "--set", "disc[1].e=0.05")
