@@ -1,10 +1,12 @@
 """Checks of the arguments of analyses, which are of any type when they come from Python."""
 
+import math
 import reprlib
 from numbers import Real
 from typing import Any
 
 from .errors import InputError
+from .quantities import POSITIVE
 
 
 def shown_value(name: str, value: object) -> str:
@@ -19,6 +21,14 @@ def number(name: str, value: Any) -> float:
     if isinstance(given, bool) or not isinstance(given, Real):
         raise InputError(f"{shown_value(name, value)}: must be a number")
     return float(given)
+
+
+def check_positive(
+    name: str, value: float, unit: str = "", error: type[InputError] = InputError
+) -> None:
+    """Raise an error unless a number is above 0 and finite; unit: its SI unit."""
+    if not 0.0 < value < math.inf:
+        raise error(f"{name} = {value:g}{unit and f' {unit}'}: {POSITIVE.words}")
 
 
 def numbers(name: str, values: Any) -> list[float]:

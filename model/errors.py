@@ -9,5 +9,5 @@ class InputError(ValueError):
     ...     rf.simulate(rf.load(), speed=185.0, stop=-1.0)
     ... except rf.InputError as error:
     ...     print(error)
-    stop = -1.0 s: must be > 0 and finite
+    stop = -1 s: must be > 0 and finite
     """

@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
+from .model.arguments import check_positive as check_positive
 from .model.arguments import number as number
 from .model.arguments import numbers as numbers
 from .model.arguments import shown_value as shown_value

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from .api.machine import Machine
 from .api.simulate import simulate
 from .display import current, speed_with_unit
-from .errors import InputError, RunFailed
+from .errors import InputError, RunFailed, check_positive
 from .linear.answers import modes
 from .linear.displayed import Displayed, of_machine
 from .linear.linear_plots import titled
@@ -222,13 +222,11 @@ def balance(
         raise InputError(f"speeds: {list(speeds)} rad/s: must be different ones, at least one")
     enough_measurements(2 * len(nodes) * len(speeds), len(planes))
     for speed in speeds:
-        if not (math.isfinite(speed) and speed > 0):
-            raise InputError(f"balancing speed = {speed:g} rad/s: must be > 0 and finite")
+        check_positive("balancing speed", speed, "rad/s")
     if trial is None:
         pull = _TRIAL * total_mass(assemble(rotor)) * STANDARD_GRAVITY
         trial = pull / (len(planes) * min(speeds) ** 2)
-    if not (math.isfinite(trial) and trial > 0):
-        raise InputError(f"trial unbalance = {trial:g} kg.m: must be > 0 and finite")
+    check_positive("trial unbalance", trial, "kg.m")
     if not assemble(rotor).unbalance.any():
         raise InputError("the machine has no unbalance: there is nothing to balance")
     own = rotor.operation

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import check_positive
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, MountElement
 from ..parts.law_probe import cleared
@@ -56,8 +57,7 @@ def damper_curves(
     housing being fixed; by default what the machine's weight puts on it. Raises `LinearError` if
     there is no equilibrium.
     """
-    if not 0.0 < frequency < np.inf:
-        raise LinearError(f"frequency of the orbit = {frequency:g} rad/s: must be > 0 and finite")
+    check_positive("frequency of the orbit", frequency, "rad/s", LinearError)
     part = dict(rotor.named_parts())[bearing]
     assert isinstance(part, SqueezeFilmDamper)
     alone, hung = (BearingAlone(part, 0.0, bearing, c) for c in (NO_CAGE, cage_of(rotor, part)))

@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import check_positive
 from ..machine.rotor import Rotor
 from ..parts.base import BodyElement
 from ..parts.linear_bearing import LinearBearing, Seal
@@ -251,7 +252,6 @@ def _bodies(rotor: Rotor) -> dict[int, float]:
 
 
 def _check(speed: float, anticipated: float) -> None:
-    if not (math.isfinite(speed) and speed > 0):
-        raise LinearError(f"speed = {speed:g} rad/s: must be > 0 and finite")
+    check_positive("speed", speed, "rad/s", LinearError)
     if not (math.isfinite(anticipated) and anticipated >= 0):
         raise LinearError(f"anticipated cross coupling = {anticipated:g} N/m: must be >= 0")

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from ..arguments import check_positive
 from ..machine.rotor import Rotor
 from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import OPEN, LinearError
@@ -149,8 +150,7 @@ def critical_peaks(
 ) -> tuple[ProbeCritical, ...]:
     """Return the peaks of x and y of nodes (from 1) up to the speed `top` [rad/s], by ascending
     speed, with their amplification factors; see `unbalance_check` for the rest."""
-    if not 0 < top < math.inf:
-        raise LinearError(f"highest speed = {top:g} rad/s: must be > 0 and finite")
+    check_positive("highest speed", top, "rad/s", LinearError)
     response = _Response(rotor, contacts, unbalances, {})
     return tuple(_criticals(response, nodes, _speeds(rotor, top, contacts)))
 

@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import check_positive
 from ..machine.rotor import Rotor
 from ..quantities import STANDARD_GRAVITY
 from ..structure.assembly import assemble
@@ -65,10 +66,8 @@ def placed_unbalances(
     speed [rad/s]; factor: multiple of the residual unbalance; contacts: `open` or `pinned`. Raises
     `LinearError` for a mode that is not there, and for a factor that is none.
     """
-    if not (math.isfinite(factor) and factor > 0):
-        raise LinearError(f"factor = {factor:g}: must be > 0 and finite")
-    if not (math.isfinite(speed) and speed > 0):
-        raise LinearError(f"maximum continuous speed = {speed:g} rad/s: must be > 0 and finite")
+    check_positive("factor", factor, error=LinearError)
+    check_positive("maximum continuous speed", speed, "rad/s", LinearError)
     undamped = UndampedMachine(rotor, contacts, rigid_pedestals=False)
     shapes = undamped.planar_shapes(speed)
     if not 1 <= mode <= len(shapes):

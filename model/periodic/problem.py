@@ -1,6 +1,5 @@
 """The task of a response computation, and its result."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -8,6 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from ..arguments import check_positive
 from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..machine.speed_ranges import speed_ranges
@@ -133,8 +133,7 @@ def check(rotor: Rotor, task: Task) -> None:
     _check_returning(rotor)
     speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)
     for speed in speeds:
-        if not 0 < speed < math.inf:
-            raise PeriodicError(f"speed = {speed:g} rad/s: must be > 0 and finite")
+        check_positive("speed", speed, "rad/s", PeriodicError)
         for allowed in speed_ranges(rotor):
             if not allowed.holds(speed):
                 raise PeriodicError(allowed.beyond.format(speed=speed))

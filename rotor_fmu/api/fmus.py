@@ -1,11 +1,10 @@
 """FMUs of machines: built, and driven through FMPy."""
 
-import math
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..errors import InputError, check_one_of, number
+from ..errors import InputError, check_one_of, check_positive, number
 from ..model.simulation import warn
 from ..runs.recording import Recording
 from ..runs.settings_text import parse_starts
@@ -80,8 +79,8 @@ def build_fmu(
     from ..fmi.packing.fmu_kinds import FmuKind
 
     check_machine(machine)
-    if step is not None and not 0 < (step := number("step", step)) < math.inf:
-        raise InputError(f"step = {step:g} s: must be > 0 and finite")
+    if step is not None:
+        check_positive("step", step := number("step", step), "s")
     kind = FmuKind(is_native, is_source, fmi)
     chosen_step = None if step is None else f"step = {step:g} s"
     options = ("is_native", "is_source", "platforms")

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..errors import InputError, check_one_of, nearest, number
+from ..errors import InputError, check_one_of, check_positive, nearest, number
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
 from ..fmi.variables import Variable
@@ -183,8 +183,7 @@ def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float
     if stop is None and not ends:
         raise InputError("stop: must be given where the speed and the loads are constant")
     end = max(ends) if stop is None else float(stop)
-    if not 0 < end < math.inf:
-        raise InputError(f"stop = {end} s: must be > 0 and finite")
+    check_positive("stop", end, "s")
     t = np.unique(np.concatenate([[0.0, end], *(times for times, _ in courses.values())]))
     constant = {v.name: np.full(len(t), float(v.start or 0.0)) for v in known}
     return Signals(t, constant | {name: np.interp(t, *course) for name, course in courses.items()})

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import check_positive
 from .member import Member
 
 # (output of one FMU, connected input of the other)
@@ -44,8 +44,7 @@ def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
     last after what is left of a step; both leave the initialization mode at the first. Raises
     `RunFailed`, and `InputError` for a stop or step that is not positive and finite."""
     for name, value in (("stop", stop), ("step", step)):
-        if not 0 < value < math.inf:
-            raise InputError(f"{name} = {value:g} s: must be > 0 and finite")
+        check_positive(name, value, "s")
     sides = (one, other)
     read = [side.member.references(*side.outputs) for side in sides]
     inputs = [

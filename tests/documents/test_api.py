@@ -189,7 +189,7 @@ def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
     ("arguments", "expected"),
     [
         ({}, "stop: must be given where the speed and the loads are constant"),
-        ({"stop": -1.0}, "stop = -1.0 s: must be > 0"),
+        ({"stop": -1.0}, "stop = -1 s: must be > 0"),
         ({"stop": 1.0, "preset": "best"}, "preset = 'best': must be one of"),
         ({"stop": 1.0, "tolerance": 2.0}, "solver.tolerance = 2.0: must be"),
         ({"stop": 1.0, "loads": {"disc[2].fz": 1.0}}, r"'disc\[2\].fz' is unknown; .* disc\[2\].f"),
