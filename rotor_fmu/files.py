@@ -18,7 +18,9 @@ else:
 def unfinished(path: Path) -> Iterator[Path]:
     """A path beside `path` to write to, which takes its place when all is written; what ends the
     writing before, Ctrl-C too, leaves what was there and nothing else. An `OSError`, as of a full
-    disk, is raised with the file's name."""
+    disk, is raised with the file's name, `InputError` where a folder has that name."""
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder, where a file of this name is to be written")
     # the suffix last: writers choose formats by it
     part = path.with_name(f"{path.stem}.part{path.suffix}")
     try:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .forward_branches import ForwardBranches
 from .linear_machine import LinearError
@@ -81,9 +82,10 @@ def critical_map(
     default open where the machine is held without them. Raises `LinearError` if the stiffnesses do
     not ascend from above 0, or the machine has no bearing.
     """
-    values = np.array(stiffness, dtype=float)
-    if len(values) < 2 or not (values > 0).all() or not (np.diff(values) > 0).all():
-        raise LinearError("stiffness: must be at least 2 values, ascending from above 0")
+    values = np.array(numbers("stiffness", stiffness))
+    ascends = len(values) > 1 and values[0] > 0 and (np.diff(values) > 0).all()
+    if not ascends or not np.isfinite(values).all():
+        raise LinearError("stiffness: must be at least 2 finite values, ascending from above 0")
     if count < 1:
         raise LinearError(f"count = {count}: must be at least 1")
     lines = _Lines(UndampedMachine(rotor, contacts, rigid_pedestals), synchronous, values, count)

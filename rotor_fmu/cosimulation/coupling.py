@@ -14,18 +14,19 @@ from typing import Any
 import numpy as np
 
 from ..about import RELEASED
-from ..errors import InputError
+from ..errors import InputError, check_one_of
 from ..files import unfinished
 from ..fmi.description import complete
 from ..fmi.packing.archive import repack, wrap
 from ..fmi.python import wrapper
-from ..fmi.variables import Variable
+from ..fmi.variables import Variable, unit
 from ..model.message_templates import Message
 from . import partner_slave
 from .master import Connection, Side, run_jacobi
 from .member import Member
 
 PARTNER, ROTOR = "partner", "rotor"
+CAUSALITIES = ("input", "output", "parameter", "local")
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,19 @@ class Coupling:
 
     @property
     def variables(self) -> tuple[Variable, ...]:
-        """Variables of the partner, in the order of their value references."""
-        return listed_variables(self._declared["VARIABLES"])
+        """Variables of the partner, in the order of their value references. Raises `InputError` for
+        a unit or a causality that no FMU has."""
+        variables = listed_variables(self._table("VARIABLES"))
+        for v in variables:
+            where = f"{self.source.name}: VARIABLES: {v.name}"
+            check_one_of(f"{where}: {v.causality!r}", v.causality, CAUSALITIES)
+            try:
+                unit(v.unit)
+            except (KeyError, ValueError):
+                raise InputError(
+                    f"{where}: the unit {v.unit!r} is unknown; must be SI units such as N.m, kg/m3"
+                ) from None
+        return variables
 
     def build(self, out: Path) -> Path:
         """Build the partner's FMU in the folder `out` and return its path; equal sources give equal
@@ -143,6 +155,11 @@ class Coupling:
         ) as sides:
             return CoupledRun(*run_jacobi(*sides, stop, step, progress))
 
+    def _table(self, name: str) -> Sequence[Any]:
+        if name not in self._declared:
+            raise InputError(f"{self.source.name}: has no table {name}")
+        return self._declared[name]
+
     def _connections(self, side: str) -> tuple[Connection, ...]:
         """Return the outputs of one side, each with the connected input of the other."""
         pairs = self._pairs("CONNECTIONS")
@@ -152,7 +169,7 @@ class Coupling:
         """Return the pairs of a list of the source: side and name of the output, then of the
         input. Raises `InputError`."""
         result = []
-        for output, variable in self._declared[table]:
+        for output, variable in self._table(table):
             from_side, _, given = output.partition(".")
             to_side, _, taken = variable.partition(".")
             if {from_side, to_side} != {PARTNER, ROTOR}:

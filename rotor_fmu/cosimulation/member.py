@@ -76,8 +76,9 @@ class Member:
 
     def read(self, name: str) -> float:
         """Return the value of a variable, whatever its type."""
+        references = self.references(name)
         getter = getattr(self._fmu, f"get{self._variables[name].type}")
-        return float(self._call(getter, self.references(name))[0])
+        return float(self._call(getter, references)[0])
 
     def set(self, references: list[int], values: list[float]) -> None:
         """Set Reals."""

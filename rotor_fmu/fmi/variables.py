@@ -36,7 +36,8 @@ def unit(name: str) -> Unit:
     `KeyError` for another name."""
     known = _BASE | _DERIVED
     base: dict[str, int] = {}
-    for side, factors in zip((1, -1), name.split("/"), strict=False):
+    above, _, below = name.partition("/")
+    for side, factors in ((1, above), (-1, below or "1")):
         for factor in factors.strip("()").split("."):
             word = factor if factor == "1" else factor.rstrip("0123456789")
             power = side * int(factor[len(word) :] or 1)

@@ -10,8 +10,10 @@ from typing import Any
 
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.binding import load_names
+from ..fmi.solver_parameters import PREFIX, settings_of
 from ..fmi.variables import Variable
 from ..machine_file.loading import load_rotor
+from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
 from ..studies.design import MOST, Axis, number, whole
@@ -270,9 +272,24 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
         if axis.distribution is not None and is_whole:
             raise InputError(f"vary {axis.name}: is an integer; list its values")
     # numbers of a run suit one another, or not
-    of_run = [a for a in axes if a.values and any(t.startswith(RUN) for t in a.targets)]
-    for point in product(*(axis.values for axis in of_run)):
-        settings = {t: v for a, v in zip(of_run, point, strict=True) for t in a.targets}
-        how, _ = runs.split(settings)
+    for point in _points(axes, RUN):
+        how, _ = runs.split(point)
         for metric in runs.metrics:
             runs.check_metric(metric, how)
+    # settings that never suit one another fail here, those that sometimes do not run by run
+    refusal = None
+    for point in _points(axes, PREFIX):
+        try:
+            settings_of({**runs.machine.start, **runs.values, **point})
+            return
+        except SettingsError as error:
+            refusal = refusal or error
+    if refusal is not None:
+        raise refusal
+
+
+def _points(axes: tuple[Axis, ...], prefix: str) -> Iterable[dict[str, float]]:
+    """Return the combinations of listed values, of the axes that set names with a prefix."""
+    listed = [a for a in axes if a.values and any(t.startswith(prefix) for t in a.targets)]
+    for point in product(*(axis.values for axis in listed)):
+        yield {t: v for a, v in zip(listed, point, strict=True) for t in a.targets}

@@ -86,22 +86,24 @@ def _head(column: Mapping[str, Any]) -> dict[str, str]:
 def _curves(
     columns: Sequence[Mapping[str, Any]], rows: "pyarrow.Table", shown: np.ndarray
 ) -> list[dict[str, Any]]:
-    """Return lists along a coordinate that is the same for all runs, as long as there is room."""
+    """Return lists along their coordinates, or counted from 1 along what has none, as long as there
+    is room."""
+    from ..studies.store import matrix
+
     result, room = [], _MOST_OF_CURVES
     for column in columns:
-        width = len(column["coordinate"])
-        if not column["dimension"] or not width or width * len(shown) > room:
+        if not column["dimension"]:
             continue
-        room -= width * len(shown)
-        values = np.full((len(shown), width), np.nan)
-        for row, i in enumerate(shown):
-            cell = rows[column["name"]][int(i)].as_py()
-            if cell is not None and len(cell) == width:
-                values[row] = cell
+        values = matrix(rows[column["name"]].take(shown), column["coordinate"])
+        if not 0 < values.size <= room:
+            continue
+        room -= values.size
         across, unit = _shown_in(column["coordinate_unit"])
         head: dict[str, Any] = _head(column)
         head |= {"dimension": column["dimension"], "coordinate_unit": unit}
-        head["coordinate"] = [across * value for value in column["coordinate"]]
+        head["coordinate"] = [
+            across * at for at in column["coordinate"] or range(1, values.shape[1] + 1)
+        ]
         scale, _ = _shown_in(column["unit"])
         result.append(head | {"values": packed(scale * values, COARSE)})
     return result

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, read_text
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.near_names import near_names
@@ -247,10 +247,7 @@ def read_signals(path: Path, table: Sequence[Variable]) -> Signals:
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
     """Return the number and cells of every line that is neither empty nor a comment."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from error
+    text = read_text("", path)
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), 1)

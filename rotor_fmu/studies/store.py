@@ -215,7 +215,7 @@ def open_dataset(folder: Path) -> "xarray.Dataset":
             continue
         variables[name] = (
             ("run", dimension),
-            _matrix(table[name], column["coordinate"]),
+            matrix(table[name], column["coordinate"]),
             described,
         )
         if column["coordinate"]:
@@ -233,13 +233,13 @@ def about_of(folder: Path) -> dict[str, Any]:
     return about
 
 
-def _matrix(column: "pyarrow.ChunkedArray", coordinate: list[float]) -> np.ndarray:
+def matrix(column: "pyarrow.ChunkedArray", coordinate: list[float]) -> np.ndarray:
     """Return lists as rows, shape (runs, longest); nan where a run failed."""
     import pyarrow.compute as pc
 
     lengths = np.array([length or 0 for length in pc.list_value_length(column).to_pylist()])
     width = len(coordinate) or int(lengths.max(initial=0))
-    matrix = np.full((len(column), width), np.nan)
+    result = np.full((len(column), width), np.nan)
     flat = column.combine_chunks().flatten().to_numpy(zero_copy_only=False)
-    matrix[np.arange(width) < lengths[:, None]] = flat
-    return matrix
+    result[np.arange(width) < lengths[:, None]] = flat
+    return result

@@ -90,7 +90,8 @@ def input_error_by(main, tmp_path, monkeypatch, capsys):
         (["--stop", "soon"], "--stop soon: "),
         (["--nonsense"], "--nonsense"),
         (["--rotor", "none.toml"], "--rotor none.toml: cannot be read"),
-        (["--input", "none.csv"], "none.csv: cannot be read"),
+        (["--input", "none.csv"], "rotor-fmu: none.csv: cannot be read: No such file"),
+        (["--input", "/dev/zero"], "/dev/zero: cannot be read: is no file"),
         (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
     ],
 )
@@ -102,6 +103,14 @@ def test_bad_options_are_refused_in_one_line(input_error, arguments, expected):
 def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, modes):
     expected = f"solver.reduction = {modes}: must be an integer from 0 to 10000"
     assert expected in input_error("build", "--reduction", modes, "--out", "new/folder")
+
+
+def test_a_folder_of_a_files_name_is_bad_input_and_stays(input_error, tmp_path):
+    (tmp_path / "RotorBearing.fmu").mkdir()
+    said = input_error("build", "--out", ".")
+    assert said.endswith(
+        "RotorBearing.fmu: is a folder, where a file of this name is to be written"
+    )
 
 
 def test_help_names_every_command_and_loads_none(tmp_path):

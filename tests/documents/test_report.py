@@ -224,6 +224,19 @@ def test_a_studys_rows_are_told_once_each(tmp_path):
     assert f"{failed} runs: failed: whirled apart" in text
 
 
+def test_lists_without_a_coordinate_are_counted_from_one(tmp_path):
+    """The rows of a Poincare section, or the points of a response, whose number varies."""
+    columns = write_study(tmp_path / "study")
+    about, rows = read_study(tmp_path / "study")
+    for column in about["columns"]:
+        column |= {"coordinate": [], "coordinate_unit": "1"}
+    (curve,) = block(study_page(about, rows), "data")["curves"]
+    assert curve["coordinate"] == [1.0, 2.0, 3.0]
+    values = unpacked(curve["values"]).reshape(-1, 3)
+    known = [1e6 * np.array(kept or [np.nan] * 3) for kept in columns["amplitude"]]
+    assert values == pytest.approx(np.array(known), rel=1e-3, nan_ok=True)
+
+
 def test_a_map_of_morris_tells_no_quantiles(tmp_path):
     for kind in ("random", "morris"):
         write_study(tmp_path / kind, kind=kind)

@@ -97,6 +97,29 @@ def test_a_pair_that_does_not_connect_both_is_refused(fmu, tmp_path, table, righ
 
 
 @pytest.mark.parametrize(
+    ("right", "wrong", "expected"),
+    [
+        ('"J"', '"lbf"', "VARIABLES: work: the unit 'lbf' is unknown; must be SI units such as"),
+        ('"rad/s2"', '"rad/s/s"', "VARIABLES: rate: the unit 'rad/s/s' is unknown"),
+        ('"input"', '"inputt"', "VARIABLES: tau: 'inputt': must be one of input, output, param"),
+        ("CONNECTIONS", "CONNECTION", "has no table CONNECTIONS"),
+    ],
+)
+def test_a_table_that_no_fmu_can_have_is_refused(fmu, tmp_path, right, wrong, expected):
+    source = tmp_path / "steady_motor.py"
+    source.write_text(SOURCE.replace(right, wrong))
+    with pytest.raises(InputError, match=rf"steady_motor\.py: {expected}"):
+        coupled(Coupling(source), fmu, tmp_path)
+
+
+def test_an_initial_value_of_a_name_that_the_fmu_lacks_is_refused(fmu, tmp_path):
+    source = tmp_path / "steady_motor.py"
+    source.write_text(SOURCE.replace('"partner.w_start"', '"partner.w_begin"'))
+    with pytest.raises(InputError, match=r"SteadyMotor\.fmu: w_begin: unknown name"):
+        coupled(Coupling(source), fmu, tmp_path)
+
+
+@pytest.mark.parametrize(
     ("example", "script"),
     [("drive_train", "run_up.py"), ("magnetic_bearing", "lift_and_drop.py")],
 )

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 import scipy.linalg
+from rotor_fmu.model.errors import InputError
 from rotor_fmu.model.linear import (
-    LinearError,
     LinearMachine,
     critical_map,
     critical_peaks,
@@ -156,10 +156,13 @@ def test_the_own_stiffness_of_a_damper_is_that_of_its_springs():
 @pytest.mark.parametrize(
     ("stiffness", "count", "expected"),
     [
-        ([1e6, 1e5], 5, "stiffness: must be at least 2 values"),
+        ([1e6, 1e5], 5, "stiffness: must be at least 2 finite values"),
+        ([1e6, math.inf], 5, "stiffness: must be at least 2 finite values"),
+        (1e6, 5, "stiffness = 1000000.0: must be a list of numbers"),
+        (["1e6", "1e7"], 5, "must be a list of numbers"),
         ([1e6, 1e7], 0, "count = 0"),
     ],
 )
 def test_impossible_input_is_named(stiffness, count, expected):
-    with pytest.raises(LinearError, match=expected):
+    with pytest.raises(InputError, match=expected):
         critical_map(rig(), stiffness, count=count)

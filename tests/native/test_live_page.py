@@ -154,6 +154,41 @@ def test_what_cannot_be_is_said_in_the_fmus_words(silent, rig):
     assert page.text("state") == "Not run."
 
 
+@pytest.mark.parametrize(
+    ("name", "value"), [("bearing[1].clearance", "-1"), ("course.rate", "0")], ids=["fmu", "page"]
+)
+def test_no_picture_of_another_run_stands_beside_settings_that_cannot_run(silent, rig, name, value):
+    page = LivePage(silent, rig).ended()
+    lines = "return document.querySelectorAll('svg.chart path.now').length"
+    assert page.run(lines) > 0
+    page.run(f"byName.get({name!r}).input.id = 'typed'")
+    page.set("typed", value, "change")
+    page.find("run").click()
+    page.wait("document.querySelectorAll('.notice').length === 1")
+    page.wait("field('stop').disabled")
+    assert page.run(lines) == 0
+    assert page.text("reading") == ""
+    assert page.run("return field('csv').disabled")
+    page.find("reset").click()
+    page.run("change(byName.get('course.to'), 395)")
+    page.find("run").click()
+    page.wait("now?.seconds !== undefined && now.n > 0")
+    assert page.run(lines) > 0
+    assert "; the run before: " in page.text("state")
+
+
+def test_the_value_shown_of_the_machine_file_is_that_of_the_machine_file(silent, tmp_path):
+    text = rig_toml().replace("clearance = 50e-6", "clearance = 33.3333333333e-6")
+    file = tmp_path / "thirds.html"
+    write_text(solver_page(machine_of(text, False, 0)), file)
+    page = LivePage(silent, file).ended()
+    page.run("byName.get('bearing[1].clearance').input.id = 'typed'")
+    shown = page.find("typed").get_property("value")
+    for value in ("40", shown):
+        page.set("typed", value, "change")
+    assert "bearing[1].clearance" not in page.run("return values")
+
+
 def test_a_run_that_cannot_begin_is_not_called_running(silent, rig):
     page = LivePage(silent, rig, "#solver.method=99").ended()
     assert page.text("state").startswith("Ended early after ")

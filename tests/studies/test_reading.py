@@ -148,6 +148,11 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ('"run-down"', '["run-down"]', "run kind = ['run-down']: must be one of run-down, run-up"),
         ("[vary]", '"limit.contact" = 2\n[vary]', "set limit.contact = 2: must be from 0 to 1"),
         ("[vary]", '"solver.newton_limit" = 9.5\n[vary]', "newton_limit = 9.5: must be an integer"),
+        (
+            "[keep]",
+            '"solver.alpha_f" = { values = [0.1, 0.2] }\n[keep]',
+            "solver.alpha_f = 0.1: not a parameter of chung-hulbert; set solver.method too",
+        ),
         ("[limits]", "[design]\nlevels = 3\n[limits]", "design levels = 3: must be even"),
         (
             "[limits]",
@@ -254,6 +259,11 @@ def test_numbers_of_a_run_that_are_varied_suit_one_another(tmp_path):
     assert len(read(tmp_path, run).design) == 4 * 6
     with pytest.raises(InputError, match=r"run.to = 100 rad/s: must differ from run.from"):
         read(tmp_path, run.replace("150", "100"))
+
+
+def test_settings_that_suit_one_another_in_some_runs_begin(tmp_path):
+    methods = '"solver.alpha_f" = { values = [0.1] }\n"solver.method" = { values = [1, 2] }\n[keep]'
+    assert len(read(tmp_path, STUDY.replace("[keep]", methods)).design) == 12
 
 
 def test_whole_numbers_of_a_machine_are_not_drawn(tmp_path):

@@ -84,6 +84,13 @@ class Chart {
     return this.figure.querySelector("figcaption");
   }
 
+  clear() {
+    this.root.replaceChildren();
+    this.key.replaceChildren();
+    this.view = null;
+    this.root.setAttribute("aria-label", `${this.caption.textContent}. Empty.`);
+  }
+
   // series: { x, y, kind, label }, of which `kind` names the style; axes: labels; cursor: abscissa;
   // equal: one scale for both; from: an ordinate that has to be seen.
   draw({ series, xLabel, yLabel, cursor = null, equal = false, from = null, xRange = null }) {

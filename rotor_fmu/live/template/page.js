@@ -33,15 +33,17 @@ function begin(notes = []) {
   halt();
   field("notices").replaceChildren();
   notes.forEach(notice);
+  if (now?.isShown) before = now;
+  now = null;
   let plan;
   try {
     plan = planOf(data, values);
   } catch (error) {
     notice(error.message);
     field("state").textContent = "Not run.";
+    clear();
     return;
   }
-  if (now?.isShown) before = now;
   const columns = data.recorded.map(() => new Float64Array(plan.rows));
   const given = { ...values };
   now = { plan, given, t: new Float64Array(plan.rows), columns, n: 0, isDrawn: false, isShown: false, begun: performance.now() };
@@ -64,6 +66,14 @@ onmessage = ({ data }) => work(data, (message, moved) => postMessage(message, mo
   say();
 }
 
+// Show that the settings have no run, not even the one before.
+function clear() {
+  Object.values(charts).forEach((chart) => chart.clear());
+  field("reading").textContent = "";
+  field("progress").value = 0;
+  field("csv").disabled = true;
+}
+
 function take(run, rows) {
   const width = 1 + run.columns.length;
   for (let at = 0; at < rows.length; at += width) {
@@ -80,7 +90,8 @@ function end(run, failure) {
   run.isShown = run.n > 0;
   run.seconds = (performance.now() - run.begun) / 1e3;
   run.failure = failure;
-  field("csv").disabled = run.n === 0;
+  if (run.n) field("csv").disabled = false;
+  else clear();
   if (failure) notice(`The run ended early: ${failure}`);
   redraw();
   finished += 1;

@@ -26,6 +26,7 @@ function valueAt({ low, high, log }, share) {
   return Math.abs(value) < 1e-9 * size ? 0 : Number(value.toPrecision(3));
 }
 
+const shownText = (control, value) => digits(value * control.factor, 6);
 const current = (control) => values[control.name] ?? control.start;
 
 // Show a control's value in all of its fields.
@@ -36,7 +37,7 @@ function show(control) {
   if (control.kind === "Boolean") input.checked = Boolean(value);
   else if (control.choices.length) input.value = String(value);
   else if (control.unset && !isChanged) input.value = "";
-  else input.value = digits(value * control.factor, 6);
+  else input.value = shownText(control, value);
   if (range) {
     range.value = Math.round(SLIDER_STEPS * shareOf(control.slider, value));
     range.setAttribute("aria-valuetext", `${digits(value * control.factor)} ${control.unit}`);
@@ -69,7 +70,8 @@ function rowOf(control, number) {
     input = make("input", { type: "number", id, step: "any", required: !control.unset });
     if (control.unset) input.placeholder = "as preset";
     input.addEventListener("change", () => {
-      if (input.value === "") change(control, control.start);
+      const isStart = ["", shownText(control, control.start)].includes(input.value);
+      if (isStart) change(control, control.start);
       else change(control, Number(input.value) / control.factor);
     });
   }

@@ -132,7 +132,7 @@ class StudyMap {
       const { unit } = this.columns.get(name);
       return `${name} ${shown(study.values[name][row])}${unit && unit !== "-" ? ` ${unit}` : ""}`;
     };
-    const values = told.map(value).join(", ");
+    const values = [...new Set(told)].map(value).join(", ");
     const text = `Run ${study.runs[row]}, ${study.ids[row]}: ${values}; ${study.status[row]}`;
     field("reading").textContent = text;
     this.chart.tell(`${study.ids.length} runs. ${text}`);
