@@ -9,13 +9,14 @@ parameter. g's gradient is -w^T R_xx v, a difference of tangents along v.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from . import arclength
 from .arclength import ContinuationSteps, NotConverged
-from .balance import HarmonicBalance, Orbit
+from .balance import HarmonicBalance, Orbit, by_parameter
 
 _STEP = 1e-5
 
@@ -83,8 +84,7 @@ class _Folds:
         """Return residual, Jacobian, and the derivative with respect to the second parameter over
         its scale."""
         residual, J = self.linearized(X, second)
-        h = _STEP * self._scale
-        by = (self.residual(X, second + h) - self.residual(X, second - h)) / (2 * _STEP)
+        by = by_parameter(partial(self.residual, X), second, residual, self._scale, _STEP)
         return residual, J, by
 
 

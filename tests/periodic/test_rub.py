@@ -92,7 +92,15 @@ def test_a_curve_of_folds_that_leaves_the_machine_out_is_refused_in_one_line(cur
     ("least", "most"), [(0.03, 0.07), pytest.param(0.01, 0.1, marks=pytest.mark.slow)]
 )
 def test_jumps_over_friction_lie_where_the_closed_form_folds(curve, least, most):
-    folds = curve.fold_curve("contact[1].mu", least, most)
+    _fold_by_the_closed_form(curve.fold_curve("contact[1].mu", least, most))
+
+
+def test_a_curve_of_folds_begins_at_the_least_that_the_machine_can_have():
+    smooth = rf.response(jeffcott(mu=0.0), speed=(60.0, 240.0), stability=False)
+    _fold_by_the_closed_form(smooth.fold_curve("contact[1].mu", 0.0, 0.05))
+
+
+def _fold_by_the_closed_form(folds):
     assert folds.ends == ("end of the range", "end of the range")
     for mu, speed in zip(folds.second, folds.first, strict=True):
         # where the two radii meet
