@@ -17,6 +17,7 @@ import numpy as np
 from . import arclength
 from .arclength import ContinuationSteps, NotConverged
 from .balance import HarmonicBalance, Orbit, by_parameter
+from .branch import why_ended
 
 _STEP = 1e-5
 
@@ -112,12 +113,14 @@ def fold_curve(
     sides, ends = [], []
     for direction in (-1.0, 1.0):
         point = arclength.with_tangent(equations, X, start, direction)
-        result, end = [], "end of the range"
+        result, last = [], start
         try:
             for near, _ in arclength.trace(equations, point, scale, low, high, steps):
                 result.append((near.value, near.x[-1] * problem.parameter.scale))
                 equations.border(near.x, near.value)
                 report(near.value)
+                last = near.value
+            end = why_ended(last, low, high, steps.max_points)
         except NotConverged:
             end = "lost: Newton's method does not converge with the shortest step"
         sides.append(result)
