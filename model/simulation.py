@@ -24,7 +24,7 @@ from .structure.structure import Structure
 from .time_loop.block import LAYOUT, RunData, new_block
 from .time_loop.equilibrium import AT_EQUILIBRIUM
 from .time_loop.observe import observed_names
-from .time_loop.recorder import Record, channels_of
+from .time_loop.recorder import Record, channels_of, write
 from .warnings import RUN_WARNINGS
 
 
@@ -286,6 +286,13 @@ class Simulation:
         head.spacing = head.least
         head.covered = 0.0
         return rows
+
+    def record_now(self) -> None:
+        """Record a row of the present state, though none may be due."""
+        run = self._run
+        interpreted(write)(
+            *(run.structure, run.motion, run.memory, run.work, run.recorder, run.outputs.observed)
+        )
 
     @property
     def _whirls(self) -> tuple[Whirl, ...]:

@@ -11,7 +11,7 @@ the speed over `turns`, or an unknown for self-excited motions (whirl without un
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -53,6 +53,23 @@ class Parameter:
 
     name: str
     scale: float
+
+
+def by_parameter(
+    residual_at: Callable[[float], np.ndarray],
+    value: float,
+    residual: np.ndarray,
+    scale: float,
+    step: float,
+) -> np.ndarray:
+    """Return the derivative of a residual with respect to a parameter over its scale, by a
+    difference over a step, as a share of the scale."""
+    try:
+        beside = residual_at(value + step * scale)
+    except QuantityError:  # at the largest that the machine can have
+        step = -step
+        beside = residual_at(value + step * scale)
+    return (beside - residual) / step
 
 
 class HarmonicBalance:
@@ -224,13 +241,9 @@ class HarmonicBalance:
         """Return the residual, the Jacobian, shape (size, size), and the derivative with respect to
         the parameter over its scale."""
         residual, jacobian = self.linearized(x, value)
-        step = _ONE_SIDED_STEP
-        try:
-            shifted = self.residual(x, value + step * self.parameter.scale)
-        except QuantityError:  # at the largest that the machine can have
-            step = -step
-            shifted = self.residual(x, value + step * self.parameter.scale)
-        return residual, jacobian, (shifted - residual) / step
+        beside = partial(self.residual, x)
+        by = by_parameter(beside, value, residual, self.parameter.scale, _ONE_SIDED_STEP)
+        return residual, jacobian, by
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the residual and the Jacobian."""

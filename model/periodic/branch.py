@@ -27,8 +27,15 @@ BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
 )
 CLOSED = "the branch is closed"
 UNFINISHED = "unfinished: "
+_MOST = f"{UNFINISHED}{{}} steps were taken, the most in one direction"
 NO_MOTION = np.zeros((0, 0))
 UNIT = 1.0 + 1e-6  # a multiplier beyond is outside the unit circle
+
+
+def why_ended(value: float, low: float, high: float, most: int) -> str:
+    """Return why a curve over [low, high] that was not lost ends at a value, after at most `most`
+    steps."""
+    return _MOST.format(most) if low < value < high else "end of the range"
 
 
 class Solution(NamedTuple):

@@ -9,13 +9,15 @@ parameter. g's gradient is -w^T R_xx v, a difference of tangents along v.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from . import arclength
 from .arclength import ContinuationSteps, NotConverged
-from .balance import HarmonicBalance, Orbit
+from .balance import HarmonicBalance, Orbit, by_parameter
+from .branch import why_ended
 
 _STEP = 1e-5
 
@@ -83,8 +85,7 @@ class _Folds:
         """Return residual, Jacobian, and the derivative with respect to the second parameter over
         its scale."""
         residual, J = self.linearized(X, second)
-        h = _STEP * self._scale
-        by = (self.residual(X, second + h) - self.residual(X, second - h)) / (2 * _STEP)
+        by = by_parameter(partial(self.residual, X), second, residual, self._scale, _STEP)
         return residual, J, by
 
 
@@ -112,12 +113,14 @@ def fold_curve(
     sides, ends = [], []
     for direction in (-1.0, 1.0):
         point = arclength.with_tangent(equations, X, start, direction)
-        result, end = [], "end of the range"
+        result, last = [], start
         try:
             for near, _ in arclength.trace(equations, point, scale, low, high, steps):
                 result.append((near.value, near.x[-1] * problem.parameter.scale))
                 equations.border(near.x, near.value)
                 report(near.value)
+                last = near.value
+            end = why_ended(last, low, high, steps.max_points)
         except NotConverged:
             end = "lost: Newton's method does not converge with the shortest step"
         sides.append(result)

@@ -12,14 +12,14 @@ steps themselves, linearized (`floquet`); its eigenvalues are the Floquet multip
 """
 
 import math
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from . import mesh
 from .arclength import NotConverged
-from .balance import HarmonicBalance, Orbit
+from .balance import HarmonicBalance, Orbit, by_parameter
 from .entry_points import Propagators
 from .floquet import (
     Frequencies,
@@ -269,8 +269,8 @@ class Shooting:
         """Return the residual, the Jacobian, and the derivative with respect to the parameter over
         its scale."""
         defect, jacobian = self.linearized(x, value)
-        beside = self.residual(x, value + _STEP * self.parameter.scale)
-        return defect, jacobian, (beside - defect) / _STEP
+        by = by_parameter(partial(self.residual, x), value, defect, self.parameter.scale, _STEP)
+        return defect, jacobian, by
 
     def multipliers(self, x: np.ndarray, value: float) -> np.ndarray:
         """Return the Floquet multipliers, the largest first."""

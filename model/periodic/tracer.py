@@ -8,7 +8,7 @@ from . import arclength
 from .arclength import ContinuationSteps, CurvePoint, NotConverged, distance
 from .balance import HarmonicBalance
 from .bifurcation_search import bifurcations_between
-from .branch import CLOSED, UNFINISHED, Bifurcation, Solution, solution
+from .branch import CLOSED, Bifurcation, Solution, solution, why_ended
 from .harmonic_count import Accuracy, with_enough_harmonics
 from .method_switch import PeriodicEquations, as_shooting, suitable_equations
 from .shooting import Shooting
@@ -113,17 +113,12 @@ class Tracer:
                 self.end = CLOSED
                 return
             last = now
-        self.end = self._why_ended(point)
+        self.end = why_ended(point.value, self.low, self.high, self.steps.max_points)
 
     def _trace(self, problem: PeriodicEquations, point: CurvePoint, length: float) -> CurveTrace:
         steps = replace(self.steps, initial=length)
         scale = problem.parameter.scale
         return arclength.trace(problem, point, scale, self.low, self.high, steps)
-
-    def _why_ended(self, point: CurvePoint) -> str:
-        inside = self.low < point.value < self.high
-        most = f"{UNFINISHED}{self.steps.max_points} steps were taken, the most in one direction"
-        return most if inside else "end of the range"
 
     def _is_closed(
         self, problem: PeriodicEquations, start: CurvePoint, before: CurvePoint, point: CurvePoint

@@ -267,6 +267,10 @@ def _time_loop(
         rows.append(simulation.observed.copy())
         progress(t, values_now)
     wall = time.perf_counter() - begun
+    recorded_to = [part[-1, 0] for part in taped if len(part)]
+    if recorded_to and recorded_to[-1] < simulation.time:  # no row was due at the end
+        simulation.record_now()
+        taped.append(simulation.drain())
     columns = dict(zip(simulation.names, np.array(rows).T, strict=True))
     status = status_of(messages, failure)
     run = Run(np.array(times), columns, status, tuple(messages), wall)

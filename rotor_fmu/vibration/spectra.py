@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..short_repr import ShortRepr
-from .turns import TURN, Synchronous, check_count, hann, synchronous
+from .turns import LEAST_ROWS, TURN, Synchronous, TooFewRows, check_count, hann, synchronous
 
 MOST_ORDER = 8.0
 
@@ -141,7 +141,9 @@ def _spectra(
 
 def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the frequencies [Hz] and the amplitudes 0-p of a real signal, without its mean, under
-    Hann's window: resampled at equal times, the median step apart."""
+    Hann's window: resampled at equal times, the median step apart. Raises `TooFewRows` for less
+    than 3."""
+    _check_rows(t, LEAST_ROWS)
     count = 1 + round(float(t[-1] - t[0]) / float(np.median(np.diff(t))))
     even = np.linspace(t[0], t[-1], count)
     signal = np.interp(even, t, values)
@@ -152,8 +154,14 @@ def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def second_half(t: np.ndarray, phi: np.ndarray) -> slice:
     """Return the rows of the second half of a run, cut to whole turns where it holds any: orders
-    then lie on lines of a spectrum."""
+    then lie on lines of a spectrum. Raises `TooFewRows` for none."""
+    _check_rows(t, 1)
     turned = np.abs(phi - phi[-1])
     half = int(np.searchsorted(t, (t[0] + t[-1]) / 2))
     whole = TURN * math.floor(turned[half] / TURN)
     return slice(half + int(np.argmax(turned[half:] <= whole)) if whole else half, None)
+
+
+def _check_rows(t: np.ndarray, least: int) -> None:
+    if len(t) < least:
+        raise TooFewRows(f"the signal has {len(t)} recorded rows; at least {least} are needed")

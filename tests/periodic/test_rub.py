@@ -1,10 +1,13 @@
 """The synchronous rub and dry whirl as curves, against their closed forms."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic.arclength import ContinuationSteps
+from rotor_fmu.model.periodic.queries import folds_over
 
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
@@ -92,7 +95,25 @@ def test_a_curve_of_folds_that_leaves_the_machine_out_is_refused_in_one_line(cur
     ("least", "most"), [(0.03, 0.07), pytest.param(0.01, 0.1, marks=pytest.mark.slow)]
 )
 def test_jumps_over_friction_lie_where_the_closed_form_folds(curve, least, most):
-    folds = curve.fold_curve("contact[1].mu", least, most)
+    _fold_by_the_closed_form(curve.fold_curve("contact[1].mu", least, most))
+
+
+def test_a_curve_of_folds_begins_at_the_least_that_the_machine_can_have():
+    smooth = rf.response(jeffcott(mu=0.0), speed=(60.0, 240.0), stability=False)
+    _fold_by_the_closed_form(smooth.fold_curve("contact[1].mu", 0.0, 0.05))
+
+
+def test_a_curve_of_folds_that_takes_too_many_steps_is_said_to_be_unfinished(curve):
+    task = replace(curve._response.task, steps=ContinuationSteps(max_points=3))
+    few = replace(curve._response, task=task)
+    fold = next(b for b in curve.bifurcations if b.kind == "fold")
+    folds = folds_over(few, fold, "contact[1].mu", 0.01, 0.1)
+    assert folds.second[0] > 0.01
+    assert folds.second[-1] < 0.1
+    assert folds.ends == 2 * ("unfinished: 3 steps were taken, the most in one direction",)
+
+
+def _fold_by_the_closed_form(folds):
     assert folds.ends == ("end of the range", "end of the range")
     for mu, speed in zip(folds.second, folds.first, strict=True):
         # where the two radii meet

@@ -56,3 +56,15 @@ def test_a_run_that_fails_is_recorded_until_then():
     assert run.status.startswith("failed")
     assert run.t[-1] < recording.t[-1] <= run.t[-1] + 0.1
     assert recording.about["status"] == run.status
+
+
+@pytest.mark.parametrize("stop", [1e-6, 0.5])
+def test_a_recording_ends_where_its_run_does(stop):
+    job = prepare(None, None, ["speed=185"], None, stop, None)
+    run, recording = run_recorded(job, Record(("disc[3].x", "disc[3].vx", "energy.friction_loss")))
+    assert recording.t[0] == 0 < np.diff(recording.t).min()
+    assert recording.t[-1] == run.t[-1] == stop
+    for name in ("phi", "disc[3].x", "energy.friction_loss"):
+        assert recording.columns[name][-1] == run.columns[name][-1]
+    every = run_recorded(job, Record(("disc[3].vx",), 0.0))[1]
+    assert recording.columns["disc[3].vx"][-1] == every.columns["disc[3].vx"][-1]

@@ -244,3 +244,15 @@ def test_the_spectrum_of_a_run_at_one_speed_has_its_1x_on_a_line(speed):
     f, lines = vibration.spectrum(t[late], x[late])
     assert lines.max() == pytest.approx(3e-5, rel=2e-3)
     assert f[np.argmax(lines)] == pytest.approx(abs(speed) / TURN, rel=2e-3)
+
+
+@pytest.mark.parametrize("rows", [0, 1, 2])
+def test_a_signal_of_too_few_rows_for_a_spectrum_says_so(rows):
+    t = np.arange(rows) * 1e-3
+    with pytest.raises(vibration.TooFewRows, match=f"has {rows} recorded rows; at least 3 are"):
+        vibration.spectrum(t, t)
+    if rows:
+        assert vibration.second_half(t, t) == slice(rows // 2, None)
+    else:
+        with pytest.raises(vibration.TooFewRows, match="has 0 recorded rows; at least 1 are"):
+            vibration.second_half(t, t)
