@@ -63,6 +63,26 @@ def test_no_threshold_above_an_eccentricity_of_0_756():
     assert mass == math.inf
 
 
+def test_each_mass_is_unstable_where_the_bearing_does_not_even_hold_none():
+    """The roots of m s^2 + C s + K: neither a stiffness of negative determinant nor one that pushes
+    in both directions has a critical mass that is negative or infinite."""
+    C = np.diag([2e4, 3e4])
+    for K, critical in (
+        ([[1e7, 2e7], [3e7, 1e7]], 0.0),
+        ([[-1e7, 0.0], [0.0, 1e7]], 0.0),
+        ([[-1e7, 6e7], [-6e7, -2e7]], 0.0),
+        ([[1e7, 2e7], [-1e7, 1e7]], None),
+        ([[1e7, 2e6], [-2e6, 3e7]], math.inf),
+    ):
+        mass, _ = critical_mass(np.array(K), C)
+        assert mass == critical or (critical is None and 0.0 < mass < math.inf)
+        for m in (1e-3, 0.99 * mass, 1.01 * mass, 1e5):
+            if 0.0 < m < math.inf:
+                inverse = -np.linalg.inv(m * np.eye(2))
+                system = np.block([[np.zeros((2, 2)), np.eye(2)], [inverse @ K, inverse @ C]])
+                assert (np.linalg.eigvals(system).real.max() < 0.0) == (m < mass)
+
+
 # L/D, e: S, attitude, K c / W, C c speed / W, of a grid of 360 x 20
 _GRID = {
     (1, 0.2): (0.6249, 77.66, (2.125, 4.652, -5.448, 1.192), (9.784, -2.140, -2.140, 10.705)),
