@@ -58,7 +58,10 @@ class BearingCurves(Displayed, linear.BearingCurves):
         d = current()
         if varies_load(self):
             shown = [f"{load * d.force:.6g} {d.force_unit}" for load in self.turns]
-            where = whirls_where(bool(self.critical_mass[0] < self.mass), shown)
+            loads = np.hypot(*self.load.T)
+            least = int(loads.argmin())
+            is_first = self.critical_mass[least] < self.mass * loads[least] / loads[0]
+            where = whirls_where(bool(is_first), shown)
             return f"a mass that weighs its load {where}"
         if self.mass == 0.0:
             return "it bears no load"

@@ -187,6 +187,16 @@ def test_a_mass_that_whirls_between_two_loads_is_said_to():
     assert light.turns == pytest.approx([high], rel=1e-6)
 
 
+def test_speeds_and_loads_in_any_order_have_the_same_threshold():
+    speeds, loads = np.linspace(200.0, 1800.0, 5), np.linspace(50.0, 3000.0, 5)
+    for back in (1, -1):
+        over_speed = bearing_answers.bearing(in_films(), speeds[::back], load=200.0)
+        assert " whirls above " in over_speed.table().title
+        assert speeds[0] < over_speed.threshold < speeds[-1]
+        over_load = bearing_answers.bearing(in_films(), [900.0], load=loads[::back])
+        assert " whirls below " in over_load.table().title
+
+
 def test_a_film_whose_journal_turns_backwards_whirls_as_its_mirror_image_does():
     ahead, back, both = (
         bearing_answers.bearing(in_films(), np.linspace(*ends), load=200.0)
