@@ -185,7 +185,8 @@ class DamperCurves(Displayed, linear.DamperCurves):
             (stiffness, self.stiffness * d.stiffness, f"Stiffness [{d.stiffness_unit}]"),
             (damping, self.damping * d.damping, f"Damping of the film [{d.damping_unit}]"),
         ):
-            axes.semilogy(self.orbit, values, "-", color=BLUE, lw=1.4)
+            axes.plot(self.orbit, values, "-", color=BLUE, lw=1.4)
+            axes.set_yscale("log" if values.any() else "linear")  # a full film is not stiff
             axes.set(xlabel="Orbit over the clearance [1]", ylabel=name, xlim=(0.0, 1.0))
             axes.yaxis.set_major_formatter("{x:g}")
         springs = {"spring": self.spring, "cage in x": self.cage[0], "cage in y": self.cage[1]}

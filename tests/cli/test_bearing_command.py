@@ -50,6 +50,18 @@ def test_orbits_of_a_damper_are_those_of_the_closed_form(full):
     np.testing.assert_allclose(found.K, 1e5 * np.eye(2), atol=1e-6)
 
 
+@pytest.mark.parametrize("short", [True, False])
+def test_a_film_that_never_ruptures_has_no_stiffness_and_is_drawn_so(short):
+    """Not what rounding leaves of it, on an axis of logarithms from 1e-9 N/m on."""
+    part = SqueezeFilmDamper(**DAMPER, short=short, full=True, stiffness=1e5)
+    found = bearing_answers.damper(
+        with_part(part), 80.0, bearing="squeeze_film_damper[1]", load=2.0
+    )
+    assert not found.stiffness.any()
+    scales = [axes.get_yscale() for axes in found.figure().axes[1:]]
+    assert scales == ["log", "linear", "log"]
+
+
 def test_a_damper_without_a_spring_lies_on_its_wall_or_has_no_equilibrium():
     name = "squeeze_film_damper[1]"
     on_wall = SqueezeFilmDamper(**DAMPER, short=True, k=1e8)
