@@ -221,7 +221,7 @@ class BearingAlone(FilmAtRest):
             return LinearError(
                 f"{self.where}: no equilibrium at 0 rad/s: at standstill its film carries nothing, "
                 "and what else holds the machine lets its journal down to where the film is "
-                f"thinner than its roughness, {self.part.roughness:g} m; give a speed"
+                f"thinner than its roughness, {self.part.roughness:g} m; give a speed above 0"
             )
         at, what = ("", "spring") if is_damper else (f" at {self.speed:g} rad/s", "film")
         what = "cage" if self.cage.stiffness.any() else what
