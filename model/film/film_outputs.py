@@ -7,7 +7,7 @@ from ..kernels.functions import angle, direction
 from ..kernels.jit import jit, jit_not_inlined
 from .bearing_film import TURNS, pad_count, pad_of, short_share, solved, thinnest
 from .short_film import blunted, shear, short_load, sommerfeld
-from .zone_pressure import floored, vectors, zone_bound
+from .zone_pressure import conductance, floored, vectors, zone_bound
 
 _PEAK_STEPS = 96  # for 1e-3 of the largest pressure
 
@@ -57,6 +57,27 @@ def _short_peak(film, share, D, first, last):
     return peak
 
 
+@jit
+def _driven(film, at, inner, outer, step):
+    """Return the flow H^3 P' at a node without pressure [1/s], out of the film that ends there."""
+    f = at.cosine[outer] * film.S.real + at.sine[outer] * film.S.imag
+    passes = conductance(at.thickness[inner], at.thickness[outer])
+    return passes * (at.P[inner] - at.P[outer]) / step + 0.625 * step * at.slope[outer] * f
+
+
+@jit
+def _passed_on(film, at, j, step):
+    """Return what the ends of a film beside node j, if there are, add to the integral of H^3 P that
+    gives its side flow [1/s]. A parabola is too flat at the sides of a film that its ends cut off;
+    what leaves there is what enters less what the ends pass on."""
+    driven = 0.0
+    if j > 0 and at.P[j - 1] <= 0.0:
+        driven += _driven(film, at, j, j - 1, step)
+    if at.P[j + 1] <= 0.0:
+        driven += _driven(film, at, j, j + 1, step)
+    return driven / (6.0 * film.a)
+
+
 @jit_not_inlined
 def film_state(bearing, tables, kinematics):
     """Return the `FilmState` of a bearing."""
@@ -103,6 +124,8 @@ def film_state(bearing, tables, kinematics):
                             P = max(P, 0.0)
                         largest = max(largest, P)
                         flow += volume * P * h * h * h * step
+                        if P > 0.0:
+                            flow += volume * pad.pressure * _passed_on(film, at, j, step)
                 sheared += shear(D, first, last)[0]
                 if film.is_whole:
                     reached, begun = last, first + 2.0 * math.pi

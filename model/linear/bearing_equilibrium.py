@@ -221,7 +221,7 @@ class BearingAlone(FilmAtRest):
             return LinearError(
                 f"{self.where}: no equilibrium at 0 rad/s: at standstill its film carries nothing, "
                 "and what else holds the machine lets its journal down to where the film is "
-                f"thinner than its roughness, {self.part.roughness:g} m; give a speed"
+                f"thinner than its roughness, {self.part.roughness:g} m; give a speed above 0"
             )
         at, what = ("", "spring") if is_damper else (f" at {self.speed:g} rad/s", "film")
         what = "cage" if self.cage.stiffness.any() else what
@@ -285,12 +285,15 @@ class BearingAlone(FilmAtRest):
 
 
 def critical_mass(K: np.ndarray, C: np.ndarray) -> tuple[float, float]:
-    """Return the mass above which a rigid rotor on a bearing whirls [kg], infinite if none does,
-    and at what frequency [rad/s]; K [N/m], C [N.s/m] of shape (2, 2).
+    """Return the mass above which a rigid rotor on a bearing is unstable [kg], infinite if none is,
+    0 if each is, and at what frequency it whirls there [rad/s]; K [N/m], C [N.s/m], shape (2, 2).
 
-    Lund and Thomsen (1978); the mass hangs on one bearing.
+    Lund and Thomsen (1978); the mass hangs on one bearing. Each mass is unstable where even none
+    at all would leave the equilibrium, det(K + s C) = 0 having a root that does not decay.
     """
     of_both = K[0, 0] * C[1, 1] + K[1, 1] * C[0, 0] - K[0, 1] * C[1, 0] - K[1, 0] * C[0, 1]
+    if min(np.linalg.det(K), of_both, np.linalg.det(C), np.trace(C)) <= 0.0:
+        return 0.0, 0.0
     stiffness = of_both / np.trace(C)
     square = (stiffness - K[0, 0]) * (stiffness - K[1, 1]) - K[0, 1] * K[1, 0]
     square /= np.linalg.det(C)

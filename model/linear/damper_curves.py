@@ -106,11 +106,13 @@ def _ring_at_rest(
 def _orbit(alone: BearingAlone, spring: float, radius: float, frequency: float) -> dict[str, float]:
     """Return what the film does on a circular orbit of a radius [m]; spring [N/m]."""
     v = 1j * frequency * radius
-    film = alone.force(radius, v) + spring * radius
+    of_spring = spring * radius
+    film = alone.force(radius, v) + of_spring
+    along, across, _ = cleared(np.array([film.real, film.imag, of_spring]))
     known = alone.outputs(radius, v)
     return {
-        "stiffness": -film.real / radius,
-        "damping": -film.imag / abs(v),
+        "stiffness": 0.0 - along / radius,
+        "damping": 0.0 - across / abs(v),
         "pressure": known["pressure"],
         "power": known["power"],
     }

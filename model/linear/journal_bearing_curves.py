@@ -127,7 +127,7 @@ def bearing_curves(
     mass = float(abs(loads[0])) / gravity
     masses = np.abs(loads) / gravity if is_over_load else np.full(len(loads), mass)
     stable = columns["critical_mass"] >= masses
-    places = np.arange(len(loads)) if is_over_load else _from_slowest(speeds)
+    places = np.argsort(np.abs(loads)) if is_over_load else _from_slowest(speeds)
     courses = np.abs(loads) if is_over_load else speeds, speeds, loads, masses
     turns = [
         _turn(known[name], name, [of[[a, b]] for of in courses], bool(stable[a]))
@@ -203,9 +203,11 @@ def _pads(part: JournalBearing) -> np.ndarray:
 
 
 def _from_slowest(speeds: np.ndarray) -> np.ndarray:
-    """Return the places of ascending speeds from the slowest on; where some are of either sense of
-    rotation, of those above 0."""
-    return np.flatnonzero(speeds >= 0.0) if speeds[-1] >= 0.0 else np.arange(len(speeds))[::-1]
+    """Return the places of speeds from the slowest on; where some are of either sense of rotation,
+    of those above 0."""
+    order = np.argsort(speeds)
+    ahead = order[speeds[order] >= 0.0]
+    return ahead if len(ahead) else order[::-1]
 
 
 def _turn(part: JournalBearing, name: str, ends: list[np.ndarray], is_first_stable: bool) -> float:

@@ -164,8 +164,8 @@ class LinearMachine:
         loads: x, y of every dof, shape (2 size,) [N, N.m]."""
         given = self.weight if loads is None else self.weight + loads
         if not self._holds_at(speed, given):
-            turning = "; it is held as it turns: give a speed" if self._is_held_turning else ""
-            raise LinearError(f"{self.why_not_held()}{turning}")
+            turning = "; it is held as it turns: give a speed above 0"
+            raise LinearError(self.why_not_held() + (turning if self._is_held_turning else ""))
         force = self.expand.T @ given
         for near in (self._near, np.zeros_like(force)):
             linear = None if near is None else self._rested(speed, force, near)

@@ -58,7 +58,10 @@ class BearingCurves(Displayed, linear.BearingCurves):
         d = current()
         if varies_load(self):
             shown = [f"{load * d.force:.6g} {d.force_unit}" for load in self.turns]
-            where = whirls_where(bool(self.critical_mass[0] < self.mass), shown)
+            loads = np.hypot(*self.load.T)
+            least = int(loads.argmin())
+            is_first = self.critical_mass[least] < self.mass * loads[least] / loads[0]
+            where = whirls_where(bool(is_first), shown)
             return f"a mass that weighs its load {where}"
         if self.mass == 0.0:
             return "it bears no load"
@@ -182,7 +185,8 @@ class DamperCurves(Displayed, linear.DamperCurves):
             (stiffness, self.stiffness * d.stiffness, f"Stiffness [{d.stiffness_unit}]"),
             (damping, self.damping * d.damping, f"Damping of the film [{d.damping_unit}]"),
         ):
-            axes.semilogy(self.orbit, values, "-", color=BLUE, lw=1.4)
+            axes.plot(self.orbit, values, "-", color=BLUE, lw=1.4)
+            axes.set_yscale("log" if values.any() else "linear")  # a full film is not stiff
             axes.set(xlabel="Orbit over the clearance [1]", ylabel=name, xlim=(0.0, 1.0))
             axes.yaxis.set_major_formatter("{x:g}")
         springs = {"spring": self.spring, "cage in x": self.cage[0], "cage in y": self.cage[1]}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import LinearError, bearings, modes, static
+from rotor_fmu.model.linear import LinearError, bearing_curves, bearings, modes, static
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
@@ -165,8 +165,10 @@ def test_a_film_among_several_supports_says_the_load_on_the_machine():
 def test_a_machine_that_only_films_hold_is_said_to_be_held_as_it_turns():
     rotor = parse_rotor(heavy_shaft() + film(1) + film(3))
     static(rotor, speed=300.0)
-    with pytest.raises(LinearError, match=r"it is held as it turns: give a speed$"):
+    with pytest.raises(LinearError, match=r"it is held as it turns: give a speed above 0$"):
         static(rotor)
+    with pytest.raises(LinearError, match=r"give a speed above 0$"):  # some was given
+        bearing_curves(rotor, [0.0, 300.0])
     with pytest.raises(LinearError, match=r"must be held$"):
         static(parse_rotor(heavy_shaft() + film(1)))
 

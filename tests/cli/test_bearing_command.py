@@ -50,6 +50,18 @@ def test_orbits_of_a_damper_are_those_of_the_closed_form(full):
     np.testing.assert_allclose(found.K, 1e5 * np.eye(2), atol=1e-6)
 
 
+@pytest.mark.parametrize("short", [True, False])
+def test_a_film_that_never_ruptures_has_no_stiffness_and_is_drawn_so(short):
+    """Not what rounding leaves of it, on an axis of logarithms from 1e-9 N/m on."""
+    part = SqueezeFilmDamper(**DAMPER, short=short, full=True, stiffness=1e5)
+    found = bearing_answers.damper(
+        with_part(part), 80.0, bearing="squeeze_film_damper[1]", load=2.0
+    )
+    assert not found.stiffness.any()
+    scales = [axes.get_yscale() for axes in found.figure().axes[1:]]
+    assert scales == ["log", "linear", "log"]
+
+
 def test_a_damper_without_a_spring_lies_on_its_wall_or_has_no_equilibrium():
     name = "squeeze_film_damper[1]"
     on_wall = SqueezeFilmDamper(**DAMPER, short=True, k=1e8)
@@ -185,6 +197,16 @@ def test_a_mass_that_whirls_between_two_loads_is_said_to():
     light = bearing_answers.bearing(in_films(), [speed], load=np.array([low + 1.0, 2000.0]))
     assert light.table().title.endswith(f"its load whirls below {light.turns[0]:.6g} N")
     assert light.turns == pytest.approx([high], rel=1e-6)
+
+
+def test_speeds_and_loads_in_any_order_have_the_same_threshold():
+    speeds, loads = np.linspace(200.0, 1800.0, 5), np.linspace(50.0, 3000.0, 5)
+    for back in (1, -1):
+        over_speed = bearing_answers.bearing(in_films(), speeds[::back], load=200.0)
+        assert " whirls above " in over_speed.table().title
+        assert speeds[0] < over_speed.threshold < speeds[-1]
+        over_load = bearing_answers.bearing(in_films(), [900.0], load=loads[::back])
+        assert " whirls below " in over_load.table().title
 
 
 def test_a_film_whose_journal_turns_backwards_whirls_as_its_mirror_image_does():
