@@ -185,23 +185,23 @@ class LinearMachine:
         Newton's method; None where that finds nothing. Each step is halved until its tangents, from
         where it ends, lead hardly further than they did from where it began, which is no worse in
         other units (Deuflhard 2011)."""
-        linear, before = self._linear(speed, rest), math.inf
+        linear = self._linear(speed, rest)
         least = _CHANGE * self.structure.numbers[0].small
         for _ in range(_ITERATIONS):
             lead = self._leading(linear, force)
-            result, pull = lead(rest, linear.laws.force)
+            result, _ = lead(rest, linear.laws.force)
             change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
-            step = self._within_films(rest, result) - rest
+            step, states = self._within_films(rest, result) - rest, linear.states
             for share in _SHARES:
-                at = self._linear(speed, rest + share * step, 0.0, linear.states)
-                left = lead(at.rest, at.laws.force)[0] - at.rest
-                if np.abs(left).max(initial=0.0) <= _MORE * change:
+                linear = self._linear(speed, rest + share * step, 0.0, states)
+                ahead, pull = lead(linear.rest, linear.laws.force)
+                left = np.abs(ahead - linear.rest).max(initial=0.0)
+                if left <= _MORE * change:
                     break
-            rest, linear = at.rest, at
-            is_steady = change <= _STEADY * size and change >= 0.5 * before
-            if change <= max(_CHANGE * size, least) or is_steady:
+            rest = linear.rest
+            is_steady = left <= _STEADY * size and left >= 0.5 * change
+            if left <= max(_CHANGE * size, least) or is_steady:
                 return linear._replace(pull=pull)
-            before = change
         return None
 
     def _leading(
