@@ -102,6 +102,7 @@ def test_a_machine_that_seals_do_not_lift_is_at_rest_at_its_rated_speed(with_sea
         answers.static(with_seal, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("coarse_report")
 def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_seal):
     report = machine_report(load_rotor(with_seal)[1], ReportOptions(300.0, 400.0))
@@ -117,7 +118,7 @@ def test_an_answer_about_floating_rings_says_how_they_follow(command, arguments)
     assert "their rings follow a vibration at the frequency of rotation; slower whirls" in said
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("undrawn", "coarse_report")
 @pytest.mark.parametrize(
     "shape", ["", 'offset = 1.0\npads = [1.5708, 4.71239]\narc = 2.8\nrupture = "guembel"\n']
 )

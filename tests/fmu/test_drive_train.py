@@ -265,6 +265,7 @@ def test_what_the_script_cannot_do_it_says_in_one_line(
     assert refuse(*arguments).startswith(f"rotor-fmu: {message}")
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_the_script_in_one_line(tmp_path):
     process = subprocess.Popen(
         [sys.executable, FOLDER / "run_up.py"],

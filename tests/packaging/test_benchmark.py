@@ -87,6 +87,7 @@ def never_called(problem):
     raise AssertionError("measured again")
 
 
+@pytest.mark.slow
 def test_a_stopped_race_goes_on_where_it_was(tmp_path, monkeypatch):
     calls = []
 

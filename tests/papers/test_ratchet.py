@@ -59,6 +59,7 @@ def test_average_acceleration_shakes_the_pawl_and_makes_energy():
     assert -2e-3 < run(MODERATE_DISSIPATION).energy_sliding < 0
 
 
+@pytest.mark.slow
 def test_average_time_stalls_in_cutbacks():
     result = run(TRANSIENT_FIDELITY, "average-time", 2000)
     assert "2000 increments" in result.run.status
@@ -68,6 +69,7 @@ def test_average_time_stalls_in_cutbacks():
     assert math.isnan(result.t_reversal)
 
 
+@pytest.mark.slow
 def test_the_same_scheme_without_cutbacks_or_with_impulses_arrives():
     for impact in ("no", "current-time"):
         result = run(TRANSIENT_FIDELITY, impact)

@@ -182,6 +182,7 @@ def test_quick_picks_a_few_runs_of_every_kind():
     assert len(jobs_of(result, schemes)) < 40
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_a_survey_in_one_line_and_keeps_what_was_finished(tmp_path):
     process = subprocess.Popen(
         [
