@@ -15,7 +15,6 @@ from .kernels.library import RAISED
 from .machine.rotor import Rotor
 from .message_templates import MOST_ARGUMENTS, Message, choice, fill_template
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .stability.whirls import Whirl, growing_whirls
 from .step.step import Motion
 from .step.step_status import DONE
 from .structure.assembly import interface_names
@@ -293,11 +292,6 @@ class Simulation:
         interpreted(write)(
             *(run.structure, run.motion, run.memory, run.work, run.recorder, run.outputs.observed)
         )
-
-    @property
-    def _whirls(self) -> tuple[Whirl, ...]:
-        """The growing whirls that were found last, the fastest first."""
-        return growing_whirls(self.structure, self._run.survey, self._run.memory.seats)
 
     def _survey(self, is_start: bool) -> None:
         """Survey the growing whirls up to the present speed, and warn of those that the steps

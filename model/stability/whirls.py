@@ -10,13 +10,9 @@ contact is not considered.
 """
 
 import math
-from dataclasses import dataclass
-
-import numpy as np
 
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
-from ..structure.structure import Structure
 from .eigenvalues import eigenvalues
 from .matrices import (
     ALL,
@@ -33,7 +29,7 @@ from .matrices import (
     is_wall,
 )
 from .resolution import is_stable, resolving_step, resolving_step_in_stages
-from .survey_block import MOST_WHIRLS, WHIRL, WhirlSurvey
+from .survey_block import MOST_WHIRLS, WHIRL
 
 # A growth is called hidden if the integrator leaves less than the first share of it; a step that
 # resolves it leaves at least the second, and more where a tolerance is small.
@@ -50,35 +46,6 @@ _GROWING = 1e-5  # least Re lambda / |lambda| that counts as growth: below it is
 _SLOW = 1e-3  # share of the machine's lowest frequency: a lower root is a rigid-body motion
 _ALIKE = 5e-10  # ratios that differ by less differ by rounding only
 _DIGITS = 1e5  # the bound on the step is rounded to six digits, so that it is reproducible
-
-
-@dataclass(frozen=True)
-class Whirl:
-    """A growing whirl: root lambda, imaginary part > 0 [1/s]; is_backward: against the rotation, at
-    the closed contacts (or of the whole shaft); closed: which interfaces with a wall are closed;
-    speed [rad/s]."""
-
-    root: complex
-    is_backward: bool
-    closed: tuple[int, ...]
-    speed: float
-
-    @property
-    def hz(self) -> float:
-        """The frequency [Hz]."""
-        return self.root.imag / (2 * np.pi)
-
-
-def growing_whirls(
-    structure: Structure, survey: WhirlSurvey, seats: np.ndarray
-) -> tuple[Whirl, ...]:
-    """Return the whirls found last, the fastest growing first; seats: see `Memory`."""
-    walls = (structure.interfaces.slips == 1).nonzero()[0].tolist()
-    cases = {OPEN: (), ALL: tuple(walls), REST: tuple(np.flatnonzero(seats).tolist())}
-    return tuple(
-        Whirl(complex(re, im), backward == 1.0, cases.get(int(case), (int(case),)), speed)
-        for re, im, backward, case, speed in survey.whirls[: survey.counted[0]].tolist()
-    )
 
 
 @jit
