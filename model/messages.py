@@ -68,7 +68,8 @@ _SENTENCES = {
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
     "DIVERGED": f"{_DIVERGED}try {FINER}; if it diverges at every step length, the "
-    "machine itself is unstable under its loads at this speed",
+    "machine itself is unstable under its loads at this speed, or a partner that sets them needs "
+    "shorter communication steps",
     "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
     "alpha_m <= alpha_f <= 0.5",
     "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",

@@ -20,6 +20,8 @@ from .step.step_status import ENDED_EARLY, FILM_INVALID, NOT_CONVERGED, UNFINISH
 from .structure.parameters import least_inertia
 from .time_loop import early_return, equilibrium
 from .time_loop.control import keeps_tolerance, varies
+from .time_loop.energy import FLOW, STORE, total_energy
+from .time_loop.memory import spin_now
 
 _TWO_PI = 2 * math.pi
 _ROUNDING = 1e-9  # share of a root: a smaller imaginary part is rounding
@@ -206,6 +208,14 @@ def _farthest(run):
 
 
 @jit
+def _is_driven_by_loads(run):
+    """Return whether the external loads supplied all of the energy that bends the machine, as those
+    of a partner do whose answer comes late: then no whirl did."""
+    total_energy(run.structure, spin_now(run.memory.record), run.motion, run.work.stores)
+    return run.memory.work[FLOW.external] > run.work.stores[STORE.elastic]
+
+
+@jit
 def _whirled_apart(run, arguments):
     """Return whether there are growing whirls; if so, write the one that is most like the motion
     reached into the arguments from 5 on: of the same sense, if there is one, and the nearest in
@@ -262,4 +272,6 @@ def failure(run, status, arguments):
     if not is_stable(run.method.numbers[0]):
         arguments[5] = radius_at_infinity(run.method.numbers[0])
         return messages.DIVERGED_UNSTABLE
-    return messages.WHIRLED_APART if _whirled_apart(run, arguments) else messages.DIVERGED
+    if not _is_driven_by_loads(run) and _whirled_apart(run, arguments):
+        return messages.WHIRLED_APART
+    return messages.DIVERGED

@@ -15,7 +15,7 @@ from ..step.laws import add_energy, add_losses, kinematics, relative
 from ..structure.ledger import BOW, FLOWS, MACHINE_FLOWS, MACHINE_STORES
 
 _MACHINE_STORES, _MACHINE_FLOWS = len(MACHINE_STORES), len(MACHINE_FLOWS)
-_STORE, FLOW = places(MACHINE_STORES), places(MACHINE_FLOWS)
+STORE, FLOW = places(MACHINE_STORES), places(MACHINE_FLOWS)
 _BOW = FLOWS.index(BOW.name)
 
 
@@ -133,9 +133,9 @@ def total_energy(structure, spin, motion, out):
         kinetic += 0.5 * (m_x * v.real * v.real + m_y * v.imag * v.imag)
         elastic += 0.5 * (housing.kx * q.real * q.real + housing.ky * q.imag * q.imag)
         gravity -= m_x * g.real * q.real + m_y * g.imag * q.imag
-    out[_STORE.kinetic] = kinetic
-    out[_STORE.elastic] = elastic
-    out[_STORE.gravity] = gravity
+    out[STORE.kinetic] = kinetic
+    out[STORE.elastic] = elastic
+    out[STORE.gravity] = gravity
     for i in range(_MACHINE_STORES, len(out)):
         out[i] = 0.0
     for j in range(len(structure.interfaces)):

@@ -34,12 +34,18 @@ class Member:
         self._folder = str(fmu) if self._is_extracted else fmpy.extract(str(fmu))
         self._variables = {v.name: v for v in description.modelVariables}
         search_path = list(sys.path)
-        self._fmu = fmpy.instantiate_fmu(
-            self._folder, description, "CoSimulation", debug_logging=True, logger=self._log
-        )
-        # without the folder of the FMU's scripts: a process that is started later would import
-        # the FMU's copy of pythonfmu instead of the installed one
-        sys.path[:] = search_path
+        options = {"debug_logging": True, "logger": self._log}
+        try:
+            self._fmu = self._call(
+                fmpy.instantiate_fmu, self._folder, description, "CoSimulation", **options
+            )
+        except RunFailed:
+            self._remove_extracted()
+            raise
+        finally:
+            # without the folder of the FMU's scripts: a process that is started later would import
+            # the FMU's copy of pythonfmu instead of the installed one
+            sys.path[:] = search_path
         self._parameters = parameters
 
     def __enter__(self) -> "Member":
@@ -58,8 +64,7 @@ class Member:
 
     def __exit__(self, *reason: object) -> None:
         self._fmu.freeInstance()
-        if not self._is_extracted:
-            shutil.rmtree(self._folder, ignore_errors=True)
+        self._remove_extracted()
 
     def references(self, *names: str) -> list[int]:
         """Return the value references of variables."""
@@ -93,11 +98,16 @@ class Member:
         self._call(self._fmu.doStep, t, h)
 
     def _call(self, call: Callable[..., object], *arguments: object, **named: object) -> Any:
+        heard = len(self.messages)
         try:
             return call(*arguments, **named)
-        except fmpy.fmi1.FMICallException as error:
-            reason = self.messages[-1] if self.messages else str(error)
-            raise RunFailed(f"{self._name}: {reason}") from error
+        except Exception as error:  # FMPy's instantiation raises nothing more specific
+            said = self.messages[heard:]
+            raise RunFailed(f"{self._name}: {said[-1] if said else error}") from error
+
+    def _remove_extracted(self) -> None:
+        if not self._is_extracted:
+            shutil.rmtree(self._folder, ignore_errors=True)
 
     def _log(self, environment: object, name: bytes, status: int, category: bytes, text: bytes):
         if status != fmpy.fmi2.fmi2OK:

@@ -1,12 +1,17 @@
 """A partner of the user's own, coupled with the rotor by what its source says."""
 
 import shutil
+import tempfile
+from zipfile import ZipFile
 
+import fmpy
 import numpy as np
 import pytest
 from rotor_fmu.examples import example_folder
+from rotor_fmu.model.message_templates import Message
 
 from rotor_fmu.cosimulation.coupling import Coupling
+from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError, RunFailed
 
 from ..processes import run_python
@@ -76,6 +81,31 @@ def test_the_initial_values_are_exchanged_before_the_first_step(coupling, fmu, t
 def test_what_the_partner_refuses_ends_the_run_with_its_sentence(coupling, fmu, tmp_path):
     with pytest.raises(RunFailed, match="w_start = -1 rad/s: must be >= 0"):
         coupled(coupling, fmu, tmp_path, w_start=-1.0)
+
+
+def test_an_fmu_without_a_library_for_this_platform_says_so_and_leaves_no_folder(
+    fmu, tmp_path, monkeypatch
+):
+    damaged = tmp_path / "Damaged.fmu"
+    with ZipFile(fmu) as whole, ZipFile(damaged, "w") as archive:
+        for entry in whole.infolist():
+            if not entry.filename.startswith("binaries/"):
+                archive.writestr(entry, whole.read(entry))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with pytest.raises(RunFailed, match=r"Damaged\.fmu: Cannot find shared library"):
+        Member(damaged, {}, [])
+    assert list(tmp_path.iterdir()) == [damaged]
+
+
+def test_a_call_that_fails_without_a_message_is_not_laid_to_an_earlier_one(fmu, monkeypatch):
+    def fails(*arguments):
+        raise fmpy.fmi1.FMICallException("fmi2DoStep", 3)
+
+    with Member(fmu, {}, [Message("a warning of the other FMU", "")]) as member:
+        member.begin()
+        monkeypatch.setattr(member._fmu, "doStep", fails)
+        with pytest.raises(RunFailed, match="fmi2DoStep failed with status 3"):
+            member.step(0.0, 1e-3)
 
 
 @pytest.mark.parametrize(

@@ -167,6 +167,24 @@ def test_a_damaged_table_says_so_to_the_host(kind, extracted, tmp_path):
     assert done.stderr.count("machine.table: is damaged") == 3
 
 
+@pytest.mark.parametrize("kind", SKINS)
+def test_a_missing_table_is_named_to_the_host(kind, extracted, tmp_path):
+    """pythonfmu's wrapper instantiates without it: then the first call is refused."""
+    shutil.copytree(extracted[kind].folder, tmp_path / "fmu")
+    (tmp_path / "fmu" / "resources" / "machine.table").unlink()
+    script = (
+        "import sys, fmpy\n"
+        "described = fmpy.read_model_description(sys.argv[1])\n"
+        "try:\n"
+        "    fmpy.instantiate_fmu(sys.argv[1], described, 'CoSimulation').setupExperiment()\n"
+        "except Exception as error:\n"
+        "    print('refused')\n"
+    )
+    done = run_python(script, tmp_path / "fmu")
+    assert done.stdout.split() == ["refused"], done.stderr
+    assert "resources/machine.table: cannot be read" in done.stderr
+
+
 # --- tolerances, and steps without end -----------------------------------------------------------
 
 

@@ -187,6 +187,22 @@ def kicked(ratio, settings, share):
     return np.mean(seen[-10:]) / np.mean(seen[:10])
 
 
+def test_a_motion_that_its_loads_drive_apart_is_not_laid_to_a_whirl():
+    """A partner's spring whose force comes a communication step late drives what it holds."""
+    sim = Simulation(rubbing_jeffcott(1.15), speed=SPEED, warn=lambda message: None)
+    assert sim._whirls
+    sim.motion.q[2] = CLEARANCE
+    k = jeffcott_stiffness()
+    h = 0.2 / math.sqrt(k / MASS)
+
+    def couple():
+        for step in range(1, 1001):
+            sim.advance(step * h, SPEED, np.array([-5.0 * k * sim.motion.q[2]]))
+
+    with pytest.raises(StepFailure, match=r"the solution diverged .* under its loads"):
+        couple()
+
+
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 def test_a_kicked_jeffcott_rotor_whips_above_the_separatrix_and_above_mu_c_alone(tolerance):
     settings = choose(tolerance=tolerance)

@@ -147,8 +147,8 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._rooms: dict[tuple[int, ...], _Reals] = {}
         self._is_kept = False  # whether the host has the state from which a step begins
         self._table = _table(self.resources)
-        if self._table is None:  # pythonfmu is making the FMU, which gets its table afterwards
-            return
+        if self._table is None:  # pythonfmu is making the FMU, which gets its table afterwards;
+            return  # in one that has lost it, every call fails
         if isinstance(_LIBRARY, str):
             raise CallFailed(self._print(_LIBRARY))
         listener = _hear, id(self._heard)
@@ -170,6 +170,8 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     def _log(self, worst: int = _WARNING) -> None:
         """Hand over the library's messages of a call; raises `CallFailed` if it failed, its status
         being above `worst`."""
+        if not self._instance:
+            raise CallFailed(self._print(f"{Path(self.resources, TABLE)}: cannot be read"))
         received = self._heard[:]
         self._heard.clear()
         if not received or received[-1][0] > worst:
