@@ -76,10 +76,10 @@ def _unreachable(error: OSError) -> str:
     """Return in one line what cannot be read or written, and why, such as a full disk."""
     if isinstance(error, shutil.Error):  # of a folder: a file each
         _, file, reason = error.args[0][0]
-        if number := re.match(r"\[Errno (\d+)\]", reason):
-            reason = os.strerror(int(number[1]))
     else:
         file, reason = error.filename, error.strerror or str(error)
+    if number := re.search(r"\[Errno (\d+)\]", reason):  # as of another process
+        reason = os.strerror(int(number[1]))
     return f"{file or 'a file or the output'}: cannot be read or written: {reason}"
 
 

@@ -2,7 +2,6 @@
 
 import runpy
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ import numpy as np
 
 from ..about import RELEASED
 from ..errors import InputError, check_one_of
-from ..files import unfinished
+from ..files import scratch_folder, unfinished
 from ..fmi.description import complete
 from ..fmi.packing.archive import repack, wrap
 from ..fmi.python import wrapper
@@ -194,8 +193,7 @@ def build_partner(source: Path, table: tuple[Variable, ...], target: Path) -> Pa
     bytes. Raises `OSError` if its folder cannot be written.
     """
     text = source.read_text(encoding="utf-8")
-    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as scratch:
-        folder = Path(scratch)
+    with scratch_folder() as folder:
         # named after its content, so that two versions can be loaded in one process
         script = folder / f"{source.stem}_{sha256(text.encode()).hexdigest()[:12]}.py"
         script.write_text(text, encoding="utf-8")
