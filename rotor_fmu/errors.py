@@ -54,7 +54,7 @@ def run(app: Callable[..., int | None]) -> None:
             sys.exit(0)
         _end(_one_line(error), BAD_INPUT)
     except InputError as error:
-        _end(str(error), BAD_INPUT)
+        _end(_as_typed(str(error)), BAD_INPUT)
     except OSError as error:
         _end(_unreachable(error), FAILED)
     if status == INTERRUPTED:  # which typer may have made of Ctrl-C by itself
@@ -63,13 +63,35 @@ def run(app: Callable[..., int | None]) -> None:
 
 
 def _one_line(error: "typer.TyperException") -> str:
-    """Return the parser's error in one line, with the value that it leaves out."""
-    text = " ".join(error.format_message().split())
+    """Return the parser's error in one line: of a value that cannot be read the option once, with
+    what was typed behind it."""
     for option in getattr(getattr(error, "param", None), "opts", ()):
-        if option in sys.argv[1:-1]:
-            value = sys.argv[sys.argv.index(option) + 1]
-            return f"{option} {value}: {text}"
-    return text
+        if values := _typed().get(option):
+            reason = " ".join(str(getattr(error, "message", error)).split())
+            said = re.sub(r"^Input should (.*?)(, unable .*)?$", r"must \1", reason)
+            return f"{option} {', '.join(values)}: {said}"
+    return " ".join(error.format_message().split())
+
+
+def _typed() -> dict[str, list[str]]:
+    """Return the options of the command line with the values behind each, in its order."""
+    typed: dict[str, list[str]] = {}
+    for word, after in zip(sys.argv[1:], [*sys.argv[2:], ""], strict=True):
+        if word.startswith("-"):
+            option, equals, value = word.partition("=")
+            typed.setdefault(option, []).append(value if equals else after)
+    return typed
+
+
+def _as_typed(message: str) -> str:
+    """Return a refusal with the option that was typed in the place of the argument of Python that
+    it became: `--contacts x: ...` of `contacts = x: ...`, `--load: ...` of `loads: ...`."""
+    if match := re.match(r"(\w+)(?: (=) |: )", message):
+        name, equals = match.groups()
+        for option in (f"--{name.replace('_', '-')}", f"--{name.removesuffix('s')}"):
+            if option in _typed():
+                return f"{option}{' ' if equals else ': '}{message[match.end() :]}"
+    return message
 
 
 def _unreachable(error: OSError) -> str:
