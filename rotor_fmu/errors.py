@@ -12,8 +12,11 @@ from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from .model.arguments import check_positive as check_positive
+from .model.arguments import listed as listed
+from .model.arguments import mapped as mapped
 from .model.arguments import number as number
 from .model.arguments import numbers as numbers
+from .model.arguments import path_of as path_of
 from .model.arguments import shown_value as shown_value
 from .model.errors import InputError as InputError
 from .model.near_names import near_names
