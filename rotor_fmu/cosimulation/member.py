@@ -20,26 +20,37 @@ class Member:
     fmu: its file, or the folder into which it was extracted, which is kept: every new place from
     which its library is loaded costs a process half a megabyte that is never freed. parameters:
     values by name; messages: those of all FMUs, since FMPy hands them to the logger made last.
-    Raises `RunFailed` with the FMU's own message when a call fails, and `InputError` for an FMU of
-    another version than FMI 2.0 and for a variable that it does not have.
+    Raises `RunFailed` with the FMU's own message when a call fails, and `InputError` for what is no
+    FMU, for one of another version than FMI 2.0 and for a variable that it does not have.
     """
 
     def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[Message]) -> None:
         self.messages = messages
         self._name = fmu.name
         self._is_extracted = fmu.is_dir()
-        description = fmpy.read_model_description(str(fmu))
+        try:
+            description = fmpy.read_model_description(str(fmu))
+        except Exception as error:  # of many kinds, the parser's of XML too
+            reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+            raise InputError(f"{fmu}: is no FMU that can be read: {reason}") from error
         if description.fmiVersion != "2.0":
             raise InputError(f"{fmu}: is of FMI {description.fmiVersion}; must be of FMI 2.0")
         self._folder = str(fmu) if self._is_extracted else fmpy.extract(str(fmu))
         self._variables = {v.name: v for v in description.modelVariables}
         search_path = list(sys.path)
-        self._fmu = fmpy.instantiate_fmu(
-            self._folder, description, "CoSimulation", debug_logging=True, logger=self._log
-        )
-        # without the folder of the FMU's scripts: a process that is started later would import
-        # the FMU's copy of pythonfmu instead of the installed one
-        sys.path[:] = search_path
+        try:
+            self._fmu = fmpy.instantiate_fmu(
+                self._folder, description, "CoSimulation", debug_logging=True, logger=self._log
+            )
+        except Exception as error:  # what FMPy raises has no class of its own
+            self._remove()
+            raise RunFailed(
+                f"{self._name}: cannot be instantiated: {self._reason(error)}"
+            ) from error
+        finally:
+            # without the folder of the FMU's scripts: a process that is started later would import
+            # the FMU's copy of pythonfmu instead of the installed one
+            sys.path[:] = search_path
         self._parameters = parameters
 
     def __enter__(self) -> "Member":
@@ -58,6 +69,9 @@ class Member:
 
     def __exit__(self, *reason: object) -> None:
         self._fmu.freeInstance()
+        self._remove()
+
+    def _remove(self) -> None:
         if not self._is_extracted:
             shutil.rmtree(self._folder, ignore_errors=True)
 
@@ -96,8 +110,11 @@ class Member:
         try:
             return call(*arguments, **named)
         except fmpy.fmi1.FMICallException as error:
-            reason = self.messages[-1] if self.messages else str(error)
-            raise RunFailed(f"{self._name}: {reason}") from error
+            raise RunFailed(f"{self._name}: {self._reason(error)}") from error
+
+    def _reason(self, error: Exception) -> Message | str:
+        """Return the FMU's own last message, or, where there is none, that of an error."""
+        return self.messages[-1] if self.messages else " ".join(str(error).split())
 
     def _log(self, environment: object, name: bytes, status: int, category: bytes, text: bytes):
         if status != fmpy.fmi2.fmi2OK:

@@ -1,6 +1,8 @@
 """A partner of the user's own, coupled with the rotor by what its source says."""
 
 import shutil
+import tempfile
+import zipfile
 
 import numpy as np
 import pytest
@@ -110,6 +112,65 @@ def test_a_table_that_no_fmu_can_have_is_refused(fmu, tmp_path, right, wrong, ex
     source.write_text(SOURCE.replace(right, wrong))
     with pytest.raises(InputError, match=rf"steady_motor\.py: {expected}"):
         coupled(Coupling(source), fmu, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (None, r"partner\.py: cannot be read: No such file"),
+        ("VARIABLES = (", r"^partner\.py: cannot be run: SyntaxError: "),
+        ("1 / 0", r"^partner\.py: cannot be run: ZeroDivisionError: division by zero$"),
+        ("raise SystemExit(3)", r"^partner\.py: cannot be run: SystemExit: 3$"),
+        ("VARIABLES = [(1, 2)]", r"VARIABLES: \(1, 2\): each must be \(name, causality, "),
+        ("VARIABLES = 3", r"^partner\.py: VARIABLES: 3: each must be \(name, causality, "),
+    ],
+)
+def test_a_script_that_is_none_is_refused_in_one_line(tmp_path, text, expected):
+    source = tmp_path / "partner.py"
+    if text is not None:
+        source.write_text(text)
+    with pytest.raises(InputError, match=expected) as refused:
+        Coupling(source).build(tmp_path)
+    assert "\n" not in str(refused.value)
+
+
+def test_pairs_that_are_none_are_refused(fmu, tmp_path):
+    source = tmp_path / "steady_motor.py"
+    source.write_text(f"{SOURCE}\nINITIAL = [('partner.w_start',)]\n")
+    with pytest.raises(
+        InputError, match=r"INITIAL: \('partner\.w_start',\): each must be \(output"
+    ):
+        coupled(Coupling(source), fmu, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("files", "error", "expected"),
+    [
+        (None, InputError, r"other\.fmu: is no FMU that can be read: No such file or directory$"),
+        ({"a": "b"}, InputError, r"other\.fmu: is no FMU that can be read: .*modelDescription"),
+        ({"modelDescription.xml": "<a"}, InputError, r"other\.fmu: is no FMU that can be read: "),
+        ("binaries", RunFailed, r"^other\.fmu: cannot be instantiated: Cannot find shared library"),
+    ],
+)
+def test_a_file_that_is_no_fmu_is_refused_in_one_line(
+    coupling, fmu, tmp_path, monkeypatch, files, error, expected
+):
+    """Without its libraries an FMU can be read but not run; it leaves nothing behind."""
+    other, extracted = tmp_path / "other.fmu", tmp_path / "extracted"
+    extracted.mkdir()
+    if files == "binaries":
+        with zipfile.ZipFile(fmu) as archive:
+            files = {n: archive.read(n) for n in archive.namelist() if not n.startswith(files)}
+    if files is not None:
+        with zipfile.ZipFile(other, "w") as archive:
+            for name, text in files.items():
+                archive.writestr(name, text)
+    partner = coupling.build(tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(extracted))
+    with pytest.raises(error, match=expected) as refused:
+        coupling.run(partner, other, 0.1, 1e-3, {}, {}, [], [])
+    assert "\n" not in str(refused.value)
+    assert not list(extracted.iterdir())
 
 
 def test_an_initial_value_of_a_name_that_the_fmu_lacks_is_refused(fmu, tmp_path):
