@@ -101,6 +101,21 @@ def test_orbit_spectrum_and_orders_are_those_of_the_part_named(result):
     assert spectrum.amplitude[near] == pytest.approx(abs(track.forward[at, 0]), rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (lambda run: run.orbit(speed="190"), "speed = '190': must be a number"),
+        (lambda run: run.spectrum(speed=[190]), r"speed = \[190\]: must be a number"),
+        (lambda run: run.plot("orbit", speed="190"), "speed = '190': must be a number"),
+        (lambda run: run.orders(orders=1.0), "orders = 1.0: must be a list of numbers"),
+        (lambda run: run.orders(orders=["1x"]), r"orders = \['1x'\]: must be a list of numbers"),
+    ],
+)
+def test_what_a_result_cannot_be_asked_is_refused_in_one_line(result, ask, expected):
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        ask(result)
+
+
 def test_a_result_comes_back_from_its_folder(result, tmp_path):
     result.save(tmp_path)
     outcome = rf.read_run(tmp_path)
