@@ -26,7 +26,7 @@ from .master import Connection, Side, run_jacobi
 from .member import Member
 
 PARTNER, ROTOR = "partner", "rotor"
-_LISTED = ("name", "causality", "unit", "start", "low", "text")  # what a row of VARIABLES holds
+_LISTED = ("name", "causality", "unit", "start", "minimum", "description")
 CAUSALITIES = ("input", "output", "parameter", "local")
 
 
