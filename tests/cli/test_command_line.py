@@ -128,12 +128,22 @@ def test_a_refusal_has_the_option_as_it_was_typed_once(input_error, command, exp
     assert said.count("--") == 1
 
 
-def test_a_folder_of_a_files_name_is_bad_input_and_stays(input_error, tmp_path):
-    (tmp_path / "RotorBearing.fmu").mkdir()
-    said = input_error("build", "--out", ".")
-    assert said.endswith(
-        "RotorBearing.fmu: is a folder, where a file of this name is to be written"
-    )
+@pytest.mark.parametrize(
+    ("command", "name", "others"),
+    [
+        ("build", "RotorBearing.fmu", ()),
+        ("ssp", "OspSystemStructure.xml", ("RotorBearing.fmu", "DriveTrain.fmu", "System.ssp")),
+    ],
+)
+def test_a_folder_of_a_files_name_is_bad_input_and_stays(
+    input_error, tmp_path, command, name, others
+):
+    """Others are written before it."""
+    for each in others:
+        (tmp_path / each).touch()
+    (tmp_path / name).mkdir()
+    said = input_error(command, "--out", ".")
+    assert said.endswith(f"{name}: is a folder, where a file of this name is to be written")
 
 
 def test_help_names_every_command_and_loads_none(tmp_path):
