@@ -113,6 +113,7 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
         ("build --reduction -1", "--reduction -1: "),
         ("response --share x", "--share x: "),
         ("unbalance --node 3 --node x", "--node 3, x: "),
+        ("bearing none.toml", "bearing none.toml: cannot be read: No such file"),
         ("modes --contacts shut", "--contacts shut: must be one of open, pinned"),
         ("response --share 0", "--share 0: must be above 0 and below 1"),
         ("response --step=100", "--step 100: must be from 0.0001 to 10"),
@@ -125,7 +126,7 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
 def test_a_refusal_has_the_option_as_it_was_typed_once(input_error, command, expected):
     said = input_error(*command.split()).removeprefix("rotor-fmu: ")
     assert said.startswith(expected)
-    assert said.count("--") == 1
+    assert said.count("--") == expected.count("--")
 
 
 @pytest.mark.parametrize(

@@ -314,6 +314,7 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
             lambda: rf.response(RIG, speed=(1.0, 2.0), parameters="gravity"),
             "parameters = 'gravity': must be a dictionary",
         ),
+        (lambda: rf.response("a.toml", speed=(1.0, 2.0)), r"a\.toml: cannot be read: No such .*"),
         (lambda: rf.load(3), "path = 3: must be a path"),
         (lambda: rf.parse(None), "toml = None: must be the text of a machine's file"),
         (lambda: rf.read_run(None), "folder = None: must be a path"),
