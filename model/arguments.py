@@ -1,8 +1,11 @@
 """Checks of the arguments of analyses, which are of any type when they come from Python."""
 
 import math
+import os
 import reprlib
+from collections.abc import Mapping
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 from .errors import InputError
@@ -27,7 +30,7 @@ def check_positive(
     name: str, value: float, unit: str = "", error: type[InputError] = InputError
 ) -> None:
     """Raise an error unless a number is above 0 and finite; unit: its SI unit."""
-    if not 0.0 < value < math.inf:
+    if not 0.0 < number(name, value) < math.inf:
         raise error(f"{name} = {value:g}{unit and f' {unit}'}: {POSITIVE.words}")
 
 
@@ -37,6 +40,31 @@ def numbers(name: str, values: Any) -> list[float]:
         return [number(name, value) for value in values]
     except (TypeError, InputError):
         raise InputError(f"{shown_value(name, values)}: must be a list of numbers") from None
+
+
+def listed(name: str, values: Any, what: str) -> list[Any]:
+    """Return what a list, an array or the like holds; what: that is, in words; `InputError` for
+    anything else, a text too."""
+    try:
+        if not isinstance(values, (str, bytes)):
+            return list(values)
+    except TypeError:
+        pass
+    raise InputError(f"{shown_value(name, values)}: must be a list of {what}")
+
+
+def mapped(name: str, values: Any) -> dict[Any, Any]:
+    """Return a mapping as a dictionary, an empty one of None; `InputError` for anything else."""
+    if values is not None and not isinstance(values, Mapping):
+        raise InputError(f"{shown_value(name, values)}: must be a dictionary")
+    return dict(values or {})
+
+
+def path_of(name: str, value: Any) -> Path:
+    """Return the path of a file or a folder; `InputError` for what is none."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise InputError(f"{shown_value(name, value)}: must be a path")
+    return Path(value)
 
 
 def rows(name: str, values: Any, form: str) -> list[tuple[int, float, float]]:

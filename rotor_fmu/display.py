@@ -129,9 +129,10 @@ _INCHES = {
     **{"unbalance_unit": "oz.in", "unbalance": 1 / (OUNCE * INCH)},
 }
 # What each word of `--units` changes.
+_US: dict[str, object] = _RPM | _MIL | _INCHES
 _WORDS: dict[str, dict[str, object]] = {
-    "si": {},
-    "us": _RPM | _MIL | _INCHES,
+    "si": {name: getattr(Display(), name) for name in _US},
+    "us": _US,
     "Hz": {"speed_unit": "Hz", "speed": 1 / (2 * math.pi)},
     "rpm": _RPM,
     "um": {"small_unit": "µm", "small": 1e6},
@@ -139,6 +140,7 @@ _WORDS: dict[str, dict[str, object]] = {
     "0-p": {"is_pp": False},
     "pp": {"is_pp": True},
 }
+_SYSTEMS = ("si", "us")  # of which the other words change a part, wherever they stand
 _current: ContextVar[Display] = ContextVar("display", default=Display())  # noqa: B039
 
 
@@ -149,15 +151,20 @@ def current() -> Display:
 
 def display_of(shown: str, text: str) -> Display:
     """Return the units of words such as `us` or `rpm, mil, pp`; shown: what gives them. Raises
-    `InputError` for another word."""
-    result = Display()
+    `InputError` for another word, and for two that change the same."""
+    result, chosen = Display(), dict[tuple[str, ...], str]()
     known = {word.lower(): change for word, change in _WORDS.items()}
-    for word in text.replace(",", " ").split():
+    words = text.replace(",", " ").split()
+    for word in sorted(words, key=lambda word: word.lower() not in _SYSTEMS):
         if word.lower() not in known:
             near = near_names(word.lower(), known)
             meant = f"; did you mean {near[0]}?" if near else ""
             raise InputError(f"{shown} {text}: {word!r} must be one of {', '.join(_WORDS)}{meant}")
-        result = replace(result, **known[word.lower()])  # type: ignore[arg-type]
+        change = known[word.lower()]
+        before = chosen.setdefault(tuple(change), word)
+        if before.lower() != word.lower():
+            raise InputError(f"{shown} {text}: {before!r} and {word!r} are units of the same")
+        result = replace(result, **change)  # type: ignore[arg-type]
     return result
 
 

@@ -12,8 +12,11 @@ from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from .model.arguments import check_positive as check_positive
+from .model.arguments import listed as listed
+from .model.arguments import mapped as mapped
 from .model.arguments import number as number
 from .model.arguments import numbers as numbers
+from .model.arguments import path_of as path_of
 from .model.arguments import shown_value as shown_value
 from .model.errors import InputError as InputError
 from .model.near_names import near_names
@@ -54,7 +57,7 @@ def run(app: Callable[..., int | None]) -> None:
             sys.exit(0)
         _end(_one_line(error), BAD_INPUT)
     except InputError as error:
-        _end(str(error), BAD_INPUT)
+        _end(_as_typed(str(error)), BAD_INPUT)
     except OSError as error:
         _end(_unreachable(error), FAILED)
     if status == INTERRUPTED:  # which typer may have made of Ctrl-C by itself
@@ -63,23 +66,45 @@ def run(app: Callable[..., int | None]) -> None:
 
 
 def _one_line(error: "typer.TyperException") -> str:
-    """Return the parser's error in one line, with the value that it leaves out."""
-    text = " ".join(error.format_message().split())
+    """Return the parser's error in one line: of a value that cannot be read the option once, with
+    what was typed behind it."""
     for option in getattr(getattr(error, "param", None), "opts", ()):
-        if option in sys.argv[1:-1]:
-            value = sys.argv[sys.argv.index(option) + 1]
-            return f"{option} {value}: {text}"
-    return text
+        if values := _typed().get(option):
+            reason = " ".join(str(getattr(error, "message", error)).split())
+            said = re.sub(r"^Input should (.*?)(, unable .*)?$", r"must \1", reason)
+            return f"{option} {', '.join(values)}: {said}"
+    return " ".join(error.format_message().split())
+
+
+def _typed() -> dict[str, list[str]]:
+    """Return the options of the command line with the values behind each, in its order."""
+    typed: dict[str, list[str]] = {}
+    for word, after in zip(sys.argv[1:], [*sys.argv[2:], ""], strict=True):
+        if word.startswith("-"):
+            option, equals, value = word.partition("=")
+            typed.setdefault(option, []).append(value if equals else after)
+    return typed
+
+
+def _as_typed(message: str) -> str:
+    """Return a refusal with the option that was typed in the place of the argument of Python that
+    it became: `--contacts x: ...` of `contacts = x: ...`, `--load: ...` of `loads: ...`."""
+    if match := re.match(r"(\w+)(?: (=) |: )", message):
+        name, equals = match.groups()
+        for option in (f"--{name.replace('_', '-')}", f"--{name.removesuffix('s')}"):
+            if option in _typed():
+                return f"{option}{' ' if equals else ': '}{message[match.end() :]}"
+    return message
 
 
 def _unreachable(error: OSError) -> str:
     """Return in one line what cannot be read or written, and why, such as a full disk."""
     if isinstance(error, shutil.Error):  # of a folder: a file each
         _, file, reason = error.args[0][0]
-        if number := re.match(r"\[Errno (\d+)\]", reason):
-            reason = os.strerror(int(number[1]))
     else:
         file, reason = error.filename, error.strerror or str(error)
+    if number := re.search(r"\[Errno (\d+)\]", reason):  # as of another process
+        reason = os.strerror(int(number[1]))
     return f"{file or 'a file or the output'}: cannot be read or written: {reason}"
 
 

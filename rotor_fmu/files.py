@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from .errors import InputError
 
@@ -23,14 +24,29 @@ def unfinished(path: Path) -> Iterator[Path]:
         raise InputError(f"{path}: is a folder, where a file of this name is to be written")
     # the suffix last: writers choose formats by it
     part = path.with_name(f"{path.stem}.part{path.suffix}")
-    try:
+    with _named(path, str(part)):
         try:
             yield part
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)
+
+
+@contextmanager
+def scratch_folder() -> Iterator[Path]:
+    """A temporary folder; an `OSError` that names no file, as of a full disk, is raised with its
+    name."""
+    with TemporaryDirectory(prefix="rotor_fmu_") as name, _named(Path(name)):
+        yield Path(name)
+
+
+@contextmanager
+def _named(path: Path, *others: str) -> Iterator[None]:
+    """Raise an `OSError` that names no file, or one of the others, with the name of a path."""
+    try:
+        yield
     except OSError as error:
-        if error.filename in (None, str(part)):
+        if error.filename in (None, *others):
             error.filename = str(path)
         raise
 

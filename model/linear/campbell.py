@@ -12,7 +12,7 @@ from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .following import Following
 from .linear_machine import LinearError, LinearMachine
-from .modes import DEFAULT_COUNT, Modes, machine_modes
+from .modes import DEFAULT_COUNT, Modes, check_count, machine_modes
 from .spectrum import Spectrum
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
@@ -70,6 +70,7 @@ def campbell(
     or `pinned`; None: open where the machine is held without them. Raises `LinearError`.
     """
     at = np.array(numbers("speeds", speeds))
+    check_count(count)
     if len(at) < 2 or not (np.diff(at) > 0).all():
         raise LinearError("speeds: must be at least 2, ascending")
     harmonics = tuple(numbers("harmonic", harmonic if np.ndim(harmonic) else [harmonic]))

@@ -14,6 +14,7 @@ from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .forward_branches import ForwardBranches
 from .linear_machine import LinearError
+from .modes import check_count
 from .undamped import UndampedMachine
 
 _MODES = 4
@@ -86,8 +87,7 @@ def critical_map(
     ascends = len(values) > 1 and values[0] > 0 and (np.diff(values) > 0).all()
     if not ascends or not np.isfinite(values).all():
         raise LinearError("stiffness: must be at least 2 finite values, ascending from above 0")
-    if count < 1:
-        raise LinearError(f"count = {count}: must be at least 1")
+    check_count(count)
     lines = _Lines(UndampedMachine(rotor, contacts, rigid_pedestals), synchronous, values, count)
     speeds = np.array([lines(k) for k in values])
     if lines.branches is not None:

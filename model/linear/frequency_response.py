@@ -19,6 +19,7 @@ import scipy.linalg
 import scipy.signal
 import scipy.sparse as sp
 
+from ..arguments import listed, numbers
 from ..machine.rotor import Rotor
 from .amplification import with_peaks
 from .linear_machine import LinearError, LinearMachine
@@ -140,7 +141,8 @@ def frequency_response(
     the frequencies of all peaks between those asked for are added. Raises `LinearError`.
     """
     at = _checked(frequencies)
-    if not len(nodes):
+    nodes = listed("nodes", nodes, "nodes or places")
+    if not nodes:
         raise LinearError("nodes: at least one must be given")
     plant = _Plant(rotor, speed, contacts)
     at_force, places = _place(force), [_place(node) for node in nodes]
@@ -211,7 +213,7 @@ def _place(of: AnyPlace) -> Place:
 
 
 def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
-    at = np.array(frequencies, dtype=float)
+    at = np.array(numbers("frequencies", frequencies))
     if len(at) < 1 or not (np.isfinite(at) & (at > 0)).all():
         raise LinearError("frequencies: must be above 0 and finite, at least one")
     return at

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
-from ..arguments import number
+from ..arguments import number, shown_value
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from .linear_machine import LinearMachine
@@ -124,8 +124,7 @@ def modes(
 def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
     """Return `modes` of a machine that is linear already."""
     check_speed(speed)
-    if count < 1:
-        raise LinearError(f"count = {count}: must be at least 1")
+    check_count(count)
     return modes_of(machine, machine.at(speed), count)
 
 
@@ -168,6 +167,12 @@ def check_speed(speed: float) -> None:
     """Raise `LinearError` unless the speed is a finite number."""
     if not math.isfinite(number("speed", speed)):
         raise LinearError(f"speed = {speed}: must be finite")
+
+
+def check_count(count: int) -> None:
+    """Raise `LinearError` unless a number of modes or lines is an integer above 0."""
+    if not (isinstance(count, (int, np.integer)) and count >= 1):
+        raise LinearError(f"{shown_value('count', count)}: must be an integer, at least 1")
 
 
 class _Inverse:

@@ -22,13 +22,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import check_positive
+from ..arguments import check_positive, number, numbers
 from ..machine.rotor import Rotor
 from ..parts.base import BodyElement
 from ..parts.linear_bearing import LinearBearing, Seal
 from .critical_map import first_rigid_critical
 from .first_forward import SPAN, FirstForward, Pair
 from .linear_machine import LinearError
+from .static import check_node
 from .undamped import UndampedMachine, without_seals
 
 LEAST_LOG_DEC = 0.1
@@ -143,7 +144,9 @@ def level_1(
     or a stiffness cannot be, or the machine has no forward mode.
     """
     stages = anticipated if isinstance(anticipated, Mapping) else {}
-    expected = sum(stages.values()) if isinstance(anticipated, Mapping) else anticipated
+    expected = anticipated
+    if isinstance(expected, Mapping):
+        expected = sum(numbers("anticipated", expected.values()))
     _check(speed, expected)
     bare = rotor if seals else without_seals(rotor)
     at = _stage_node(rotor, stages, contacts) if node is None else node
@@ -226,8 +229,7 @@ def _case(name: str, pair: Pair) -> StabilityCase:
 
 def _check_nodes(rotor: Rotor, nodes: Iterable[int]) -> None:
     for node in nodes:
-        if not 1 <= node <= len(rotor.nodes):
-            raise LinearError(f"node = {node}: must be from 1 to {len(rotor.nodes)}")
+        check_node(rotor, node)
 
 
 def _stage_node(rotor: Rotor, stages: Mapping[int, float], contacts: str | None) -> int:
@@ -253,5 +255,5 @@ def _bodies(rotor: Rotor) -> dict[int, float]:
 
 def _check(speed: float, anticipated: float) -> None:
     check_positive("speed", speed, "rad/s", LinearError)
-    if not (math.isfinite(anticipated) and anticipated >= 0):
+    if not (math.isfinite(number("anticipated", anticipated)) and anticipated >= 0):
         raise LinearError(f"anticipated cross coupling = {anticipated:g} N/m: must be >= 0")

@@ -117,7 +117,7 @@ def speeds_and_loads(
     return given, loads
 
 
-def check_node(machine: LinearMachine, node: int) -> int:
+def check_node(machine: LinearMachine | Rotor, node: int) -> int:
     """Return the node if the machine has it; raises `LinearError` otherwise."""
     highest = len(machine.nodes)
     if not (isinstance(node, (int, np.integer)) and 1 <= node <= highest):

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ..arguments import check_positive
+from ..arguments import check_positive, listed, mapped, number
 from ..machine.rotor import Rotor
 from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import OPEN, LinearError
@@ -113,9 +113,11 @@ def unbalance_check(
     `pinned`, by default open where the machine is held without them. Raises `LinearError` if the
     range, a node or a clearance cannot be, or no unbalance acts.
     """
+    low, high = number("low", low), number("high", high)
     if not (0 < low <= high < math.inf):
         raise LinearError(f"operating range = {low:g} to {high:g} rad/s: must ascend from above 0")
-    response = _Response(rotor, contacts, unbalances, clearances or {})
+    probes = listed("probes", probes, "nodes")
+    response = _Response(rotor, contacts, unbalances, mapped("clearances", clearances))
     trip = max(high, rotor.operation.trip_speed or high)
     speeds = _speeds(rotor, max(LOOKED_AT * high, trip), contacts)
     criticals = [
@@ -199,7 +201,7 @@ class _Response:
         self.machine = self.whirl.machine
         self._gaps = []
         for node, clearance in clearances.items():
-            if not (0 < clearance < math.inf):
+            if not (0 < number(f"clearances: {node}", clearance) < math.inf):
                 raise LinearError(f"clearance of node {node} = {clearance:g} m: must be > 0")
             dof = 2 * (check_node(self.machine, node) - 1)
             self._gaps.append(Gap(f"node {node}", clearance, dof, -1))

@@ -4,7 +4,7 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..errors import InputError, check_one_of, check_positive, number
+from ..errors import InputError, check_one_of, check_positive, listed, mapped, number, path_of
 from ..model.simulation import warn
 from ..runs.recording import Recording
 from ..runs.settings_text import parse_starts
@@ -84,15 +84,18 @@ def build_fmu(
     kind = FmuKind(is_native, is_source, fmi)
     chosen_step = None if step is None else f"step = {step:g} s"
     options = ("is_native", "is_source", "platforms")
+    platforms = None if platforms is None else listed("platforms", platforms, "names")
     kind.check(f"fmi = {fmi}", chosen_step, platforms or (), options)
     for name in platforms or ():
         check_one_of(f"platforms: {name!r}", name, kind.platforms)
     try:
-        given = [f"{name}={value}" for name, value in (parameters or {}).items()]
+        given = [f"{name}={value}" for name, value in mapped("parameters", parameters).items()]
         starts = parse_starts(machine.rotor, is_free, given)
     except InputError as error:
         raise InputError(str(error).removeprefix("--set ")) from error
-    return kind.build(Path(folder), machine.toml, is_free, reduction, platforms, step, starts)
+    return kind.build(
+        path_of("folder", folder), machine.toml, is_free, reduction, platforms, step, starts
+    )
 
 
 def simulate_fmu(
@@ -142,20 +145,20 @@ def simulate_fmu(
     >>> len(result.t), f"{1e6 * result['disc[3].x_amp'][-1]:.0f} µm"
     (21, '331 µm')
     """
-    path = Path(fmu)
+    file = path_of("fmu", fmu)
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(file) as archive:
             toml = archive.read(_MACHINE).decode()
             is_free = b'name="tau_drive"' in archive.read("modelDescription.xml")
     except (OSError, KeyError, UnicodeDecodeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: is no FMU of a machine") from error
+        raise InputError(f"{file}: is no FMU of a machine") from error
     if is_free:
-        raise InputError(f"{path}: is driven by a torque; simulate_fmu drives by a speed")
+        raise InputError(f"{file}: is driven by a torque; simulate_fmu drives by a speed")
     machine = parse(toml)
     job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
     from ..runs.run_down import run_fmu
 
-    run = run_fmu(path, job)
+    run = run_fmu(file, job)
     for message in run.messages:
         warn(message)
     units = {name: machine.units[name] for name in run.columns}

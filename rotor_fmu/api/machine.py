@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import InputError, shown_value
+from ..errors import InputError, path_of, shown_value
 from ..machine_file.loading import load_rotor, si_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
@@ -136,7 +136,7 @@ def load(path: Path | str | None = None) -> Machine:
     >>> rf.load().name
     'zigulic2003'
     """
-    toml, rotor = load_rotor(None if path is None else Path(path), _warn, option="")
+    toml, rotor = load_rotor(None if path is None else path_of("path", path), _warn, option="")
     return Machine(rotor, toml)
 
 
@@ -166,6 +166,8 @@ def parse(toml: str) -> Machine:
         ...
     rotor_fmu.model.quantities.QuantityError: bearing[1].clearance = -1 m: must be > 0 and finite
     """
+    if not isinstance(toml, str):
+        raise InputError(f"{shown_value('toml', toml)}: must be the text of a machine's file")
     plain = si_text(toml)
     return Machine(parse_rotor(plain), plain)
 

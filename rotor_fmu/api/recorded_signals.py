@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import nearest, optional
+from ..errors import nearest, optional, path_of
 from ..runs.recording import Recording
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ class RecordedSignals:
         Path
             The file written.
         """
-        path = Path(folder) / "recording.npz"
+        path = path_of("folder", folder) / "recording.npz"
         path.parent.mkdir(parents=True, exist_ok=True)
         self.recording.save(path)
         return path

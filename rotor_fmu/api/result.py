@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import InputError, check_one_of
+from ..errors import InputError, check_one_of, path_of
 from ..plotting.notebook import png, shown
 from ..runs import PLOTS_CHANGED
 from ..runs.measuring_points import probe_that_moves_most
@@ -272,8 +272,8 @@ def read_run(folder: Path | str) -> Result:
     ...     rf.read_run(folder).machine.name
     'zigulic2003'
     """
-    path = Path(folder)
-    recording = load_recording(path / "recording.npz" if path.is_dir() else path)
+    file = path_of("folder", folder)
+    recording = load_recording(file / "recording.npz" if file.is_dir() else file)
     rotor = recording.rotor
     return Result(
         recording, machine=None if rotor is None else Machine(rotor, str(recording.about["toml"]))

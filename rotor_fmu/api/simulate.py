@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..errors import InputError, check_one_of, check_positive, nearest, number
+from ..errors import InputError, check_one_of, check_positive, listed, mapped, nearest, number
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
 from ..fmi.variables import Variable
@@ -116,10 +116,9 @@ def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | Non
     per_turn = None if per_turn is None else number("per_turn", per_turn)
     if per_turn is not None and not 0 < per_turn < math.inf:
         raise InputError(f"per_turn = {per_turn:g}: must be > 0 and finite, or None for every step")
-    if isinstance(names, str):
-        raise InputError(f"record = {names!r}: must be a list of names")
+    chosen = usual(machine.rotor) if names is None else listed("record", names, "names")
     angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
-    return Record(tuple(usual(machine.rotor) if names is None else names), angle, _ROWS)
+    return Record(tuple(chosen), angle, _ROWS)
 
 
 def _recorded(job: Job, record: Record) -> tuple[Run, Recording]:
@@ -145,13 +144,14 @@ def plan(
     table = interface(machine.rotor)
     stop = None if stop is None else number("stop", stop)
     step = None if step is None else number("step", step)
-    if loads and "speed" in loads:
+    loads, parameters = mapped("loads", loads), mapped("parameters", parameters)
+    if "speed" in loads:
         raise InputError("loads: speed is no load: give it as speed")
-    signals = _signals(table, {"speed": speed, **(loads or {})}, stop)
+    signals = _signals(table, {"speed": speed, **loads}, stop)
     stop = float(signals.t[-1]) if stop is None else float(stop)
     if step is not None and not 0 < step <= stop:
         raise InputError(f"step = {step} s: must be > 0 and at most stop = {stop:g} s")
-    given: dict[str, float | str] = dict(parameters or {})
+    given: dict[str, float | str] = parameters
     if preset is not None:
         check_one_of(f"preset = {preset!r}", preset, PRESETS)
     for option, chosen in (("preset", preset), ("tolerance", tolerance)):

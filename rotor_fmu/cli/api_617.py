@@ -273,6 +273,8 @@ def balance(
         raise InputError("--speed and --plane: must be given, such as --speed 1500rpm --plane 4")
     speeds, machine = [one_speed(text) for text in speed], machine_in_units(rotor, units)
     amount = None if trial is None else in_si("--trial", trial, "kg.m")
+    check_nodes(machine, "--plane", plane)
+    check_nodes(machine, "--node", node or ())
     from ..trial_balancing import balance as balanced
 
     runs = len(speeds) * (2 + len(plane))

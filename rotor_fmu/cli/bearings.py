@@ -61,7 +61,7 @@ def bearing(
     and damping on centred circular orbits; of a rolling bearing what its elements carry, and how
     its stiffness changes as they pass.
     """
-    speeds, machine = speed_range(speed, 21), machine_in_units(file, units)
+    speeds, machine = speed_range(speed, 21), machine_in_units(file, units, "bearing")
     loads = None if load is None else number_range(load, 21, "--load", "N")
     if loads is not None and len(loads) > 1:
         if len(speeds) > 1:

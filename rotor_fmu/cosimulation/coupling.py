@@ -1,8 +1,8 @@
 """Another FMU, the partner, coupled with the rotor's: its source lists the exchanged variables."""
 
+import reprlib
 import runpy
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from ..about import RELEASED
-from ..errors import InputError, check_one_of
-from ..files import unfinished
+from ..errors import InputError, check_one_of, read_text
+from ..files import scratch_folder, unfinished
 from ..fmi.description import complete
 from ..fmi.packing.archive import repack, wrap
 from ..fmi.python import wrapper
@@ -26,6 +26,7 @@ from .master import Connection, Side, run_jacobi
 from .member import Member
 
 PARTNER, ROTOR = "partner", "rotor"
+_LISTED = ("name", "causality", "unit", "start", "minimum", "description")
 CAUSALITIES = ("input", "output", "parameter", "local")
 
 
@@ -74,7 +75,12 @@ class Coupling:
 
     @cached_property
     def _declared(self) -> dict[str, Any]:
-        return runpy.run_path(str(self.source))
+        read_text("", self.source)  # says why it cannot be read
+        try:
+            return runpy.run_path(str(self.source))
+        except (Exception, SystemExit) as error:
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            raise InputError(f"{self.source.name}: cannot be run: {reason}") from error
 
     @property
     def fmu_name(self) -> str:
@@ -85,7 +91,7 @@ class Coupling:
     def variables(self) -> tuple[Variable, ...]:
         """Variables of the partner, in the order of their value references. Raises `InputError` for
         a unit or a causality that no FMU has."""
-        variables = listed_variables(self._table("VARIABLES"))
+        variables = listed_variables(self._table("VARIABLES", *_LISTED))
         for v in variables:
             where = f"{self.source.name}: VARIABLES: {v.name}"
             check_one_of(f"{where}: {v.causality!r}", v.causality, CAUSALITIES)
@@ -155,10 +161,17 @@ class Coupling:
         ) as sides:
             return CoupledRun(*run_jacobi(*sides, stop, step, progress))
 
-    def _table(self, name: str) -> Sequence[Any]:
+    def _table(self, name: str, *columns: str) -> list[Any]:
+        """Return the rows of a table of the source, which begin with two words."""
         if name not in self._declared:
             raise InputError(f"{self.source.name}: has no table {name}")
-        return self._declared[name]
+        rows = self._declared[name]
+        for row in rows if isinstance(rows, (list, tuple)) else [rows]:
+            is_row = isinstance(row, (list, tuple)) and len(row) == len(columns)
+            if not is_row or not all(isinstance(word, str) for word in row[:2]):
+                said = f"{self.source.name}: {name}: {reprlib.repr(row)}"
+                raise InputError(f"{said}: each must be ({', '.join(columns)})")
+        return list(rows)
 
     def _connections(self, side: str) -> tuple[Connection, ...]:
         """Return the outputs of one side, each with the connected input of the other."""
@@ -169,7 +182,7 @@ class Coupling:
         """Return the pairs of a list of the source: side and name of the output, then of the
         input. Raises `InputError`."""
         result = []
-        for output, variable in self._table(table):
+        for output, variable in self._table(table, "output", "input"):
             from_side, _, given = output.partition(".")
             to_side, _, taken = variable.partition(".")
             if {from_side, to_side} != {PARTNER, ROTOR}:
@@ -194,8 +207,7 @@ def build_partner(source: Path, table: tuple[Variable, ...], target: Path) -> Pa
     bytes. Raises `OSError` if its folder cannot be written.
     """
     text = source.read_text(encoding="utf-8")
-    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as scratch:
-        folder = Path(scratch)
+    with scratch_folder() as folder:
         # named after its content, so that two versions can be loaded in one process
         script = folder / f"{source.stem}_{sha256(text.encode()).hexdigest()[:12]}.py"
         script.write_text(text, encoding="utf-8")

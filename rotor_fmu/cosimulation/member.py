@@ -20,15 +20,19 @@ class Member:
     fmu: its file, or the folder into which it was extracted, which is kept: every new place from
     which its library is loaded costs a process half a megabyte that is never freed. parameters:
     values by name; messages: those of all FMUs, since FMPy hands them to the logger made last.
-    Raises `RunFailed` with the FMU's own message when a call fails, and `InputError` for an FMU of
-    another version than FMI 2.0 and for a variable that it does not have.
+    Raises `RunFailed` with the FMU's own message when a call fails, and `InputError` for what is no
+    FMU, for one of another version than FMI 2.0 and for a variable that it does not have.
     """
 
     def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[Message]) -> None:
         self.messages = messages
         self._name = fmu.name
         self._is_extracted = fmu.is_dir()
-        description = fmpy.read_model_description(str(fmu))
+        try:
+            description = fmpy.read_model_description(str(fmu))
+        except Exception as error:  # of many kinds, the parser's of XML too
+            reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+            raise InputError(f"{fmu}: is no FMU that can be read: {reason}") from error
         if description.fmiVersion != "2.0":
             raise InputError(f"{fmu}: is of FMI {description.fmiVersion}; must be of FMI 2.0")
         self._folder = str(fmu) if self._is_extracted else fmpy.extract(str(fmu))
@@ -103,7 +107,8 @@ class Member:
             return call(*arguments, **named)
         except Exception as error:  # FMPy's instantiation raises nothing more specific
             said = self.messages[heard:]
-            raise RunFailed(f"{self._name}: {said[-1] if said else error}") from error
+            reason = said[-1] if said else " ".join(str(error).split())
+            raise RunFailed(f"{self._name}: {reason}") from error
 
     def _remove_extracted(self) -> None:
         if not self._is_extracted:

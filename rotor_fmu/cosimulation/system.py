@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
+from ..files import unfinished
 from ..fmi.packing.archive import write_archive, xml_bytes
 from ..fmi.packing.machine_files import Machine
 from ..fmi.terminals import SHAFT, Terminal, shaft_terminal, terminals_element, terminals_of
@@ -95,7 +96,8 @@ class System:
             contents[f"resources/{component.name}.ssv"] = xml_bytes(ssv(component))
         package = write_archive(out / SSP_NAME, contents)
         structure = out / OSP_NAME
-        structure.write_bytes(xml_bytes(self.osp()))
+        with unfinished(structure) as part:
+            part.write_bytes(xml_bytes(self.osp()))
         return package, structure
 
     def ssd(self) -> Element:

@@ -63,7 +63,7 @@ def rotor_of(machine: Machine) -> Rotor:
         return machine
     if not isinstance(machine, (Path, str)):
         raise InputError(f"{shown_value('machine', machine)}: must be a machine or its file")
-    return load_rotor(Path(machine))[1]
+    return load_rotor(Path(machine), option="")[1]
 
 
 def displayed(

@@ -8,6 +8,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.binding import load_names
 from ..fmi.solver_parameters import PREFIX, settings_of
@@ -16,7 +18,7 @@ from ..machine_file.loading import load_rotor
 from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
-from ..studies.design import MOST, Axis, number, whole
+from ..studies.design import MOST, Axis, Distribution, number, whole
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
@@ -26,6 +28,7 @@ from .run_excitation import Excitation, Kick
 from .run_kinds import IN_TIME, SIGNALS, RunKind
 from .run_metrics import DIRECTIONS, VARIANTS
 
+_SHARES = np.array([0.05, 0.5, 0.95])  # of a distribution, where its values are tried
 # Kinds of runs by name, with the class of their runs.
 RunKinds = Mapping[str, tuple[RunKind, type[MachineRuns]]]
 KINDS: RunKinds = {
@@ -272,7 +275,7 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
         if axis.distribution is not None and is_whole:
             raise InputError(f"vary {axis.name}: is an integer; list its values")
     # numbers of a run suit one another, or not
-    for point in _points(axes, RUN):
+    for point in _points((axis for axis in axes if axis.values), RUN):
         how, _ = runs.split(point)
         for metric in runs.metrics:
             runs.check_metric(metric, how)
@@ -288,8 +291,13 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
         raise refusal
 
 
-def _points(axes: tuple[Axis, ...], prefix: str) -> Iterable[dict[str, float]]:
-    """Return the combinations of listed values, of the axes that set names with a prefix."""
-    listed = [a for a in axes if a.values and any(t.startswith(prefix) for t in a.targets)]
-    for point in product(*(axis.values for axis in listed)):
-        yield {t: v for a, v in zip(listed, point, strict=True) for t in a.targets}
+def _points(axes: Iterable[Axis], prefix: str) -> Iterable[dict[str, float]]:
+    """Return the combinations of values, of the axes that set names with a prefix: listed ones, or
+    some that a distribution may give."""
+    chosen = [axis for axis in axes if any(t.startswith(prefix) for t in axis.targets)]
+    for point in product(*(a.values or _some(a.distribution) for a in chosen)):
+        yield {t: v for a, v in zip(chosen, point, strict=True) for t in a.targets}
+
+
+def _some(distribution: Distribution | None) -> Iterable[float]:
+    return distribution.at(_SHARES).tolist() if distribution else ()

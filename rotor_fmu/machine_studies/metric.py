@@ -92,9 +92,10 @@ class Metric:
         """Return an option, its default where it was not given, None where it has none."""
         return dict(self.options).get(name, self.kind.optional.get(name))
 
-    def column(self, unit: str, axis: ListAxis | None) -> Column:
-        """Return its column; unit: the quantity's; axis: of a list."""
-        options = {**self.kind.optional, **dict(self.options), "of": self.of}
+    def column(self, unit: str, axis: ListAxis | None, **shown: str) -> Column:
+        """Return its column; unit: the quantity's; axis: of a list; shown: options as its text has
+        them."""
+        options = {**self.kind.optional, **dict(self.options), "of": self.of, **shown}
         text = self.kind.text.format(**options)
         return Column(self.name, self.kind.unit or unit, text, *(axis or ()))
 

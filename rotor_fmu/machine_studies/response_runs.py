@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ..display import Shown
 from ..errors import InputError, known_name
 from ..fmi.variables import Variable
 from ..run_status import FAILED, status_of
@@ -109,7 +110,8 @@ class ResponseRuns(MachineRuns):
             raise metric.refusal(f"which = {which!r}: must be one of {', '.join(_WHICH)}")
         low, high, at = how.numbers["from"], how.numbers["to"], metric.option("at")
         if at is not None and not low <= at <= high:
-            raise metric.refusal(f"at = {at:g}: must be from {low:g} to {high:g}")
+            limit = Shown(1.0, how.abscissa_unit).text(high)
+            raise metric.refusal(f"at = {at:g}: must be from {low:g} to {limit}")
         for quantity in metric.kind.samples(metric.of):
             known_name(f"keep {metric.name}:", quantity, self.units)
 
@@ -117,7 +119,9 @@ class ResponseRuns(MachineRuns):
         """Return the column of a metric; of a bifurcation its value is one of the parameter."""
         unit = self.units.get(metric.of, self.how.abscissa_unit)
         axis = metric.kind.axis
-        return metric.column(unit, axis and axis(metric, self.how))
+        at = metric.option("at")
+        shown = {} if at is None else {"at": Shown(1.0, self.how.abscissa_unit).text(at)}
+        return metric.column(unit, axis and axis(metric, self.how), **shown)
 
     @cached_property
     def identity(self) -> str:
@@ -170,7 +174,7 @@ def _peak(metric: Metric, result: "ResponseResult") -> float:
     return max(curve.value[curve.stable].tolist(), default=math.nan)
 
 
-@_kind("largest of the stable motions at {at:g}, of {of}", "at")
+@_kind("largest of the stable motions at {at}, of {of}", "at")
 def _value(metric: Metric, result: "ResponseResult") -> float:
     """Return the largest stable value at a value of the parameter; nan without stable motions."""
     part, _, quantity = metric.of.rpartition(".")

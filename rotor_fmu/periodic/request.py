@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from ..display import current
-from ..errors import InputError, nearest, number, numbers, shown_value
+from ..errors import InputError, mapped, nearest, number, numbers, shown_value
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
 from ..model.machine.rotor import Rotor
@@ -84,7 +84,7 @@ def response_request(
     """Return the request of a response, checked; for the options see `rotor_fmu.response`. Raises
     `InputError`."""
     rotor = rotor_of(machine)
-    if parameters:
+    if parameters := mapped("parameters", parameters):
         check_names(rotor, parameters)
         given = {n: number(f"parameters: {n}", v) for n, v in parameters.items()}
         rotor = rotor.with_values(given)
@@ -98,8 +98,8 @@ def response_request(
     held, ends = 0.0, cast("Any", speed)
     name = SPEED
     if over is not None:
-        if len(over) != 3:
-            raise InputError(f"over = {over}: must be a name, FROM and TO")
+        if not isinstance(over, (tuple, list)) or len(over) != 3:
+            raise InputError(f"{shown_value('over', over)}: must be a name, FROM and TO")
         name = over[0]
         if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
@@ -130,7 +130,7 @@ def response_request(
         name,
         held,
         period,
-        constant_loads(rotor, loads or {}),
+        constant_loads(rotor, mapped("loads", loads)),
         Accuracy(share, min(3, harmonics), harmonics * period, stability),
         ContinuationSteps(longest=step),
         searched,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, numbers
 from ..short_repr import ShortRepr
 from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
@@ -122,7 +122,8 @@ def order_track_of(
 ) -> OrderTrack:
     """Return `order_track` of a signal that is already resampled."""
     signal.needs(turns)
-    if not len(orders):
+    orders = numbers("orders", orders)
+    if not orders:
         raise InputError("orders: at least one must be given")
     for order in orders:
         if not 0 < order < signal.per_turn / 2:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, number
 from ..short_repr import ShortRepr
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ class Turns(ShortRepr):
     def nearest(self, speed: float, turns: int) -> int:
         """Return the first turn of the block whose mean speed is nearest to `speed` [rad/s]."""
         self.needs(turns)
-        if not math.isfinite(speed):
+        if not math.isfinite(number("speed", speed)):
             raise InputError(f"speed = {speed} rad/s: must be finite")
         first = self.blocks(turns)
         return int(first[np.argmin(np.abs(self.speed_of(first, turns) - speed))])
@@ -230,7 +230,7 @@ class _Passage(ShortRepr):
 def _passages(t: np.ndarray, phi: np.ndarray) -> Iterator[_Passage]:
     from scipy.interpolate import PchipInterpolator
 
-    for number, (begin, end, sense) in enumerate(_one_way(t, phi)):
+    for passage, (begin, end, sense) in enumerate(_one_way(t, phi)):
         turned = np.maximum.accumulate(sense * phi[begin : end + 1])
         grows = np.concatenate([[True], np.diff(turned) > 0])
         rows, reached = begin + np.flatnonzero(grows), turned[grows]
@@ -248,7 +248,7 @@ def _passages(t: np.ndarray, phi: np.ndarray) -> Iterator[_Passage]:
             time,
             TURN * first,
             Turns(
-                passage=np.full(count, number),
+                passage=np.full(count, passage),
                 sense=np.full(count, sense),
                 mark=sense * (first + np.arange(count)),
                 begin=marks[:-1],

@@ -105,12 +105,46 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
     assert expected in input_error("build", "--reduction", modes, "--out", "new/folder")
 
 
-def test_a_folder_of_a_files_name_is_bad_input_and_stays(input_error, tmp_path):
-    (tmp_path / "RotorBearing.fmu").mkdir()
-    said = input_error("build", "--out", ".")
-    assert said.endswith(
-        "RotorBearing.fmu: is a folder, where a file of this name is to be written"
-    )
+@pytest.mark.parametrize(
+    ("command", "expected"),
+    [
+        ("modes --count x", "--count x: "),  # the reason is in the words of the parser
+        ("modes --count=x", "--count x: "),
+        ("build --reduction -1", "--reduction -1: "),
+        ("response --share x", "--share x: "),
+        ("unbalance --node 3 --node x", "--node 3, x: "),
+        ("bearing none.toml", "bearing none.toml: cannot be read: No such file"),
+        ("modes --contacts shut", "--contacts shut: must be one of open, pinned"),
+        ("response --share 0", "--share 0: must be above 0 and below 1"),
+        ("response --step=100", "--step 100: must be from 0.0001 to 10"),
+        ("response --speed 1:2 --seed 31.4159", "--seed 5: must be from 0.15915 to 0.31831 Hz"),
+        ("response --load a=1", "--load: 'a' is no force on a port; the nearest is disc[1].fx"),
+        ("balance --speed 10 --plane 99", "--plane 99: must be from 1 to 8"),
+        ("balance --speed 10 --plane 4 --node 0", "--node 0: must be from 1 to 8"),
+    ],
+)
+def test_a_refusal_has_the_option_as_it_was_typed_once(input_error, command, expected):
+    said = input_error(*command.split()).removeprefix("rotor-fmu: ")
+    assert said.startswith(expected)
+    assert said.count("--") == expected.count("--")
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "others"),
+    [
+        ("build", "RotorBearing.fmu", ()),
+        ("ssp", "OspSystemStructure.xml", ("RotorBearing.fmu", "DriveTrain.fmu", "System.ssp")),
+    ],
+)
+def test_a_folder_of_a_files_name_is_bad_input_and_stays(
+    input_error, tmp_path, command, name, others
+):
+    """Others are written before it."""
+    for each in others:
+        (tmp_path / each).touch()
+    (tmp_path / name).mkdir()
+    said = input_error(command, "--out", ".")
+    assert said.endswith(f"{name}: is a folder, where a file of this name is to be written")
 
 
 def test_help_names_every_command_and_loads_none(tmp_path):

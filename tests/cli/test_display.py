@@ -56,6 +56,17 @@ def test_us_units_are_by_definition_and_words_go_together():
     assert mixed.amplitude_unit == "µm pp"
 
 
+@pytest.mark.parametrize("text", ["pp,0-p", "rpm, Hz", "mil um", "us, si"])
+def test_two_units_of_one_quantity_are_refused(text):
+    with pytest.raises(InputError, match=f"^--units {text}: '.*' and '.*' are units of the same$"):
+        display_of("--units", text)
+
+
+def test_a_word_beside_a_system_of_units_acts_wherever_it_stands():
+    assert display_of("--units", "Hz, us") == display_of("--units", "us, Hz, hz")
+    assert display_of("--units", "Hz, us").speed_unit == "Hz"
+
+
 def test_a_word_that_is_none_is_refused_with_its_nearest():
     with pytest.raises(
         InputError, match=r"--units mils: 'mils' must be one of .*did you mean mil\?"

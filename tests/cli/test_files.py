@@ -4,6 +4,7 @@ import errno
 import os
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
@@ -88,6 +89,17 @@ def little_room(kilobytes):
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are POSIX")
+def test_a_full_temporary_folder_is_said_with_its_name(process, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with little_room(30):
+        done = process("build", "--out", str(tmp_path / "out"))
+    (said,) = done.stderr.strip().splitlines()
+    assert done.returncode == 1
+    assert said.startswith(f"rotor-fmu: {tmp_path}/rotor_fmu_")
+    assert said.endswith(": cannot be read or written: File too large")
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are POSIX")

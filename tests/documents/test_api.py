@@ -101,6 +101,21 @@ def test_orbit_spectrum_and_orders_are_those_of_the_part_named(result):
     assert spectrum.amplitude[near] == pytest.approx(abs(track.forward[at, 0]), rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (lambda run: run.orbit(speed="190"), "speed = '190': must be a number"),
+        (lambda run: run.spectrum(speed=[190]), r"speed = \[190\]: must be a number"),
+        (lambda run: run.plot("orbit", speed="190"), "speed = '190': must be a number"),
+        (lambda run: run.orders(orders=1.0), "orders = 1.0: must be a list of numbers"),
+        (lambda run: run.orders(orders=["1x"]), r"orders = \['1x'\]: must be a list of numbers"),
+    ],
+)
+def test_what_a_result_cannot_be_asked_is_refused_in_one_line(result, ask, expected):
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        ask(result)
+
+
 def test_a_result_comes_back_from_its_folder(result, tmp_path):
     result.save(tmp_path)
     outcome = rf.read_run(tmp_path)
@@ -213,6 +228,9 @@ def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
         ({"stop": 1.0, "speed": "3000rpm"}, "speed = '3000rpm': must be a number, or times and"),
         ({"stop": 1.0, "speed": True}, "speed = True: must be a number"),
         ({"stop": True}, "stop = True: must be a number"),
+        ({"stop": 1.0, "record": 3}, "^record = 3: must be a list of names"),
+        ({"stop": 1.0, "loads": 3}, "^loads = 3: must be a dictionary"),
+        ({"stop": 1.0, "parameters": [1, 2]}, r"^parameters = \[1, 2\]: must be a dictionary"),
         ({"stop": 1.0, "record": "disc[3].x"}, r"record = 'disc\[3\].x': must be a list of names"),
     ],
 )
@@ -265,6 +283,48 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
             r"loads: disc\[2\].fy = 'a': must be a number",
         ),
         (lambda: RIG.static("fast"), "speed = 'fast': must be a number"),
+        (lambda: RIG.modes(count=2.5), "count = 2.5: must be an integer, at least 1"),
+        (
+            lambda: RIG.campbell([0.0, 5.0], count="8"),
+            "count = '8': must be an integer, at least 1",
+        ),
+        (lambda: RIG.stability("fast"), "speed = 'fast': must be a number"),
+        (lambda: RIG.stability(5.0, anticipated="1"), "anticipated = '1': must be a number"),
+        (lambda: RIG.stability(5.0, node="4"), "node = '4': must be an integer from 1 to 8"),
+        (lambda: RIG.unbalance_check("1", 2.0, [4]), "low = '1': must be a number"),
+        (lambda: RIG.unbalance_check(1.0, 2.0, 4), "probes = 4: must be a list of nodes"),
+        (
+            lambda: RIG.unbalance_check(1.0, 2.0, [4], clearances=[1e-4]),
+            r"clearances = \[0.0001\]: must be a dictionary",
+        ),
+        (
+            lambda: RIG.frequency_response(5.0, 4, [4]),
+            "frequencies = 5.0: must be a list of numbers",
+        ),
+        (
+            lambda: RIG.frequency_response([5.0], 4, 4),
+            "nodes = 4: must be a list of nodes or places",
+        ),
+        (lambda: rf.response(RIG, speed=5.0, over=3), "over = 3: must be a name, FROM and TO"),
+        (
+            lambda: rf.response(RIG, speed=(1.0, 2.0), loads=[1]),
+            r"loads = \[1\]: must be a dictionary",
+        ),
+        (
+            lambda: rf.response(RIG, speed=(1.0, 2.0), parameters="gravity"),
+            "parameters = 'gravity': must be a dictionary",
+        ),
+        (lambda: rf.response("a.toml", speed=(1.0, 2.0)), r"a\.toml: cannot be read: No such .*"),
+        (lambda: rf.load(3), "path = 3: must be a path"),
+        (lambda: rf.parse(None), "toml = None: must be the text of a machine's file"),
+        (lambda: rf.read_run(None), "folder = None: must be a path"),
+        (lambda: rf.simulate_fmu(None, speed=1.0), "fmu = None: must be a path"),
+        (lambda: rf.build_fmu(RIG, None), "folder = None: must be a path"),
+        (
+            lambda: rf.build_fmu(RIG, platforms="linux64"),
+            "platforms = 'linux64': must be a list of .*",
+        ),
+        (lambda: rf.build_fmu(RIG, parameters=3), "parameters = 3: must be a dictionary"),
         (lambda: RIG.campbell(5.0), "speeds = 5.0: must be a list of numbers"),
         (
             lambda: RIG.campbell([0.0, 5.0], harmonic=[]),

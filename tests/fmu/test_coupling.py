@@ -2,7 +2,7 @@
 
 import shutil
 import tempfile
-from zipfile import ZipFile
+import zipfile
 
 import fmpy
 import numpy as np
@@ -87,7 +87,7 @@ def test_an_fmu_without_a_library_for_this_platform_says_so_and_leaves_no_folder
     fmu, tmp_path, monkeypatch
 ):
     damaged = tmp_path / "Damaged.fmu"
-    with ZipFile(fmu) as whole, ZipFile(damaged, "w") as archive:
+    with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(damaged, "w") as archive:
         for entry in whole.infolist():
             if not entry.filename.startswith("binaries/"):
                 archive.writestr(entry, whole.read(entry))
@@ -140,6 +140,60 @@ def test_a_table_that_no_fmu_can_have_is_refused(fmu, tmp_path, right, wrong, ex
     source.write_text(SOURCE.replace(right, wrong))
     with pytest.raises(InputError, match=rf"steady_motor\.py: {expected}"):
         coupled(Coupling(source), fmu, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (None, r"partner\.py: cannot be read: No such file"),
+        ("VARIABLES = (", r"^partner\.py: cannot be run: SyntaxError: "),
+        ("1 / 0", r"^partner\.py: cannot be run: ZeroDivisionError: division by zero$"),
+        ("raise SystemExit(3)", r"^partner\.py: cannot be run: SystemExit: 3$"),
+        ("VARIABLES = [(1, 2)]", r"VARIABLES: \(1, 2\): each must be \(name, causality, "),
+        ("VARIABLES = 3", r"^partner\.py: VARIABLES: 3: each must be \(name, causality, "),
+    ],
+)
+def test_a_script_that_is_none_is_refused_in_one_line(tmp_path, text, expected):
+    source = tmp_path / "partner.py"
+    if text is not None:
+        source.write_text(text)
+    with pytest.raises(InputError, match=expected) as refused:
+        Coupling(source).build(tmp_path)
+    assert "\n" not in str(refused.value)
+
+
+def test_pairs_that_are_none_are_refused(fmu, tmp_path):
+    source = tmp_path / "steady_motor.py"
+    source.write_text(f"{SOURCE}\nINITIAL = [('partner.w_start',)]\n")
+    with pytest.raises(
+        InputError, match=r"INITIAL: \('partner\.w_start',\): each must be \(output"
+    ):
+        coupled(Coupling(source), fmu, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("files", "expected"),
+    [
+        (None, r"other\.fmu: is no FMU that can be read: No such file or directory$"),
+        ({"a": "b"}, r"other\.fmu: is no FMU that can be read: .*modelDescription"),
+        ({"modelDescription.xml": "<a"}, r"other\.fmu: is no FMU that can be read: "),
+    ],
+)
+def test_a_file_that_is_no_fmu_is_refused_in_one_line(
+    coupling, tmp_path, monkeypatch, files, expected
+):
+    other, extracted = tmp_path / "other.fmu", tmp_path / "extracted"
+    extracted.mkdir()
+    if files is not None:
+        with zipfile.ZipFile(other, "w") as archive:
+            for name, text in files.items():
+                archive.writestr(name, text)
+    partner = coupling.build(tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(extracted))
+    with pytest.raises(InputError, match=expected) as refused:
+        coupling.run(partner, other, 0.1, 1e-3, {}, {}, [], [])
+    assert "\n" not in str(refused.value)
+    assert not list(extracted.iterdir())
 
 
 def test_an_initial_value_of_a_name_that_the_fmu_lacks_is_refused(fmu, tmp_path):

@@ -239,7 +239,7 @@ def test_a_critical_speed_just_within_the_largest_margin_is_seen():
         (lambda: unbalance_check(rig(), 200.0, 100.0, [1]), "operating range = 200 to 100"),
         (lambda: unbalance_check(rig(), 100.0, 200.0, [99]), "node = 99"),
         (lambda: level_1(rig(), -1.0), "speed = -1 rad/s: must be > 0"),
-        (lambda: level_1(rig(), 100.0, node=99), "node = 99: must be from 1 to 8"),
+        (lambda: level_1(rig(), 100.0, node=99), "node = 99: must be an integer from 1 to 8"),
         (lambda: level_2(rig(), 100.0, cross_couplings={99: 1.0}), "node = 99"),
     ],
 )

@@ -266,6 +266,18 @@ def test_settings_that_suit_one_another_in_some_runs_begin(tmp_path):
     assert len(read(tmp_path, STUDY.replace("[keep]", methods)).design) == 12
 
 
+def test_a_drawn_setting_that_no_run_could_have_is_refused_before_any(tmp_path):
+    drawn = """"solver.alpha_f" = { distribution = "uniform", low = 0.1, high = 0.3 }
+[design]
+kind = "random"
+size = 2
+[keep]"""
+    with pytest.raises(InputError, match=r"alpha_f = .*: not a parameter of chung-hulbert"):
+        read(tmp_path, STUDY.replace("[keep]", drawn))
+    method = f'"solver.method" = {{ values = [1, 2] }}\n{drawn}'  # as some of its runs could
+    assert len(read(tmp_path, STUDY.replace("[keep]", method)).design)
+
+
 def test_whole_numbers_of_a_machine_are_not_drawn(tmp_path):
     law = '"solver.adaptive" = { distribution = "uniform", low = 0, high = 4 }\n[design]\n'
     text = STUDY.replace("[keep]", f'{law}kind = "random"\nsize = 2\n[keep]')

@@ -88,12 +88,14 @@ def test_another_parameter_is_gone_over_at_one_speed(tmp_path):
     study = read(
         tmp_path,
         "kind = 'response'\nover = 'contact[1].mu'\nfrom = 0.0\nto = 0.1\nspeed = 140",
-        'mu = { curve = "parameter" }\nr = { curve = "disc.r_amp" }',
+        'mu = { curve = "parameter" }\nr = { curve = "disc.r_amp" }\n'
+        'here = { value = "disc.r_amp", at = 0.05 }',
         '"run.speed" = { values = [140] }',
     )
     run_study(study, tmp_path / "out", here, quiet)
     row = studies.open(tmp_path / "out").isel(run=0)
     assert study.model.columns[0].unit == "1"
+    assert study.model.columns[2].text == "largest of the stable motions at 0.05, of disc.r_amp"
     assert row.mu.values.min() == 0.0
     assert row.mu.values.max() == 0.1
 
@@ -111,6 +113,12 @@ def test_a_run_of_what_no_machine_can_be_is_a_failed_row(tmp_path):
     assert status[1].startswith("failed: harmonics = 900")
 
 
+def test_the_text_of_a_value_has_the_speed_with_its_unit(tmp_path):
+    study = read(tmp_path, keep='here = { value = "disc.r_amp", at = "2000 rpm" }')
+    expected = "largest of the stable motions at 209.44 rad/s, of disc.r_amp"
+    assert study.model.columns[0].text == expected
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -122,7 +130,7 @@ def test_a_run_of_what_no_machine_can_be_is_a_failed_row(tmp_path):
         ({"keep": "a = { bifurcation = 'folds' }"}, "must be one of fold,"),
         ({"keep": "a = { bifurcation = 'fold', which = 'any' }"}, "must be one of lowest, highest"),
         ({"keep": "a = { peak = 'disc.x_2x' }"}, "disc.x_2x: unknown name; did you mean disc.x"),
-        ({"keep": "a = { value = 'disc.x', at = 500 }"}, "at = 500: must be from 60 to 240"),
+        ({"keep": "a = { value = 'disc.x', at = 500 }"}, "at = 500: must be from 60 to 240 rad/s$"),
         ({"keep": "a = { peak = 'stable' }"}, "stable: only of a curve"),
         ({"keep": "a = { poincare = 'disc.x' }"}, "poincare: unknown name"),
         ({"more": "verify = true\n"}, "verify: not of runs of the kind response"),

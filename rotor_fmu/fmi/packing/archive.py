@@ -1,5 +1,6 @@
 """FMUs as archives: equal contents give equal bytes."""
 
+import errno
 import subprocess
 import sys
 import zipfile
@@ -38,7 +39,7 @@ def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
     )
     if done.returncode != 0:
         reason = (done.stderr.splitlines() or [f"exit status {done.returncode}"])[-1]
-        raise OSError(f"pythonfmu cannot make an FMU of {script.name}: {reason}")
+        raise OSError(errno.EIO, f"pythonfmu cannot make an FMU of {script.name}: {reason}")
 
 
 def contents_of(raw: Path) -> dict[str, bytes]:

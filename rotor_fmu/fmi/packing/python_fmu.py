@@ -2,11 +2,11 @@
 carries."""
 
 import hashlib
-import tempfile
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from ...files import scratch_folder
 from ...library.build import LibraryError, library, sources_digest
 from ...library.platforms import PLATFORMS
 from ...model.kernels.library import find, here
@@ -39,8 +39,7 @@ def build(
     machine = machine_of(rotor_toml, is_free, reduction, starts=starts)
     libraries = _libraries(platforms)
     contents = _contents(machine, libraries)
-    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         package, sources = _package(libraries)
         (folder / package).mkdir()
         for path, data in sources.items():
