@@ -18,6 +18,7 @@ RUN = {
 # periodic motions (`periodic.entry_points`).
 LAWS = {
     "call_laws": (REAL, REAL, REAL, REAL),
+    "linearize_laws": (REAL,),
     "vibrate_laws": (REAL, REAL, REAL),
     "find_gaps": (),
 }

@@ -34,6 +34,7 @@ from .film_law import (
 )
 from .film_viscosity import HeatQuantities, check_viscosity, oil_of
 from .law import Kinematics, Law, Weights
+from .pads_linearized import linearize_film
 from .speed_table import speed_table
 from .tilting_pads import (
     PADS,
@@ -179,6 +180,7 @@ TILTING_PADS = replace(
     JOURNAL_BEARING,
     rates=_rates,
     vibrate=_vibrate,
+    linearize=linearize_film,
     stores=(*STORES, PADS),
     of_part=lambda part: (
         interpreted(states_of_pad)(part) * len(part.pads),

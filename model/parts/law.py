@@ -14,6 +14,8 @@ their names, and of the node's `Kinematics` relative to the housing:
     breaks(part, tables, displacement, internal_state)                -> whether it does
     vibrate(part, tables, kinematics, frequency, free, internal_state)
                                                         -> F, p, q by d, p, q by d'
+    linearize(part, tables, kinematics, internal_state, solved, slopes)
+                                                        -> F, p, q by d, p, q by d'
     weigh(part, tables, gravity)
 
 F: complex force on the node [N]; the housing gets -F. tangent: the derivative of F for the given
@@ -25,8 +27,10 @@ negative where it acts. length: characteristic displacement [m], 0 for that of t
 with a wall the wall's radius. breaks: whether the law is invalid at a displacement, so that a run
 stops there. vibrate: for a node at rest, with its internal states in equilibrium, searched for from
 `free` on and stored: the force there, and the derivatives of F by displacement and velocity while
-the states follow a vibration of a frequency [rad/s]. weigh: stores the machine's gravity [m/s2],
-complex, in the part's table, before a run and whenever it changes.
+the states follow a vibration of a frequency [rad/s]. linearize: the force at given states and its
+derivatives by displacement and velocity while these stay; it fills in `StateSlopes`, and may use
+`solved`, of as many numbers as states. weigh: stores the machine's gravity [m/s2], complex, in the
+part's table, before a run and whenever it changes.
 
 tables: numbers of all parts that do not fit into a record, one flat array; the records of a law
 with a `table` have its first index, `part.table`, and its length, `part.rows`.
@@ -71,6 +75,18 @@ class Weights(NamedTuple):
     displacement: float
     velocity: float
     rate: float
+
+
+class StateSlopes(NamedTuple):
+    """What a law's `linearize` fills in of its s internal states: their rates, shape (s,); the
+    derivatives of the force by them, complex; those of their rates by displacement and velocity, as
+    g: they change by Re(conj(g) z); and by the states, shape (s, s)."""
+
+    rates: np.ndarray
+    force: np.ndarray
+    by_d: np.ndarray
+    by_v: np.ndarray
+    by_states: np.ndarray
 
 
 @jit
@@ -129,6 +145,9 @@ class Law:
         displacements that it does not allow, with mass.
     vibrate : callable, optional
         Compiled function of a law whose states follow a vibration; the states of others stay.
+    linearize : callable, optional
+        Compiled function of a law with states that has the derivatives by them; of others they are
+        differences.
     states : tuple of float
         Values of its states at the start.
     of_part : callable, optional
@@ -168,6 +187,7 @@ class Law:
     breaks: Callable[..., Any] = never_breaks
     weigh: Callable[..., Any] = weighs_nothing
     vibrate: Callable[..., Any] | None = None
+    linearize: Callable[..., Any] | None = None
     states: tuple[float, ...] = ()
     of_part: Callable[[Any], tuple[int, tuple[Output, ...]]] | None = None
     state_units: Callable[[Any], tuple[str, ...]] = lambda part: ("m",)

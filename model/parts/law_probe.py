@@ -33,9 +33,10 @@ class LawProbe:
         self._sliding = self.speed if sliding is None else sliding
         numbers = list(numbers_of(self._law.kind, part))
         self._outputs = element.law.outputs_of(part)
-        self._tables = np.zeros(0)
+        self._tables: Any = np.zeros(0)
         if self._law.table is not None:
-            self._tables = self._law.table(part).ravel()
+            # whose numbers are Python's, which are calculated with in less time than numpy's
+            self._tables = self._law.table(part).ravel().data
             numbers += [0, len(self._tables)]
         self._record = np.array([tuple(numbers)], self._law.dtype).view(np.recarray)[0]
         self._states = np.array(self._law.states_of(part), dtype=float)

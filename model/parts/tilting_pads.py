@@ -93,7 +93,7 @@ def units_of_pad(part: Any) -> tuple[str, ...]:
 
 
 @jit
-def _mass(part):
+def mass_of_pad(part):
     """Return J / R^2 of a pad [kg]."""
     return part.pad_inertia / (part.journal_radius * part.journal_radius)
 
@@ -119,7 +119,7 @@ def _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b):
     elif part.pad_inertia == 0.0:
         search = search_without_inertia(bearing, kinematics, tilt, b)
     elif b > 0.0:
-        search = search_with_inertia(bearing, kinematics, tilt, rate, b, _mass(part))
+        search = search_with_inertia(bearing, kinematics, tilt, rate, b, mass_of_pad(part))
     else:
         set_tilt(bearing, tables, i, tilt, rate)
         still = PadSearch(tilt, 0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -136,7 +136,7 @@ def _by_pivot(at, search, slope, outwards, by_displacement, by_velocity):
 
 
 @jit_not_inlined
-def _pad_motion(part, bearing, tables, kinematics, i, free, b):
+def pad_motion(part, bearing, tables, kinematics, i, free, b):
     """Return the `PadMotion` of a pad, and move the pad there; free: the states at the end of a
     step without their rates, of weight b [s]; infinite for a pad at rest."""
     is_at_rest = b == math.inf
@@ -202,7 +202,7 @@ def set_pads(part, bearing, tables, kinematics, internal_state):
         if part.pad_inertia > 0.0 and part.pivot_stiffness == 0.0:
             set_tilt(bearing, tables, i, internal_state[2 * i], internal_state[2 * i + 1])
         else:
-            _pad_motion(part, bearing, tables, kinematics, i, internal_state, 0.0)
+            pad_motion(part, bearing, tables, kinematics, i, internal_state, 0.0)
 
 
 @jit_not_inlined
@@ -225,7 +225,7 @@ def pads_tangent(part, bearing, tables, kinematics, weights, free, internal_stat
     by_displacement, by_velocity = (1.0, 0.0) if is_at_rest else (b, 1.0)
     force = p = q = 0.0j
     for i in range(pad_count(bearing, tables)):
-        pad = _pad_motion(part, bearing, tables, kinematics, i, free, math.inf if is_at_rest else b)
+        pad = pad_motion(part, bearing, tables, kinematics, i, free, math.inf if is_at_rest else b)
         _store_pad(part, i, pad, internal_state)
         force += pad.at.force
         p_pad, q_pad = _tangent_of_pad(
@@ -256,10 +256,10 @@ def pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_st
     )
     force = p_d = q_d = p_v = q_v = 0.0j
     for i in range(pad_count(bearing, tables)):
-        pad = _pad_motion(part, bearing, tables, still, i, free, math.inf)
+        pad = pad_motion(part, bearing, tables, still, i, free, math.inf)
         _store_pad(part, i, pad, internal_state)
         force += pad.at.force
-        by = vibrating(pad.at, _mass(part), frequency)
+        by = vibrating(pad.at, mass_of_pad(part), frequency)
         if part.pivot_stiffness > 0.0:
             outwards = across_of(bearing, tables, i) * -1j
             by = on_pivot(by, outwards, part.pivot_stiffness, frequency)
@@ -275,10 +275,10 @@ def rates_of_pads(part, bearing, tables, kinematics, internal_state, out):
     """Fill in the rates of tilting pads: their `Law.rates`."""
     stride = states_of_pad(part)
     for i in range(pad_count(bearing, tables)):
-        pad = _pad_motion(part, bearing, tables, kinematics, i, internal_state, 0.0)
+        pad = pad_motion(part, bearing, tables, kinematics, i, internal_state, 0.0)
         if part.pad_inertia > 0.0:
             out[stride * i] = internal_state[stride * i + 1]
-            out[stride * i + 1] = pad.at.moment / _mass(part)
+            out[stride * i + 1] = pad.at.moment / mass_of_pad(part)
         else:
             out[stride * i] = pad.y
         if part.pivot_stiffness > 0.0:
@@ -294,7 +294,7 @@ def energy_of_pads(part, bearing, tables, internal_state):
         for i in range(pad_count(bearing, tables)):
             if part.pad_inertia > 0.0:
                 rate = internal_state[stride * i + 1]
-                energy += 0.5 * _mass(part) * rate * rate
+                energy += 0.5 * mass_of_pad(part) * rate * rate
             if part.pivot_stiffness > 0.0:
                 pivot_displacement = internal_state[stride * (i + 1) - 1]
                 energy += 0.5 * part.pivot_stiffness * pivot_displacement * pivot_displacement

@@ -8,9 +8,8 @@ import numpy as np
 
 from ..kernels.block import Group, Layout
 from ..kernels.jit import jit
-from ..parts.law import Weights
 from ..step.interface_problem import solve_columns
-from ..step.laws_along_motion import GROUPS, SIZES, Interfaces, Samples, fill_laws
+from ..step.laws_along_motion import GROUPS, SIZES, Interfaces, Samples, fill_linearized
 from ..step.step_status import DONE
 
 _TOLERANCE, _ITERATIONS = 1e-12, 30  # of forces, as a share of the largest; in a step
@@ -101,8 +100,7 @@ def _linearize(run, speed, y):
                 d += to * y[i, c]
                 v += to * y[i, b + c]
             samples.d[j, i], samples.v[j, i] = d, v
-    fill_laws(run.machine, samples, 0, Weights(1.0, 0.0, 0.0), speed)
-    fill_laws(run.machine, samples, 1, Weights(0.0, 1.0, 0.0), speed)
+    fill_linearized(run.machine, samples, speed)
     for i in range(3):
         for a in range(b):
             force = -work.force[i * b + a]

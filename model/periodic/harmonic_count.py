@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import arclength
-from .arclength import CurvePoint, NotConverged
+from .arclength import ContinuationEquations, CurvePoint, NotConverged
 from .balance import HarmonicBalance
 
 _LARGE_FACTOR, _SMALL_FACTOR = 1.4, 1.1  # times the harmonics, at once; where these are too many
+_BESIDE_FOLD = 0.01  # longest way along the curve to the other side of a fold
 
 
 @dataclass(frozen=True)
@@ -59,11 +60,34 @@ def _solved_by(
     number of harmonics; raises `NotConverged`."""
     before = _converted_direction(problem, point.direction, other)
     before /= np.linalg.norm(before)
-    plane = np.append(np.zeros(len(before) - 1), 1.0) if keeps_value else before
-    x = problem.converted(point.x, other)
-    result = arclength.correct(other, x, point.value, plane, other.parameter.scale, before)
+    x, scale = problem.converted(point.x, other), other.parameter.scale
+    if keeps_value:
+        plane = np.append(np.zeros(len(before) - 1), 1.0)
+        result = arclength.correct(other, x, point.value, plane, scale, before)
+    else:
+        result = transferred(other, x, point, before, scale)
     curvature = _converted_direction(problem, point.curvature, other)
     return result._replace(corrections=point.corrections, curvature=curvature)
+
+
+def transferred(
+    other: ContinuationEquations,
+    x: np.ndarray,
+    point: CurvePoint,
+    tangent: np.ndarray,
+    scale: float,
+) -> CurvePoint:
+    """Return a point as one of other equations, near x and with nearly this tangent, on the same
+    side of a fold: that a step passes a fold is told by the signs of lambda's component at its
+    ends. Raises `NotConverged`."""
+    result = near = arclength.correct(other, x, point.value, tangent, scale)
+    length = -abs(near.tangent_value)  # of the size of the distance of the fold
+    while result.tangent_value * point.tangent_value < 0:
+        if abs(length) > _BESIDE_FOLD:
+            raise NotConverged()
+        result = arclength.step_along(other, near, length, scale)
+        length *= -2.0  # back and on
+    return result
 
 
 def _converted_direction(

@@ -12,11 +12,19 @@ import numpy as np
 from .. import backend
 from ..linear.real_matrices import in_plane
 from ..parts import LAWS
-from ..parts.law_probe import BY_D, BY_V
-from ..step.laws_along_motion import Samples, block_of, call_laws, fill, find_gaps
+from ..parts.law_probe import BY_D
+from ..step.laws_along_motion import (
+    Samples,
+    block_of,
+    call_laws,
+    fill,
+    find_gaps,
+    linearize_laws,
+)
 from ..structure.structure import Structure, sizes_of_laws, starts_of
 from . import entry_points
 
+_CALLED = call_laws, linearize_laws, find_gaps
 _BLOCKS = 4  # blocks, one for each number of samples that is asked for
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
 
@@ -48,7 +56,7 @@ class ForcesAndTangents(NamedTuple):
 
 def waits_for_compiler() -> bool:
     """Return whether the laws must be compiled before their first call in this process."""
-    return backend.waits_for_compiler(call_laws)
+    return backend.waits_for_compiler(linearize_laws)
 
 
 class _SampleBlock(NamedTuple):
@@ -56,6 +64,7 @@ class _SampleBlock(NamedTuple):
 
     samples: Samples
     call_laws: Callable[..., object]
+    linearize_laws: Callable[[float], object]
     find_gaps: Callable[[], object]
 
 
@@ -81,6 +90,12 @@ class LawsAlongMotion:
         is_damped = np.array([part.c > 0 for part in walls], bool)
         self.corner_owner = np.concatenate([owners, owners[is_damped]])
         self._sampled: dict[int, _SampleBlock] = {}
+        # laws of whose states differences are taken, each by itself
+        self._alone = {
+            j: self if self.count == 1 else LawsAlongMotion(structure, index)
+            for j, index in enumerate(np.arange(len(structure.interfaces))[which, None])
+            if interfaces.states[j] and LAWS[interfaces.law[j]].linearize is None
+        }
 
     def journal_radius(self, j: int) -> float:
         """Return the radius of the journal in wall j [m]."""
@@ -122,7 +137,7 @@ class LawsAlongMotion:
     def _at(self, n: int) -> _SampleBlock:
         if n not in self._sampled:
             block, run = block_of(self._laws, self._interfaces, n)
-            calls = (backend.bound(function, block) for function in (call_laws, find_gaps))
+            calls = (backend.bound(function, block) for function in _CALLED)
             while len(self._sampled) >= _BLOCKS:
                 self._sampled.pop(next(iter(self._sampled)))
             self._sampled[n] = _SampleBlock(run.samples, *calls)
@@ -161,56 +176,80 @@ class LawsAlongMotion:
 
     def forces(self, d: np.ndarray, v: np.ndarray, states: np.ndarray, speed: float) -> Forces:
         """Return forces and rates; d, v: shape (n, 2 m) [m], [m/s]; states: shape (n, s)."""
-        force, _, rates = self._call(d, v, states, speed)
-        return Forces(force, rates)
+        at = self._filled(d, v, states)
+        at.call_laws(*BY_D, float(speed))
+        return Forces(in_plane(at.samples.force.T), at.samples.rates.copy())
 
     def tangents(
         self, d: np.ndarray, v: np.ndarray, states: np.ndarray, scale: np.ndarray, speed: float
     ) -> ForcesAndTangents:
         """Return forces, rates and all their tangents; d, v: shape (n, 2 m) [m], [m/s]; states:
         shape (n, s), of sizes `scale`."""
-        force, by_v, rates = self._call(d, v, states, speed, BY_V)
-        force, by_d, _ = self._call(d, v, states, speed)
-        m, s, n = self.count, self.states, len(d)
-        by_states = np.zeros((n, 2 * m, s))
-        rates_by = [np.zeros((n, s, 2 * m)), np.zeros((n, s, 2 * m)), np.zeros((n, s, s))]
-        for place in range(int(self.place.max(initial=-1)) + 1):
-            columns = np.flatnonzero(self.place == place)
-            step = np.zeros(s)
-            step[columns] = _STEP * scale[columns]
-            of_force, of_rates = self._difference(d, v, states, speed, state_step=step)
-            for c in columns:
-                j = int(2 * self.owner[c])
-                by_states[:, j : j + 2, c] = of_force[:, j : j + 2] / (2 * step[c])
-                rows = np.flatnonzero(self.owner == self.owner[c])
-                rates_by[2][:, rows, c] = of_rates[:, rows] / (2 * step[c])
-        for axis in range(2 if s else 0):
-            # displacements on the scale of the interface, velocities on that of its motion
-            frequency = max(float(np.abs(v).max()) / max(float(np.abs(d).max()), 1e-300), 1.0)
-            for i, size in enumerate((self.length, self.length * frequency)):
-                step = np.zeros(2 * m)
-                step[axis::2] = _STEP * size
-                pair = (step, 0 * step) if i == 0 else (0 * step, step)
-                _, of_rates = self._difference(d, v, states, speed, *pair)
-                for row in range(s):
-                    j = int(2 * self.owner[row] + axis)
-                    rates_by[i][:, row, j] = of_rates[:, row] / (2 * step[j])
-        return ForcesAndTangents(force, by_d, by_v, by_states, rates, *rates_by)
+        at = self._filled(d, v, states)
+        at.linearize_laws(float(speed))
+        m, s, n, samples = self.count, self.states, len(d), at.samples
+        result = ForcesAndTangents(
+            in_plane(samples.force.T),
+            _matrices(samples.p[0], samples.q[0]),
+            _matrices(samples.p[1], samples.q[1]),
+            np.zeros((n, 2 * m, s)),
+            samples.rates.copy(),
+            *(np.zeros((n, s, 2 * m)), np.zeros((n, s, 2 * m))),
+            np.zeros((n, s, s)),
+        )
+        # displacements on the scale of the interface, velocities on that of its motion
+        frequency = max(float(np.abs(v).max()) / max(float(np.abs(d).max()), 1e-300), 1.0)
+        for j in map(int, np.flatnonzero(self._interfaces.states)):
+            ends, first = slice(2 * j, 2 * j + 2), self._interfaces[j].internal_state
+            own = slice(first, first + self._interfaces[j].states)
+            if j in self._alone:
+                motion = np.hstack([d[:, ends], v[:, ends], states[:, own]])
+                steps = self.length[j] * np.array([1.0, 1.0, frequency, frequency])
+                steps = _STEP * np.append(steps, scale[own])
+                of_force, *of_rates = self._alone[j].differences(motion, steps, speed)
+            else:
+                of_force = _parts(samples.force_by_states[:, own]).transpose(0, 2, 1)
+                of_rates = [_parts(by[:, own]) for by in (samples.rates_by_d, samples.rates_by_v)]
+                of_rates.append(samples.rates_by_states[:, own, own])
+            result.by_states[:, ends, own] = of_force
+            result.rates_by_d[:, own, ends], result.rates_by_v[:, own, ends] = of_rates[:2]
+            result.rates_by_states[:, own, own] = of_rates[2]
+        return result
 
-    def _difference(self, d, v, states, speed, d_step=0.0, v_step=0.0, state_step=0.0):
-        above = self.forces(d + d_step, v + v_step, states + state_step, speed)
-        below = self.forces(d - d_step, v - v_step, states - state_step, speed)
-        return above[0] - below[0], above[1] - below[1]
+    def differences(
+        self, motion: np.ndarray, steps: np.ndarray, speed: float
+    ) -> tuple[np.ndarray, ...]:
+        """Return the derivatives of a single law's force by its s states, shape (n, 2, s), and of
+        their rates by displacement, velocity and states, from central differences; motion: these
+        three, shape (n, 4 + s), moved by `steps`."""
+        force, rates = [], []
+        for step, moved in zip(steps, np.diag(steps), strict=True):
+            above, below = (
+                self.forces(x[:, :2], x[:, 2:4], x[:, 4:], speed)
+                for x in (motion + moved, motion - moved)
+            )
+            force.append((above.force - below.force) / (2 * step))
+            rates.append((above.rates - below.rates) / (2 * step))
+        by_d, by_v, by_states = np.split(np.stack(rates, axis=-1), [2, 4], axis=-1)
+        return np.stack(force[4:], axis=-1), by_d, by_v, by_states
 
-    def _call(self, d, v, states, speed, weights=BY_D):
+    def _filled(self, d: np.ndarray, v: np.ndarray, states: np.ndarray) -> _SampleBlock:
+        """Return the block of a motion, which it holds."""
         at = self._at(len(d))
-        samples = at.samples
-        samples.d[...], samples.v[...] = _complex(d), _complex(v)
-        samples.states[...] = samples.solved[...] = states
-        at.call_laws(*weights, float(speed))
-        p, q = samples.p[0], samples.q[0]
-        tangent = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
-        return in_plane(samples.force.T), tangent.transpose(3, 2, 0, 1), samples.rates.copy()
+        at.samples.d[...], at.samples.v[...] = _complex(d), _complex(v)
+        at.samples.states[...] = at.samples.solved[...] = states
+        return at
+
+
+def _matrices(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the matrices of z -> p z + q conj(z), shape (n, m, 2, 2)."""
+    matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+    return matrices.transpose(3, 2, 0, 1)
+
+
+def _parts(z: np.ndarray) -> np.ndarray:
+    """Return real and imaginary parts, along a last axis more."""
+    return np.stack([z.real, z.imag], axis=-1)
 
 
 def _complex(d: np.ndarray) -> np.ndarray:

@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from . import arclength
 from .arclength import CurvePoint, NotConverged
 from .balance import HarmonicBalance, Orbit, last_share
 from .fourier import resized
-from .harmonic_count import Accuracy, with_enough_harmonics, with_fewer_harmonics
+from .harmonic_count import Accuracy, transferred, with_enough_harmonics, with_fewer_harmonics
 from .shooting import Shooting
 
 _BACK_BELOW = 0.3  # of the share of the highest harmonics with which a motion is balanced again
@@ -63,4 +62,4 @@ def _transferred(
     x = other.join(orbit)
     plane = np.append((other.join(ahead) - x) / _AHEAD, point.tangent_value)
     plane /= np.linalg.norm(plane)
-    return arclength.correct(other, x, point.value, plane, scale)
+    return transferred(other, x, point, plane, scale)

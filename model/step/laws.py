@@ -39,15 +39,12 @@ def _dissipating(law: Law) -> Callable:
     return jit(add, to_cache=False)
 
 
-def _vibrating(law: Law) -> Callable:
-    """Return the function `Law.vibrate` of a law, or one for a law whose states do not follow a
-    vibration."""
-    if law.vibrate is not None:
-        return law.vibrate
+def _both_tangents(law: Law) -> Callable:
+    """Return a function for force and tangents of a law by displacement and by velocity, its states
+    as given."""
     tangent = law.tangent
 
-    def vibrate(part, tables, kinematics, frequency, free, internal_state):
-        """Do what `Law.vibrate` does for a law whose states do not follow at a frequency."""
+    def both(part, tables, kinematics, free, internal_state):
         force = p_d = q_d = p_v = q_v = 0.0j
         for by_v in range(2):  # a loop, so that its code is compiled once
             weights = Weights(1.0 - by_v, 1.0 * by_v, 0.0)
@@ -58,12 +55,41 @@ def _vibrating(law: Law) -> Callable:
                 p_v, q_v = p, q
         return force, p_d, q_d, p_v, q_v
 
+    return jit(both, to_cache=False)
+
+
+def _vibrating(law: Law) -> Callable:
+    """Return the function `Law.vibrate` of a law, or one for a law whose states do not follow a
+    vibration."""
+    if law.vibrate is not None:
+        return law.vibrate
+    both = _both_tangents(law)
+
+    def vibrate(part, tables, kinematics, frequency, free, internal_state):
+        """Do what `Law.vibrate` does for a law whose states do not follow at a frequency."""
+        return both(part, tables, kinematics, free, internal_state)
+
     return jit(vibrate, to_cache=False)
+
+
+def _linearizing(law: Law) -> Callable:
+    """Return the function `Law.linearize` of a law, or one without the derivatives by states."""
+    if law.linearize is not None:
+        return law.linearize
+    both, rates = _both_tangents(law), law.rates
+
+    def linearize(part, tables, kinematics, internal_state, solved, slopes):
+        """Do what `Law.linearize` does for a law that has no derivatives by its states."""
+        rates(part, tables, kinematics, internal_state, slopes.rates)
+        return both(part, tables, kinematics, internal_state, solved)
+
+    return jit(linearize, to_cache=False)
 
 
 law_force = dispatcher([law.force for law in LAWS])
 law_tangent = dispatcher([law.tangent for law in LAWS])
 law_vibrate = dispatcher([_vibrating(law) for law in LAWS])
+law_linearize = dispatcher([_linearizing(law) for law in LAWS])
 law_gap = dispatcher([law.gap for law in LAWS], takes_tables=False)
 law_breaks = dispatcher([law.breaks for law in LAWS])
 law_rates = dispatcher([law.rates for law in LAWS])

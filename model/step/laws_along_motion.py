@@ -8,9 +8,9 @@ import numpy as np
 from ..kernels.block import Group, Layout
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts import LAWS
-from ..parts.law import Kinematics, Law, Weights
+from ..parts.law import Kinematics, Law, StateSlopes, Weights
 from ..structure.structure import INTERFACE, LAW_TABLES, sizes_of_laws
-from .laws import law_gap, law_rates, law_tangent_called, law_vibrate
+from .laws import law_gap, law_linearize, law_rates, law_tangent_called, law_vibrate
 from .step_status import DONE
 
 
@@ -24,7 +24,8 @@ class Interfaces(NamedTuple):
 class Samples(NamedTuple):
     """Relative displacements [m], velocities [m/s] and internal states of the interfaces at
     samples; the states that the laws solve for; forces [N], their tangents p z + q conj(z) with
-    respect to displacement and velocity, rates of the states, and gaps [m]."""
+    respect to displacement and velocity, rates of the states with the derivatives of `StateSlopes`,
+    and gaps [m]."""
 
     d: Annotated[np.ndarray, complex, "interfaces", "samples"]
     v: Annotated[np.ndarray, complex, "interfaces", "samples"]
@@ -34,6 +35,10 @@ class Samples(NamedTuple):
     p: Annotated[np.ndarray, complex, "2", "interfaces", "samples"]
     q: Annotated[np.ndarray, complex, "2", "interfaces", "samples"]
     rates: Annotated[np.ndarray, float, "samples", "states"]
+    force_by_states: Annotated[np.ndarray, complex, "samples", "states"]
+    rates_by_d: Annotated[np.ndarray, complex, "samples", "states"]
+    rates_by_v: Annotated[np.ndarray, complex, "samples", "states"]
+    rates_by_states: Annotated[np.ndarray, float, "samples", "states", "states"]
     gap: Annotated[np.ndarray, float, "interfaces", "samples"]
 
 
@@ -83,30 +88,51 @@ def call_laws(block, displacement, velocity, rate, speed):
     """Fill in the forces, the rates and the first of the tangents, for these `Weights`, at all
     samples, at a speed of rotation [rad/s]."""
     run = _view(block)
-    fill_laws(run.machine, run.samples, 0, Weights(displacement, velocity, rate), speed)
+    weights = Weights(displacement, velocity, rate)
     laws, interfaces = run.machine
     samples = run.samples
-    for j in range(len(interfaces)):
-        at = interfaces[j].internal_state
-        for t in range(samples.d.shape[1]):
-            motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
-            law_rates(laws, interfaces[j], motion, samples.states[t, at:], samples.rates[t, at:])
-    return DONE
-
-
-@jit_not_inlined
-def fill_laws(machine, samples, i, weights, speed):
-    """Fill in forces, the i-th tangents for `Weights` and the states that the laws solve for."""
-    laws, interfaces = machine
     for j in range(len(interfaces)):
         interface = interfaces[j]
         at = interface.internal_state
         for t in range(samples.d.shape[1]):
             motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
             states, solved = samples.states[t, at:], samples.solved[t, at:]
-            samples.force[j, t], samples.p[i, j, t], samples.q[i, j, t] = law_tangent_called(
+            samples.force[j, t], samples.p[0, j, t], samples.q[0, j, t] = law_tangent_called(
                 laws, interface, motion, weights, states, solved
             )
+            law_rates(laws, interface, motion, states, samples.rates[t, at:])
+    return DONE
+
+
+@jit
+def linearize_laws(block, speed):
+    """Fill in the forces, the rates and all their derivatives at all samples, those by states where
+    a law has them, at a speed of rotation [rad/s]."""
+    run = _view(block)
+    fill_linearized(run.machine, run.samples, speed)
+    return DONE
+
+
+@jit_not_inlined
+def fill_linearized(machine, samples, speed):
+    """Do what `linearize_laws` does."""
+    laws, interfaces = machine
+    for j in range(len(interfaces)):
+        interface = interfaces[j]
+        at = interface.internal_state
+        for t in range(samples.d.shape[1]):
+            motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
+            slopes = StateSlopes(
+                *(samples.rates[t, at:], samples.force_by_states[t, at:]),
+                *(samples.rates_by_d[t, at:], samples.rates_by_v[t, at:]),
+                samples.rates_by_states[t, at:, at:],
+            )
+            force, p_d, q_d, p_v, q_v = law_linearize(
+                *(laws, interface, motion, samples.states[t, at:], samples.solved[t, at:], slopes)
+            )
+            samples.force[j, t] = force
+            samples.p[0, j, t], samples.q[0, j, t] = p_d, q_d
+            samples.p[1, j, t], samples.q[1, j, t] = p_v, q_v
 
 
 @jit

@@ -49,6 +49,18 @@ def test_the_isolated_branch_is_closed_and_folds_where_the_closed_form_begins_an
         assert radii(fold * (1 + inward * 1e-4))
 
 
+def test_a_fold_beside_a_point_at_which_the_harmonics_become_more_is_found():
+    """The point is a millionth short of it with 6 harmonics, and would be past it with 10."""
+    options = {"speed": (60.0, 240.0), "harmonics": 60, "stability": False}
+    (branch,) = rf.response(jeffcott(), parameters={"gravity": 6.0}, **options).branches
+    rises = np.diff([p.value for p in branch.points]) > 0
+    turned = np.flatnonzero(rises[1:] != rises[:-1])  # each fold is a step before it or behind
+    assert len(turned) == len(branch.bifurcations) == 4
+    for at, fold in zip(turned, branch.bifurcations, strict=True):
+        assert at <= fold.behind <= at + 1
+        assert fold.kind == "fold"
+
+
 @pytest.mark.filterwarnings("error")
 def test_a_branch_of_one_point_is_drawn_without_a_warning(isola):
     one = Branch(points=[isola.points[0]], ends=("start", "lost: at once"))

@@ -61,6 +61,61 @@ def test_the_jacobian_is_the_derivative(kind, is_autonomous):
     assert np.abs(100 * seen / 2e-4 - by_speed).max() <= 1e-3 * np.abs(by_speed).max()
 
 
+PADS = """
+[[journal_bearing]]
+node = 2
+journal_radius = 0.05
+length = 0.05
+clearance = 1e-4
+viscosity = 0.1
+tilting = true
+pads = [0.9, 2.4, 4.0, 5.5]
+arc = 1.3
+preload = 0.5
+offset = 0.55
+"""
+
+
+@pytest.mark.parametrize(("inertia", "pivot"), [(0.0, 0.0), (2e-3, 0.0), (2e-3, 3e8)])
+@pytest.mark.parametrize("wall", ["", "k = 1e8\nroughness = 4e-5\n"])
+def test_derivatives_of_pads_are_those_of_force_and_rates(inertia, pivot, wall):
+    """Beside them a contact that sticks, whose derivatives are differences."""
+    from rotor_fmu.model.periodic.linear_structure import CondensedMachine
+
+    pads = f"{PADS}pad_inertia = {inertia}\npivot_stiffness = {pivot}\n{wall}"
+    text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + pads + KINDS["sticking"] + MORE)
+    laws, c, speed, n = CondensedMachine(rf.parse(text).rotor).laws, 1e-4, 100.0, 6
+    random = np.random.default_rng(5)
+    each = [c] + [c * speed] * (inertia > 0) + [0.1 * c] * (pivot > 0)
+    sizes = np.array([c] * 4 + [c * speed] * 4 + each * 4 + [c])
+    assert len(sizes) == 8 + laws.states
+    motion = 0.1 * sizes * random.uniform(-1, 1, (n, len(sizes)))
+    motion[:, 2:4] += 11 * c  # in the contact
+    if pivot:  # which the film presses outwards
+        motion[:, 8:-1] = np.abs(motion[:, 8:-1])
+
+    def split(x):
+        return x[:, :4], x[:, 4:8], x[:, 8:]
+
+    seen = laws.tangents(*split(motion), sizes[8:], speed)
+    force, rates = laws.forces(*split(motion), speed)
+    for mine, other in ((seen.force, force), (seen.rates, rates)):
+        assert np.abs(mine - other).max() <= 1e-14 * np.abs(other).max()
+    mine = np.zeros((n, 4 + laws.states, len(sizes)))
+    for at in (slice(0, 2), slice(2, 4)):
+        mine[:, at, at], mine[:, at, 4:8][..., at] = (by[:, at.start // 2] for by in seen[1:3])
+    mine[:, :4, 8:], mine[:, 4:, 8:] = seen.by_states, seen.rates_by_states
+    mine[:, 4:, :4], mine[:, 4:, 4:8] = seen.rates_by_d, seen.rates_by_v
+    mine *= sizes
+    slopes = np.zeros_like(mine)
+    for i, step in enumerate(np.diag(1e-5 * sizes)):
+        above, below = (laws.forces(*split(x), speed) for x in (motion + step, motion - step))
+        slopes[:, :, i] = (np.hstack(above) - np.hstack(below)) / 2e-5
+    # a pad on which nothing presses may be anywhere between its edges of rupture: most bear
+    errors = np.abs(mine - slopes) / np.maximum(np.abs(mine).max(axis=2, keepdims=True), 1e-12)
+    assert np.median(errors, axis=0).max() < 1e-5
+
+
 @pytest.mark.parametrize("turns", [30, pytest.param(100, marks=pytest.mark.slow)])
 def test_a_race_turns_as_fast_as_friction_and_drag_let_it(turns):
     """Over a turn friction's torque is what the drag takes."""

@@ -4,6 +4,7 @@
 #include "kernels.h"
 
 int32_t rotor_call_laws_kernel(int64_t *, void **, uint8_t *, double, double, double, double);
+int32_t rotor_linearize_laws_kernel(int64_t *, void **, uint8_t *, double);
 int32_t rotor_vibrate_laws_kernel(int64_t *, void **, uint8_t *, double, double, double);
 int32_t rotor_find_gaps_kernel(int64_t *, void **, uint8_t *);
 int32_t rotor_step_through_kernel(int64_t *, void **, uint8_t *, double);
@@ -13,6 +14,10 @@ EXPORT int rotor_call_laws(
 )
 {
     CALL(rotor_call_laws, block, displacement, velocity, rate, speed);
+}
+EXPORT int rotor_linearize_laws(uint8_t *block, double speed)
+{
+    CALL(rotor_linearize_laws, block, speed);
 }
 EXPORT int rotor_vibrate_laws(uint8_t *block, double speed, double sliding, double frequency)
 {
