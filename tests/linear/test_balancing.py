@@ -208,7 +208,7 @@ def test_what_cannot_be_balanced_is_refused_before_any_run(arguments, expected):
     ("arguments", "expected"),
     [
         ([], "--speed and --plane: must be given"),
-        (["--speed", "150", "--plane", "9"], "node 9: must be from 1 to 8"),
+        (["--speed", "150", "--plane", "9"], "--plane 9: must be from 1 to 8"),
         (["--speed", "150", "--plane", "4", "--plane", "4"], "must be different nodes"),
         (["--speed", "-150", "--plane", "4"], "balancing speed = -150"),
         (["--speed", "150", "--plane", "4", "--trial", "0"], "trial unbalance = 0"),

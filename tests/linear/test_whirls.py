@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -12,11 +11,11 @@ from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.settings import PRESETS, choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
 from rotor_fmu.model.stability import resolution, survey_block
-from rotor_fmu.model.stability.matrices import ALL, OPEN, REST
 
 from benchmarks.growth import refined, with_bearings
 from papers.integrators.members import chung_hulbert, hht, newmark
 
+from ..growing_whirls import found_last
 from ..machines import jeffcott, jeffcott_stiffness
 from ..validation.whip import OVERHUNG, overhung_machine, run_down
 from ..validation.windows import rig
@@ -40,29 +39,6 @@ def rubbing_jeffcott(ratio):
     )
     rotor = jeffcott(damping=2 * ZETA * math.sqrt(k * MASS))
     return rotor.with_parts(ClearanceContact, stator)
-
-
-class Whirl(NamedTuple):
-    """A growing whirl: root, imaginary part > 0 [1/s]; is_backward: against the rotation, at the
-    closed contacts or of the whole shaft; closed: which interfaces with a wall are closed; speed
-    [rad/s]."""
-
-    root: complex
-    is_backward: bool
-    closed: tuple[int, ...]
-    speed: float
-
-
-def found_last(simulation):
-    """The whirls that a run found last, the fastest growing first."""
-    run = simulation._run
-    walls = tuple(np.flatnonzero(run.structure.interfaces.slips == 1).tolist())
-    seats = tuple(np.flatnonzero(run.memory.seats).tolist())
-    cases = {OPEN: (), ALL: walls, REST: seats}
-    return tuple(
-        Whirl(complex(re, im), backward == 1.0, cases.get(int(case), (int(case),)), speed)
-        for re, im, backward, case, speed in run.survey.whirls[: run.survey.counted[0]].tolist()
-    )
 
 
 def whirls(rotor, settings=PRESETS["controlled"], speed=SPEED):
@@ -190,7 +166,7 @@ def kicked(ratio, settings, share):
 def test_a_motion_that_its_loads_drive_apart_is_not_laid_to_a_whirl():
     """A partner's spring whose force comes a communication step late drives what it holds."""
     sim = Simulation(rubbing_jeffcott(1.15), speed=SPEED, warn=lambda message: None)
-    assert sim._whirls
+    assert found_last(sim)
     sim.motion.q[2] = CLEARANCE
     k = jeffcott_stiffness()
     h = 0.2 / math.sqrt(k / MASS)

@@ -18,6 +18,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import machine_elements
 
+from ..growing_whirls import found_last
 from .machines import bearings, rigid
 from .test_contact_laws import (
     KINDS,
@@ -285,7 +286,7 @@ def test_it_is_off_unless_asked_for():
 
 def test_dry_whip_is_looked_for_as_without():
     """A wall at which a journal may stick slips where it whirls."""
-    result = [Simulation(lying(k_t=k_t), speed=50.0)._whirls for k_t in (0.0, K_T)]
+    result = [found_last(Simulation(lying(k_t=k_t), speed=50.0)) for k_t in (0.0, K_T)]
     assert result[0]
     assert len(result[0]) == len(result[1])
     for smooth, sticking in zip(*result, strict=True):
