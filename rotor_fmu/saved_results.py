@@ -21,6 +21,16 @@ def is_study(path: Path) -> bool:
     return (path / STUDY).is_file()
 
 
+def refuse_other(out: Path, other: str) -> None:
+    """Raise `InputError` for a folder of results that holds what the other kind of result leaves,
+    `RUN` or `STUDY`: of a folder with both, pages would show the study alone."""
+    if (out / other).is_file():
+        there, new = ("run", "study") if other == RUN else ("study", "run")
+        raise InputError(
+            f"--out {out}: holds a {there}, beside which no {new} can lie; name another folder"
+        )
+
+
 def read_run(path: Path) -> Recording:
     """Return the recording of a run's folder, or a recording's file, in which turns of the shaft
     can be counted."""

@@ -17,8 +17,9 @@ _MORE = 8  # modes followed beyond four times those asked for, since they change
 
 
 class ForwardBranches:
-    """The critical speeds over ascending stiffnesses [N/m], `count` of those that somewhere do not
-    clearly whirl backward, in the order that they have at the first stiffness."""
+    """The critical speeds over ascending stiffnesses [N/m], `count` of those that somewhere, not
+    at a single one amid others, do not clearly whirl backward, in the order that they have at the
+    first stiffness."""
 
     def __init__(self, machine: UndampedMachine, stiffness: np.ndarray, count: int) -> None:
         self._machine = machine
@@ -31,7 +32,10 @@ class ForwardBranches:
         places = np.arange(min(len(first.speeds), 4 * count + _MORE))
         self._places = {float(stiffness[0]): (first, places)}
         counts = np.array([self._forwardness(k) > _BACKWARD for k in stiffness])
-        self._kept = np.flatnonzero(counts.any(axis=0))[:count]
+        # at one stiffness amid others alone a backward mode grazes the bound, which is no line
+        beside = np.pad(counts, ((1, 1), (0, 0)), constant_values=True)
+        is_line = (counts & (beside[:-2] | beside[2:])).any(axis=0)
+        self._kept = np.flatnonzero(is_line)[:count]
         self.is_backward = ~counts[:, self._kept]
 
     def __call__(self, stiffness: float) -> np.ndarray:

@@ -178,7 +178,7 @@ class Result(RecordedSignals):
         place : str, optional
             Name of the part. By default the disc that moves most.
         speed : float, optional
-            Speed of an orbit or a spectrum [rad/s]. By default the last.
+            Speed of an orbit or a spectrum [rad/s]. By default that of the largest 1x.
         is_pp : bool
             Whether amplitudes are peak-to-peak rather than 0-p.
 

@@ -115,7 +115,7 @@ def response(
     options: dict[str, Any] = {
         "speed": at,
         "over": varied,
-        "parameters": _pairs("--set", values, lambda name: of.get(name, "1")),
+        "parameters": _pairs("--set", values, lambda name: _unit_of("--set", name, of)),
         "loads": _pairs("--load", load, lambda _: "N"),
         "period": period,
         "harmonics": harmonics,
@@ -232,10 +232,8 @@ def _second(
     """Return the quantity of `--fold-over` and its range, checked before anything is computed."""
     from ..model.periodic.queries import check_second
     from ..periodic.request import response_request
-    from ..periodic.result import check_names
 
     name, low, high = _range(text, "--fold-over", units)
-    check_names(machine, [name])
     check_second(response_request(machine, **options).rotor, name, low, high)
     return name, low, high
 
@@ -295,8 +293,16 @@ def _range(text: str, option: str, units: Mapping[str, str]) -> tuple[str, float
     name, equals, ends = (part.strip() for part in text.partition("="))
     if not equals or ends.count(":") != 1:
         raise InputError(f"{option} {text}: must be NAME=FROM:TO")
-    low, high = number_range(ends, 2, f"{option} {name} =", units.get(name, "1"))
+    low, high = number_range(ends, 2, f"{option} {name} =", _unit_of(option, name, units))
     return name, float(low), float(high)
+
+
+def _unit_of(option: str, name: str, units: Mapping[str, str]) -> str:
+    """Return the unit of a quantity of the machine that an option names; units: by name."""
+    from ..periodic.result import check_names
+
+    check_names(units, [name], option)
+    return units[name]
 
 
 def _pairs(option: str, texts: list[str] | None, unit_of: Callable[[str], str]) -> dict[str, float]:

@@ -115,6 +115,7 @@ def _run(
     from ..runs.input_signals import RampGiven
     from ..runs.run_files import clear
     from ..runs.verify_run import finer_job
+    from ..saved_results import STUDY, refuse_other
 
     begun = time.perf_counter()
     kind = "run-up" if is_up else "run-down"
@@ -127,6 +128,7 @@ def _run(
     choose(units, job.rotor.units)
     if verify:
         finer_job(job)  # refused before anything is run
+    refuse_other(out, STUDY)
     writable_folder(out)
     fmu = None if direct else jobs.fmu_in(out, job.toml, job.settings.reduction)
     clear(out)

@@ -23,6 +23,7 @@ from ..machine_studies.machine_tables import read_study
 from ..machine_studies.response_runs import ResponseRuns
 from ..output_options import with_output_options
 from ..run_status import FAILED
+from ..saved_results import RUN, refuse_other
 from ..screen import progress_of, text_table
 from ..studies.executors import ExecutorConfig, engine
 from ..studies.runner import Progress, run_study
@@ -79,6 +80,7 @@ def study(
         optional(module, "study", "study")
     definition = read_study(file, is_quick=is_quick)
     choose(units, definition.units)
+    refuse_other(out, RUN)
     where = _where(jobs, scheduler, cluster)
     if is_drawn:
         from ..machine_studies.diagram import sections_of

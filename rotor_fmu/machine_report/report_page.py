@@ -89,11 +89,12 @@ def machine_report(
     scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
     level_1 = stability_answers.level_1(rotor, high, anticipated=options.couplings or 0.0)
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
+    at_rest = answers.static(rotor, afloat=high)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
     conclusions = _conclusions(check, level_1, level_2, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
-        "At rest": _shown(answers.static(rotor, afloat=high), "Deflection under gravity"),
+        "At rest": _shown(at_rest, "Deflection under gravity"),
         "Critical speeds": [
             *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, speeds)),
             _html(diagram.table()),
@@ -126,9 +127,12 @@ def machine_report(
         with_charts=False,
     )
     data = {
+        "machine": numbers(listed),
+        "static": numbers(at_rest),
         "modes": numbers(at_speed),
         "campbell": numbers(diagram),
         "critical_map": numbers(over_stiffness),
+        "response": numbers(response),
         "unbalance": numbers(check),
         "stability_level_1": numbers(level_1),
         "stability_level_2": numbers(level_2),

@@ -85,7 +85,7 @@ def response_request(
     `InputError`."""
     rotor = rotor_of(machine)
     if parameters := mapped("parameters", parameters):
-        check_names(rotor, parameters)
+        check_names(rotor.parameters(), parameters)
         given = {n: number(f"parameters: {n}", v) for n, v in parameters.items()}
         rotor = rotor.with_values(given)
     for of, count, most in (("period", period, 16), ("harmonics", harmonics, 500)):
@@ -103,7 +103,7 @@ def response_request(
         name = over[0]
         if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
-        check_names(rotor, [name])
+        check_names(rotor.parameters(), [name])
         held, ends = number("speed", speed), numbers("over", over[1:])
     if not isinstance(ends, (tuple, list, np.ndarray)) or len(ends) != 2:
         raise InputError(f"speed = {speed}: must be FROM and TO")

@@ -1,6 +1,6 @@
 """What `rf.response` returns: branches of periodic motions, with tables and pictures."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +8,6 @@ import numpy as np
 
 from ..errors import InputError, nearest
 from ..linear.linear_tables import Table
-from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
 from ..model.periodic.arclength import NotConverged
 from ..model.periodic.branch import FOLD, Solution
@@ -72,7 +71,7 @@ class ResponseResult(ResponseCurves):
             raise InputError("the curve has no smooth fold")
         if not 0 <= i < len(folds):
             raise InputError(f"i = {i}: must be from 0 to {len(folds) - 1}, a fold of the curve")
-        check_names(self._response.rotor, [name])
+        check_names(self._response.rotor.parameters(), [name])
         try:
             return folds_over(self._response, folds[i], name, low, high, report_value)
         except NotConverged as error:
@@ -158,10 +157,10 @@ class ResponseResult(ResponseCurves):
         return png(self.figure())
 
 
-def check_names(rotor: Rotor, names: Iterable[str]) -> None:
-    """Raise `InputError` for a name that is no quantity of the machine."""
-    known = rotor.parameters()
+def check_names(known: Collection[str], names: Iterable[str], option: str = "") -> None:
+    """Raise `InputError` for a name that is no quantity of the machine; known: the names of those;
+    option: of the command, in which the names were given."""
     for name in names:
         if name not in known:
-            near = nearest(name, known)
-            raise InputError(f"{name}: no quantity of the machine; the nearest is {near}")
+            near, given = nearest(name, known), f"{option} {name}".lstrip()
+            raise InputError(f"{given}: no quantity of the machine; the nearest is {near}")

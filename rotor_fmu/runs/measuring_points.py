@@ -86,4 +86,4 @@ def named(name: str, known: Sequence[Any], what: str) -> Any:
             return item
     names = [item.name for item in known]
     hint = f"did you mean {nearest(name, names)}?" if names else "there is none"
-    raise InputError(f"place {name}: the recording has no such {what}; {hint}")
+    raise InputError(f"place = {name}: the recording has no such {what}; {hint}")

@@ -138,6 +138,11 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
     assert "<canvas" in html
     assert "http" not in html.replace("http://www.w3.org", "")
     data = json.loads(page.with_suffix(".json").read_text())
+    assert data["machine"]["mass"] == pytest.approx(1.0, rel=1e-3)
+    assert set(data["static"]["load_y"]) == {0.0}  # without gravity
+    # of the closed form: half a clearance over 2 zeta sqrt(1 - zeta^2)
+    peak = 0.5e-3 / (0.2 * math.sqrt(0.99))
+    assert max(map(max, data["response"]["major"])) == pytest.approx(peak, rel=1e-3)
     (closing,) = data["contact"]["closings"]
     # of the closed form the response exceeds twice the eccentricity between these speeds
     assert closing["begin"] == pytest.approx(100 * _crosses(2.0, below=True), rel=0.02)

@@ -87,10 +87,9 @@ def test_an_orbit_of_a_shaft_that_stands_is_all_that_was_recorded():
 
 
 def test_a_place_that_the_recording_has_not_is_told_its_nearest(folder):
-    result = plot("bode", folder, "--place", "disk[2]")
-    assert "place disk[2]: the recording has no such place; did you mean disc[2]?" in str(
-        result.exception
-    )
+    said = str(plot("bode", folder, "--place", "disk[2]").exception)
+    # the end of the command puts the option in the place of the argument of Python
+    assert said == "place = disk[2]: the recording has no such place; did you mean disc[2]?"
 
 
 def test_a_run_of_less_than_a_block_of_turns_says_how_many_it_has(tmp_path):

@@ -377,7 +377,7 @@ def test_peaks_that_are_none_say_why(speed, stop, why):
         ({"kind": "energy", "place": "disc[2]"}, "place: changes no plot energy, only bode, "),
         ({"kind": "bode", "speed": 100.0}, "speed: changes no plot bode, only orbit, spectrum"),
         ({"kind": "orbit", "is_pp": True}, "is_pp: changes no plot orbit, only bode, polar, "),
-        ({"kind": "orbit", "place": "disk[2]"}, r"place disk\[2\]: the recording has no such "),
+        ({"kind": "orbit", "place": "disk[2]"}, r"place = disk\[2\]: the recording has no such "),
         ({"kind": "energy"}, "the run: its recording has no energy that was dissipated"),
         ({"kind": "contact-force"}, "the run: its recording has no contact"),
     ],

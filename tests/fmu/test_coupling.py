@@ -1,8 +1,10 @@
 """A partner of the user's own, coupled with the rotor by what its source says."""
 
+import re
 import shutil
 import tempfile
 import zipfile
+from pathlib import Path
 
 import fmpy
 import numpy as np
@@ -57,6 +59,21 @@ def coupled(coupling, fmu, folder, **parameters):
     assert partner.name == "SteadyMotor.fmu"
     recorded = ["work"], ["w", "energy.drive_work"]
     return coupling.run(partner, fmu, 0.2, 1e-3, parameters, {}, *recorded)
+
+
+def test_the_script_of_the_how_to_is_a_flywheel_that_its_load_brakes(fmu, tmp_path):
+    page = Path(__file__).parents[2] / "docs" / "how_to" / "couple_an_fmu.md"
+    (text,) = re.findall(r"^```python\n(# flywheel\.py.*?)^```", page.read_text(), re.M | re.S)
+    source = tmp_path / "flywheel.py"
+    source.write_text(text)
+    coupling = Coupling(source)
+    partner = coupling.build(tmp_path)
+    assert partner.name == "Flywheel.fmu"
+    run = coupling.run(partner, fmu, 0.05, 1e-3, {"J": 0.2}, {}, ["w"], ["tau_load"])
+    assert run.partner["w"][0] == 100.0
+    impulse = np.cumsum(run.rotor["tau_load"][:-1]) * 1e-3
+    assert np.abs(impulse).max() > 0
+    np.testing.assert_allclose(0.2 * (run.partner["w"][1:] - 100.0), -impulse, rtol=1e-6)
 
 
 def test_each_fmu_gets_what_the_other_gave_at_the_last_communication_point(coupling, fmu, tmp_path):

@@ -123,6 +123,15 @@ def test_lines_of_the_map_on_pedestals_that_differ_are_the_dense_eigenvalues_and
     assert growth.max() < math.sqrt(stiffness[1] / stiffness[0]) * (1 + 1e-9)
 
 
+def test_a_backward_mode_that_is_hardly_so_at_one_stiffness_is_no_line():
+    """Of the rotor that the how-to imports: near 5.8e5 N/m its first backward mode is -0.5 forward,
+    within 0.01."""
+    result = critical_map(machine("on_pedestals.json"), np.geomspace(2.45e5, 2.45e9, 33))
+    drawn = np.isfinite(result.speeds).sum(axis=0)
+    assert drawn[0] == 33
+    assert ((drawn == 0) | (drawn > 1)).all()
+
+
 def test_lines_on_pedestals_that_hardly_differ_are_those_of_alike_ones():
     """Where a forward line crosses a backward one too, which both then only seem to avoid."""
     stiffness = np.geomspace(1e5, 1e9, 25)

@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -115,6 +116,24 @@ def test_a_run_is_not_selected_into_the_folder_of_another_study(rig, monkeypatch
     assert end.value.code == 2
     assert "holds another study" in capsys.readouterr().err
     assert {folder.name for folder in out.glob("runs/*")} <= set(data.id.values)
+
+
+def test_a_folder_holds_a_run_or_a_study(rig, monkeypatch, capsys, tmp_path):
+    path, out, _ = rig
+    (tmp_path / "recording.npz").touch()
+    for arguments, kind in (
+        (["study", str(path), "--out", str(tmp_path)], "run"),
+        (["run-down", "--direct", "--stop", "0.01", "--out", str(out)], "study"),
+    ):
+        before = {file: file.stat().st_mtime_ns for file in Path(arguments[-1]).rglob("*")}
+        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 2
+        said = f"--out {arguments[-1]}: holds a {kind}, beside which"
+        assert said in capsys.readouterr().err
+        after = {file: file.stat().st_mtime_ns for file in Path(arguments[-1]).rglob("*")}
+        assert after == before
 
 
 def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, monkeypatch):
