@@ -121,6 +121,7 @@ def test_impossible_wishes_are_refused(refusal, tmp_path, arguments, expected):
 JEFFCOTT = str(Path(__file__).parents[2] / "examples" / "jeffcott_rub" / "jeffcott.toml")
 
 
+@pytest.mark.usefixtures("coarse_report")
 def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
     """The Jeffcott rotor in its clearance: running up the rub lasts far beyond the resonance,
     running down it begins where the free response closes the clearance."""

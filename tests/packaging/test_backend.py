@@ -119,8 +119,9 @@ def numbers(kernels, script=STEPS, presets="both"):
 @has_platform
 @pytest.mark.parametrize(
     ("other", "presets"),
-    [("python", "turns"), pytest.param("numba", "both", marks=pytest.mark.slow)],
+    [("python", "turns"), ("numba", "both")],
 )
+@pytest.mark.slow  # a few runs of the rig are compared in test_interpreted
 def test_the_library_has_the_numbers_bit_for_bit(other, presets):
     """Of every example machine; numba is asked where its minute of compiling is spent anyway."""
     assert library.loaded() is not None, MISSING

@@ -118,6 +118,7 @@ def test_a_study_names_its_extra(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_without_what_draws_the_page_a_run_leaves_the_rest_and_says_so(tmp_path):
     """The page alone, asked for, is refused."""
     run = ("run-down", "--direct", "--set", "speed=100", "--stop", 0.1)

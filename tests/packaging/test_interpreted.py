@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 import rotor_fmu
 
@@ -44,7 +43,6 @@ def numbers_of(**environment):
     return json.loads(run.stdout)
 
 
-@pytest.mark.slow
 def test_the_interpreted_run_has_the_numbers_of_the_compiled_one():
     said, interpreted = numbers_of(NUMBA_DISABLE_JIT="1")
     silence, compiled = numbers_of()

@@ -48,6 +48,7 @@ def test_marks_lie_on_the_curve_which_changes_from_full_to_dashed_at_them(curve,
         assert set(ends[0]) & set(ends[1]) <= marks
 
 
+@pytest.mark.slow
 def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, curve, tmp_path):
     path = tmp_path / "response.html"
     path.write_text(response_page(curve, "Jeffcott"), encoding="utf-8")
