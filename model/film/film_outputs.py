@@ -59,7 +59,8 @@ def _short_peak(film, share, D, first, last):
 
 @jit
 def _driven(film, at, inner, outer, step):
-    """Return the flow H^3 P' at a node without pressure [1/s], out of the film that ends there."""
+    """Return the flow H^3 P' at a node without pressure [1/s], out of the film that ends there:
+    that between the nodes, and half a cell of the source 1.25 f (`zone_pressure`)."""
     f = at.cosine[outer] * film.S.real + at.sine[outer] * film.S.imag
     passes = conductance(at.thickness[inner], at.thickness[outer])
     return passes * (at.P[inner] - at.P[outer]) / step + 0.625 * step * at.slope[outer] * f

@@ -45,6 +45,7 @@ def _both_tangents(law: Law) -> Callable:
     tangent = law.tangent
 
     def both(part, tables, kinematics, free, internal_state):
+        """Return F [N], then p, q by displacement [N/m] and by velocity [N.s/m]."""
         force = p_d = q_d = p_v = q_v = 0.0j
         for by_v in range(2):  # a loop, so that its code is compiled once
             weights = Weights(1.0 - by_v, 1.0 * by_v, 0.0)

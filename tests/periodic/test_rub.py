@@ -14,6 +14,8 @@ from rotor_fmu.errors import InputError
 
 from .machines import CLEARANCE, OMEGA, RADIUS, growth, jeffcott, rolling, rub
 
+WHOLE = 2 * ("end of the range",)  # how both ends of a curve of folds are said
+
 
 def radii(curve, omega):
     """Radii in clearances at a speed, the largest first, with whether each is stable."""
@@ -95,12 +97,17 @@ def test_a_curve_of_folds_that_leaves_the_machine_out_is_refused_in_one_line(cur
     ("least", "most"), [(0.03, 0.07), pytest.param(0.01, 0.1, marks=pytest.mark.slow)]
 )
 def test_jumps_over_friction_lie_where_the_closed_form_folds(curve, least, most):
-    _fold_by_the_closed_form(curve.fold_curve("contact[1].mu", least, most))
+    folds = curve.fold_curve("contact[1].mu", least, most)
+    assert folds.ends == WHOLE
+    assert_folds_are_those_of_the_closed_form(folds)
 
 
 def test_a_curve_of_folds_begins_at_the_least_that_the_machine_can_have():
     smooth = rf.response(jeffcott(mu=0.0), speed=(60.0, 240.0), stability=False)
-    _fold_by_the_closed_form(smooth.fold_curve("contact[1].mu", 0.0, 0.05))
+    folds = smooth.fold_curve("contact[1].mu", 0.0, 0.05)
+    assert folds.ends == WHOLE
+    assert folds.second[0] == 0.0
+    assert_folds_are_those_of_the_closed_form(folds)
 
 
 def test_a_curve_of_folds_that_takes_too_many_steps_is_said_to_be_unfinished(curve):
@@ -113,8 +120,7 @@ def test_a_curve_of_folds_that_takes_too_many_steps_is_said_to_be_unfinished(cur
     assert folds.ends == 2 * ("unfinished: 3 steps were taken, the most in one direction",)
 
 
-def _fold_by_the_closed_form(folds):
-    assert folds.ends == ("end of the range", "end of the range")
+def assert_folds_are_those_of_the_closed_form(folds):
     for mu, speed in zip(folds.second, folds.first, strict=True):
         # where the two radii meet
         inside, outside = speed / OMEGA * (1 - 2e-6), speed / OMEGA * (1 + 2e-6)

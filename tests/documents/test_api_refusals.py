@@ -1,0 +1,153 @@
+"""What the Python interface refuses: one line with the argument, its value and what is allowed."""
+
+import numpy as np
+import pytest
+
+import rotor_fmu as rf
+
+RIG = rf.load()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ({}, "stop: must be given where the speed and the loads are constant"),
+        ({"stop": -1.0}, "stop = -1 s: must be > 0"),
+        ({"stop": 1.0, "preset": "best"}, "preset = 'best': must be one of"),
+        ({"stop": 1.0, "tolerance": 2.0}, "solver.tolerance = 2.0: must be"),
+        ({"stop": 1.0, "loads": {"disc[2].fz": 1.0}}, r"'disc\[2\].fz' is unknown; .* disc\[2\].f"),
+        ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
+        ({"stop": 1.0, "parameters": {"gravity": -1}}, r"^gravity = -1 m/s2: must be"),
+        ({"stop": 1.0, "parameters": {"speed": 1}}, "speed is an input"),
+        (
+            {"stop": 1.0, "tolerance": 1e-2, "parameters": {"solver.tolerance": 1e-4}},
+            r"^tolerance = 0.01: parameters give solver.tolerance too",
+        ),
+        ({"stop": 1.0, "loads": {"speed": 50.0}}, "loads: speed is no load: give it as speed"),
+        ({"stop": 1.0, "record": ["disc[3].z"]}, "the nearest name is"),
+        ({"stop": 1.0, "per_turn": 0}, "per_turn = 0: must be > 0"),
+        ({"stop": "1 s"}, "stop = '1 s': must be a number"),
+        ({"stop": 1.0, "per_turn": "64"}, "per_turn = '64': must be a number"),
+        ({"stop": 1.0, "step": 2.0}, "step = 2.0 s: must be > 0 and at most stop = 1 s"),
+        ({"speed": ([0, 0], [1, 2])}, "speed: its times must increase"),
+        ({"speed": ([0, 1], [1])}, "speed: 2 times and 1 values: must be as many"),
+        ({"speed": ([0, 1], [1, np.nan])}, "speed: all of its times and values must be finite"),
+        ({"stop": 1.0, "speed": np.nan}, "speed = nan: must be finite"),
+        ({"stop": 1.0, "speed": "3000rpm"}, "speed = '3000rpm': must be a number, or times and"),
+        ({"stop": 1.0, "speed": True}, "speed = True: must be a number"),
+        ({"stop": True}, "stop = True: must be a number"),
+        ({"stop": 1.0, "record": 3}, "^record = 3: must be a list of names"),
+        ({"stop": 1.0, "loads": 3}, "^loads = 3: must be a dictionary"),
+        ({"stop": 1.0, "parameters": [1, 2]}, r"^parameters = \[1, 2\]: must be a dictionary"),
+        ({"stop": 1.0, "record": "disc[3].x"}, r"record = 'disc\[3\].x': must be a list of names"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(arguments, expected):
+    with pytest.raises(rf.InputError, match=expected) as refused:
+        rf.simulate(RIG, **{"speed": 100.0, **arguments})
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("step", "expected"),
+    [("1ms", "step = '1ms': must be a number"), (0, "step = 0 s: must be > 0 and finite")],
+)
+def test_a_step_of_an_fmu_that_cannot_be_is_refused_by_its_name(tmp_path, step, expected):
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        rf.build_fmu(RIG, tmp_path, is_native=True, step=step)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda it: rf.simulate(it, speed=1.0, stop=1.0),
+        lambda it: rf.build_fmu(it),
+        lambda it: rf.response(it, speed=(1.0, 2.0)),
+    ],
+)
+def test_what_is_no_machine_is_refused_in_one_line(use):
+    with pytest.raises(rf.InputError, match=r"^machine = 3: must be a machine"):
+        use(3)
+
+
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (lambda: RIG.unbalance_response(5.0), "speeds = 5.0: must be a list of numbers"),
+        (
+            lambda: RIG.unbalance_response([5.0], unbalances=[4, 1e-5]),
+            r"unbalances = \[4, 1e-05\]: must be a list of \(node, amount, angle\)",
+        ),
+        (
+            lambda: RIG.static(contacts="pinned", loads=[(4, 1.0)]),
+            r"loads = \[\(4, 1.0\)\]: must be a list of \(node, force x, force y\)",
+        ),
+        (
+            lambda: RIG.static(contacts="pinned", loads=[("4", 1.0, 0.0)]),
+            "node = '4': must be an integer from 1 to 8",
+        ),
+        (
+            lambda: rf.response(RIG, speed=(1.0, 2.0), loads={"disc[2].fy": "a"}),
+            r"loads: disc\[2\].fy = 'a': must be a number",
+        ),
+        (lambda: RIG.static("fast"), "speed = 'fast': must be a number"),
+        (lambda: RIG.modes(count=2.5), "count = 2.5: must be an integer, at least 1"),
+        (
+            lambda: RIG.campbell([0.0, 5.0], count="8"),
+            "count = '8': must be an integer, at least 1",
+        ),
+        (lambda: RIG.stability("fast"), "speed = 'fast': must be a number"),
+        (lambda: RIG.stability(5.0, anticipated="1"), "anticipated = '1': must be a number"),
+        (lambda: RIG.stability(5.0, node="4"), "node = '4': must be an integer from 1 to 8"),
+        (lambda: RIG.unbalance_check("1", 2.0, [4]), "low = '1': must be a number"),
+        (lambda: RIG.unbalance_check(1.0, 2.0, 4), "probes = 4: must be a list of nodes"),
+        (
+            lambda: RIG.unbalance_check(1.0, 2.0, [4], clearances=[1e-4]),
+            r"clearances = \[0.0001\]: must be a dictionary",
+        ),
+        (
+            lambda: RIG.frequency_response(5.0, 4, [4]),
+            "frequencies = 5.0: must be a list of numbers",
+        ),
+        (
+            lambda: RIG.frequency_response([5.0], 4, 4),
+            "nodes = 4: must be a list of nodes or places",
+        ),
+        (lambda: rf.response(RIG, speed=5.0, over=3), "over = 3: must be a name, FROM and TO"),
+        (
+            lambda: rf.response(RIG, speed=(1.0, 2.0), loads=[1]),
+            r"loads = \[1\]: must be a dictionary",
+        ),
+        (
+            lambda: rf.response(RIG, speed=(1.0, 2.0), parameters="gravity"),
+            "parameters = 'gravity': must be a dictionary",
+        ),
+        (lambda: rf.response("a.toml", speed=(1.0, 2.0)), r"a\.toml: cannot be read: No such .*"),
+        (lambda: rf.load(3), "path = 3: must be a path"),
+        (lambda: rf.parse(None), "toml = None: must be the text of a machine's file"),
+        (lambda: rf.read_run(None), "folder = None: must be a path"),
+        (lambda: rf.simulate_fmu(None, speed=1.0), "fmu = None: must be a path"),
+        (lambda: rf.build_fmu(RIG, None), "folder = None: must be a path"),
+        (
+            lambda: rf.build_fmu(RIG, platforms="linux64"),
+            "platforms = 'linux64': must be a list of .*",
+        ),
+        (lambda: rf.build_fmu(RIG, parameters=3), "parameters = 3: must be a dictionary"),
+        (lambda: RIG.campbell(5.0), "speeds = 5.0: must be a list of numbers"),
+        (
+            lambda: RIG.campbell([0.0, 5.0], harmonic=[]),
+            r"harmonic = \[\]: at least one must be given",
+        ),
+    ],
+)
+def test_what_an_analysis_cannot_be_asked_is_refused_in_one_line(ask, expected):
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        ask()
+
+
+def test_files_that_are_none_are_refused_by_their_name(tmp_path):
+    path = tmp_path / "machine.toml"
+    path.write_text("nonsense")
+    for read in (rf.load, rf.read_run, lambda p: rf.simulate_fmu(p, speed=1.0, stop=1.0)):
+        with pytest.raises(rf.InputError, match=r"machine\.toml"):
+            read(path)
