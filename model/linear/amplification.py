@@ -128,13 +128,14 @@ def inner_peaks(values: np.ndarray) -> list[int]:
 def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[float, float]:
     """Return the speed of a peak [rad/s] between the neighbours of the i-th of speeds, and the
     response there."""
+    # the distance from there, since the search is only exact to 1e-8 of what it varies
     found = minimize_scalar(
-        lambda speed: -response(speed),
-        bounds=(at[i - 1], at[i + 1]),
+        lambda apart: -response(at[i] + apart),
+        bounds=(at[i - 1] - at[i], at[i + 1] - at[i]),
         method="bounded",
         options={"xatol": _PRECISE * abs(at[i])},
     )
-    return float(found.x), -float(found.fun)
+    return float(at[i] + found.x), -float(found.fun)
 
 
 def largest(

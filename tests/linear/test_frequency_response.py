@@ -184,10 +184,8 @@ def test_a_few_frequencies_show_the_sensitivity_of_a_flexible_rotor_as_many_do(l
 
 
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize(("damping", "rel"), [(0.2, 1e-6), (2e-5, 1e-3)])
-def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(
-    tmp_path, damping, rel
-):
+@pytest.mark.parametrize("damping", [0.2, 2e-5])
+def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(tmp_path, damping):
     """One degree of freedom, 1000 Hz: 1 / (2 zeta k sqrt(1 - zeta^2)) at its peak."""
     stiffness = (2000.0 * math.pi) ** 2
     text = JEFFCOTT_TEXT.replace("9800.0", str(0.98 * stiffness)).replace(
@@ -204,7 +202,7 @@ def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(
     largest = max(math.hypot(*value[0][0][0]) for value in data["receptance"])
     zeta = 100 * damping / (2 * math.sqrt(stiffness))
     expected = 1 / (2 * zeta * stiffness * math.sqrt(1 - zeta**2))
-    assert largest == pytest.approx(expected, rel=rel)
+    assert largest == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_peaks_of_a_free_rotor_are_its_modes_and_none_of_rounding(tmp_path, capsys):
