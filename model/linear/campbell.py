@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import scipy.linalg
 from scipy.optimize import brentq
 
 from ..arguments import numbers
@@ -17,6 +18,7 @@ from .spectrum import Spectrum
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _UNLIKE = 0.3  # shapes less alike than this are not of the same mode
+_OF_ITSELF = 0.01  # weight of a shape's own likeness beside that of the space it is any one of
 _PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
 _GROWING = 1e-9  # damping ratio below minus which a mode grows
 _PRECISION = 1e-12
@@ -169,13 +171,28 @@ def _found_again(seen: Sequence[Modes], places: np.ndarray, onward: np.ndarray) 
 
 
 def _likeness(a: Modes, b: Modes) -> np.ndarray:
-    """Return the modal assurance criterion of all shapes of a with all of b."""
+    """Return the modal assurance criterion of all shapes of a with all of b; of modes that share an
+    eigenvalue, whose shapes may be any of a space, of the space. Among those the criterion itself,
+    with a small weight, decides."""
     one, other = (
         np.hstack([m.x, m.y, m.housing_x, m.housing_y, m.slope_x * s, m.slope_y * s])
         for m, s in ((a, np.ptp(a.z) / 10), (b, np.ptp(b.z) / 10))
     )
-    products = np.abs(one.conj() @ other.T) ** 2
-    return products / np.outer(*(np.sum(np.abs(m) ** 2, axis=1) for m in (one, other)))
+    one, other = (m / np.linalg.norm(m, axis=1, keepdims=True) for m in (one, other))
+    alike = np.abs(one.conj() @ other.T) ** 2
+    within = np.maximum(_within(one, other, b), _within(other, one, a).T)
+    return np.where(within > alike, (1 - _OF_ITSELF) * within + _OF_ITSELF * alike, alike)
+
+
+def _within(shapes: np.ndarray, of: np.ndarray, modes: Modes) -> np.ndarray:
+    """Return how much of shapes lies in the space of each mode's eigenvalue, where others share it;
+    else 0. Shape (shapes, modes)."""
+    result = np.zeros((len(shapes), len(of)))
+    for mode, same in enumerate(modes.sharing):
+        if same.sum() > 1:
+            space = scipy.linalg.orth(of[same].T)
+            result[:, mode] = np.sum(np.abs(shapes.conj() @ space) ** 2, axis=1)
+    return result
 
 
 def _critical(
@@ -191,13 +208,12 @@ def _critical(
             *_critical(follow, (rest, b), np.array([lines, places[1]]), harmonic),
         ]
     result = []
-    for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
+    # a line that was found again did not oscillate in between
+    is_onward = follow.onward(a, b, places[0]) == places[1]
+    for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0) & is_onward):
         before = _excess(a, places[0][mode], harmonic)
         after = _excess(b, places[1][mode], harmonic)
-        if before == 0.0 or before * after > 0:
-            continue
-        # one that was found again did not oscillate in between
-        if follow.onward(a, b, places[0])[mode] == places[1][mode]:
+        if before != 0.0 and before * after <= 0:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             if at >= 0 and there.damping_ratio[at] < _PEAKING:
                 log_dec = float(there.log_dec[at])

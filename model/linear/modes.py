@@ -61,6 +61,12 @@ class Modes(Spectrum):
     residuals: np.ndarray
 
     @property
+    def sharing(self) -> np.ndarray:
+        """Which modes have the same eigenvalue as each mode, itself among them; shape (m, m)."""
+        apart = np.abs(self.eigenvalues[:, None] - self.eigenvalues)
+        return apart <= _DEGENERATE * np.abs(self.eigenvalues)
+
+    @property
     def is_sound(self) -> np.ndarray:
         """Which modes satisfy their equations within `DOUBTFUL`; others are dominated by
         rounding."""
