@@ -55,8 +55,8 @@ _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
 _SHARES = tuple(0.5**i for i in range(41))  # of such a step, down to what is rounding of it
 _MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
 # Of the displacements, and of `small` where they are none but rounding; the latter of a change that
-# no longer shrinks.
-_CHANGE, _STEADY = 1e-12, 1e-8
+# no longer shrinks, as where a pad is about to bear, whose force sets in with an infinite slope.
+_CHANGE, _STEADY = 1e-12, 1e-6
 
 
 class LinearMachine:

@@ -144,6 +144,25 @@ def test_a_journal_rests_where_another_pad_is_about_to_bear():
     assert _distance(parse_rotor("\n".join(tables)), 380.0) < 1e-6
 
 
+def test_a_journal_rests_where_the_force_of_a_pad_sets_in():
+    """The tangents say nothing there, in a range of speeds of 2e-9 rad/s."""
+    wheels = (5, 0.42), (6, 0.42), (7, 0.42), (8, 0.42), (9, 0.4), (10, 0.38)
+    diameters = [0.1, 0.11, 0.13, 0.14, *5 * [0.15], 0.15, 0.14, 0.13, 0.11, 0.09]
+    pads = {"pads": [math.radians(54 + 72 * n) for n in range(5)], "arc": math.radians(58)}
+    film = {"journal_radius": 0.06, "length": 0.05, "clearance": 0.09 * 1e-3, "viscosity": 0.02}
+    tilting = {"tilting": True, "pad_inertia": 2e-4, "preload": 0.3}
+    tables = (
+        table("material", young=206842718795.0509, density=7833.0),
+        table("shaft", nodes=[round(0.15 * i, 2) for i in range(15)], diameters=diameters),
+        *(table("[disc]", node=node, diameter=size, width=0.04) for node, size in wheels),
+        table("[disc]", node=15, diameter=0.2, width=0.05),
+        *(table("[journal_bearing]", node=node, **film, **pads, **tilting) for node in (3, 13)),
+    )
+    rotor = parse_rotor("\n".join(tables))
+    near, there = (static(rotor, speed=179.6327246805142 + apart).y for apart in (-1e-6, 0.0))
+    assert there == pytest.approx(near, rel=1e-6)
+
+
 @pytest.mark.slow
 def test_no_machine_rests_where_only_a_run_finds_it():
     distances = [_distance(*_drawn(seed)) for seed in range(12, 312)]
