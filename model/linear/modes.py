@@ -16,6 +16,7 @@ from ..arguments import number, shown_value
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from .linear_machine import LinearMachine
+from .orbit import AT_REST, semi_axes
 from .spectrum import Spectrum
 from .system_at_speed import Linear, LinearError
 
@@ -39,8 +40,9 @@ class Modes(Spectrum):
     """The lowest modes of a machine at a speed [rad/s], by natural frequency; m modes, n nodes.
 
     contacts: `open` or `pinned`; z: positions of the nodes [m], shape (n,); eigenvalues [1/s],
-    complex of shape (m,); x, y: shapes, complex of shape (m, n), the largest semi-axis 1; slope_x,
-    slope_y [1/m], alike; housing_x, housing_y: shape (m, housings); is_degenerate: shape (m,),
+    complex of shape (m,); x, y: shapes, complex of shape (m, n), the largest semi-axis 1, all 0
+    where housings move alone, the largest of which is 1 then; slope_x, slope_y [1/m], alike;
+    housing_x, housing_y: shape (m, housings); is_degenerate: shape (m,),
     whether a mode shares its eigenvalue, so that it may whirl either way; decays: eigenvalues of
     modes that do not oscillate [1/s], slowest first; residuals: the residual of each mode's
     equation, shape (m,) [1], about the relative error of its eigenvalue.
@@ -63,8 +65,7 @@ class Modes(Spectrum):
     @property
     def sharing(self) -> np.ndarray:
         """Which modes have the same eigenvalue as each mode, itself among them; shape (m, m)."""
-        apart = np.abs(self.eigenvalues[:, None] - self.eigenvalues)
-        return apart <= _DEGENERATE * np.abs(self.eigenvalues)
+        return _sharing(self.eigenvalues)
 
     @property
     def is_sound(self) -> np.ndarray:
@@ -105,7 +106,15 @@ class Modes(Spectrum):
         return tuple(PLANAR if is_any else _word(nodes, whole) for nodes, whole, is_any in seen)
 
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
-        return (self.x + 1j * self.y) / 2, (self.x - 1j * self.y).conj() / 2
+        """Return the parts of the nodes, and of the housings where no node moves."""
+        is_alone = ~(self.x.any(axis=1) | self.y.any(axis=1))[:, None]
+        x = np.hstack([self.x, self.housing_x * is_alone])
+        y = np.hstack([self.y, self.housing_y * is_alone])
+        return (x + 1j * y) / 2, (x - 1j * y).conj() / 2
+
+
+def _sharing(values: np.ndarray) -> np.ndarray:
+    return np.abs(values[:, None] - values) <= _DEGENERATE * np.abs(values)
 
 
 def _word(nodes: np.ndarray, whole: float) -> str:
@@ -149,7 +158,7 @@ def modes_of(machine: LinearMachine, linear: Linear, count: int) -> Modes:
         residuals = np.concatenate([residuals[:slower], fast[2][slower:]])
     result = np.argsort(np.abs(values))[:count]
     values, shapes = values[result], shapes[:, result]
-    degenerate = _untangle(values, shapes, machine)
+    _untangle(values, shapes, machine)
     n = 2 * len(machine.nodes)
     x, y = _scaled((machine.expand @ shapes).T, n)
     return Modes(
@@ -163,7 +172,7 @@ def modes_of(machine: LinearMachine, linear: Linear, count: int) -> Modes:
         slope_y=y[:, 1:n:2],
         housing_x=x[:, n:-1],
         housing_y=y[:, n:-1],
-        is_degenerate=degenerate,
+        is_degenerate=_sharing(values).sum(axis=1) > 1,
         decays=decays,
         residuals=residuals[result],
     )
@@ -262,15 +271,15 @@ def _eigen(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray]:
         wanted *= 2
 
 
-def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) -> np.ndarray:
+def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) -> None:
     """Make the two shapes of an eigenvalue that is there twice a forward and a backward circle, if
-    they can be; returns which modes share their eigenvalue."""
-    degenerate = np.zeros(len(values), dtype=bool)
+    they can be."""
+    paired = -1
     for i in range(len(values) - 1):
-        if degenerate[i] or abs(values[i + 1] - values[i]) > _DEGENERATE * abs(values[i]):
+        if i == paired or abs(values[i + 1] - values[i]) > _DEGENERATE * abs(values[i]):
             continue
         pair = shapes[:, i : i + 2]
-        degenerate[i : i + 2] = True
+        paired = i + 1
         whole = machine.expand @ pair
         x, y = whole[::2], whole[1::2]
         circles = []
@@ -281,19 +290,20 @@ def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) ->
                 circles.append(pair @ mixed[1].conj())
         if len(circles) == 2:
             shapes[:, i : i + 2] = np.column_stack(circles)
-    return degenerate
 
 
 def _scaled(whole: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """Return x and y of shapes, each with the largest orbit of a node, among the first n rows, of
-    size 1."""
-    x, y = whole[:, ::2], whole[:, 1::2]
-    forward, backward = np.abs(x + 1j * y) / 2, np.abs(x - 1j * y) / 2
-    axis = (forward + backward)[:, :n:2]
-    at = np.argmax(axis, axis=1)
-    each = np.arange(len(whole))
+    size 1; where nodes move by rounding alone they rest, and it is that of a housing."""
+    x, y = whole[:, ::2].copy(), whole[:, 1::2].copy()
+    axis, _ = semi_axes(x, y)
+    axis[:, 1:n:2] = 0.0  # slopes
+    is_alone = axis[:, :n].max(axis=1) < AT_REST * axis[:, n:].max(axis=1)
+    x[is_alone, :n] = y[is_alone, :n] = axis[is_alone, :n] = 0.0
+    axis[~is_alone, n:] = 0.0
+    each, at = np.arange(len(whole)), np.argmax(axis, axis=1)
     # phase: x at the largest orbit real, or y where there is no x
-    lead = np.where(np.abs(x[each, 2 * at]) >= np.abs(y[each, 2 * at]), x[each, 2 * at], 0)
-    lead = np.where(lead == 0, y[each, 2 * at], lead)
+    lead = np.where(np.abs(x[each, at]) >= np.abs(y[each, at]), x[each, at], 0)
+    lead = np.where(lead == 0, y[each, at], lead)
     factor = (np.abs(lead) / (lead * axis[each, at]))[:, None]
     return x * factor, y * factor

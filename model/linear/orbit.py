@@ -6,6 +6,10 @@ with and b = conj(X - i Y) / 2 that turns against the shaft.
 
 import numpy as np
 
+AT_REST = (
+    1e-9  # of the largest orbit of a mode: nodes whose orbits are smaller rest, but for rounding
+)
+
 
 def forward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return f of complex amplitudes."""

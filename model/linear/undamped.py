@@ -22,6 +22,7 @@ from ..parts.linear_bearing import Seal
 from ..structure.strain_solver import StrainedMatrices
 from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
+from .orbit import AT_REST
 from .real_matrices import Between, differences
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
@@ -151,12 +152,13 @@ class UndampedMachine:
 
     def planar_shapes(self, speed: float) -> np.ndarray:
         """Return the deflections of the modes at standstill along the nodes, the largest 1, by
-        ascending frequency, shape (m, n); with the mean of both direct stiffnesses that each
-        bearing has at a speed [rad/s]."""
+        ascending frequency, shape (m, n), without those of housings alone; with the mean of both
+        direct stiffnesses that each bearing has at a speed [rad/s]."""
         own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
         inverse = self._inverse(own, self.mass.astype(complex))
         _, shapes = _solve(_half(inverse, _ACROSS)[0])
-        w = shapes[: 2 * self._nodes : 2].T
+        largest = np.abs(shapes[: 2 * self._nodes : 2]).max(axis=0)
+        w = shapes[: 2 * self._nodes : 2, largest > AT_REST * np.abs(shapes).max(axis=0)].T
         return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
 
     def _inverse(self, stiffness: float | np.ndarray, mass: np.ndarray) -> np.ndarray:
