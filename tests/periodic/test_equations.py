@@ -58,7 +58,8 @@ def test_the_jacobian_is_the_derivative(kind, is_autonomous):
         seen = (problem.residual(x + step, 120.0) - problem.residual(x - step, 120.0)) / (2 * size)
         assert np.abs(seen - jacobian[:, i]).max() <= 1e-3 * np.abs(jacobian).max()
     seen = problem.residual(x, 120.0 + 1e-4) - problem.residual(x, 120.0 - 1e-4)
-    assert np.abs(100 * seen / 2e-4 - by_speed).max() <= 1e-3 * np.abs(by_speed).max()
+    rounding = 1e-8 * np.abs(residual).max()  # over a step of 2e-4 of 120
+    assert np.abs(100 * seen / 2e-4 - by_speed).max() <= 1e-3 * np.abs(by_speed).max() + rounding
 
 
 PADS = """
