@@ -143,3 +143,24 @@ def test_without_what_limits_threads_the_linear_answers_are_there(tmp_path):
     done = without("threadpoolctl", "modes", "--speed", "100", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "modes.png").exists()
+
+
+def test_the_recipe_of_conda_asks_for_the_same_packages():
+    recipe = (ROOT / "packaging" / "conda-forge" / "recipe.yaml").read_text()
+    run, constraints = re.search(
+        r"  run:\n(.*?)  run_constraints:\n(.*?)\n\n", recipe, re.DOTALL
+    ).groups()
+    ranges = [
+        dict(re.findall(r"- ([a-z0-9]+)(?:-base)? (>=\S+)", lines)) for lines in (run, constraints)
+    ]
+    ours = [
+        dict(re.findall(r"([a-z0-9]+)(>=\S+)", " ".join(of)))
+        for of in (
+            [f"python{PROJECT['requires-python']}", *PROJECT["dependencies"]],
+            [
+                *PROJECT["optional-dependencies"]["units"],
+                *PROJECT["optional-dependencies"]["report"],
+            ],
+        )
+    ]
+    assert ranges == ours
