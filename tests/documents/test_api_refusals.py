@@ -6,6 +6,7 @@ import pytest
 import rotor_fmu as rf
 
 RIG = rf.load()
+NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
 
 
 @pytest.mark.parametrize(
@@ -15,6 +16,7 @@ RIG = rf.load()
         ({"stop": -1.0}, "stop = -1 s: must be > 0"),
         ({"stop": 1.0, "preset": "best"}, "preset = 'best': must be one of"),
         ({"stop": 1.0, "tolerance": 2.0}, "solver.tolerance = 2.0: must be"),
+        ({"stop": 1.0, "preset": NAMES}, r"^preset = array\(.*\): must be one of robust"),
         ({"stop": 1.0, "loads": {"disc[2].fz": 1.0}}, r"'disc\[2\].fz' is unknown; .* disc\[2\].f"),
         ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
         ({"stop": 1.0, "parameters": {"gravity": -1}}, r"^gravity = -1 m/s2: must be"),
@@ -90,6 +92,9 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
             lambda: rf.response(RIG, speed=(1.0, 2.0), loads={"disc[2].fy": "a"}),
             r"loads: disc\[2\].fy = 'a': must be a number",
         ),
+        (lambda: RIG.modes(contacts=NAMES), "contacts = .*: must be one of open, pinned"),
+        (lambda: RIG.stability(5.0, level=NAMES), "level = .*: must be 1 or 2"),
+        (lambda: rf.build_fmu(RIG, fmi=NAMES), "fmi = .*: must be 2 or 3"),
         (lambda: RIG.static("fast"), "speed = 'fast': must be a number"),
         (lambda: RIG.modes(count=2.5), "count = 2.5: must be an integer, at least 1"),
         (
@@ -143,6 +148,24 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
 def test_what_an_analysis_cannot_be_asked_is_refused_in_one_line(ask, expected):
     with pytest.raises(rf.InputError, match=f"^{expected}$"):
         ask()
+
+
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (lambda run: run.plot(NAMES), r"kind = array\(.*\): must be one of .*"),
+        (lambda run: run.plot("bode", NAMES), "place = .*: the recording has no such place.*"),
+        (lambda run: run.orbit(NAMES[:1]), "place = .*: the recording has no such place.*"),
+        (
+            lambda run: run.plot("contact-angle", NAMES),
+            "place = .*: the recording has no such contact.*",
+        ),
+    ],
+)
+def test_an_array_is_no_place_of_a_run(ask, expected):
+    run = rf.simulate(RIG, speed=100.0, stop=0.1)
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        ask(run)
 
 
 def test_files_that_are_none_are_refused_by_their_name(tmp_path):
