@@ -15,7 +15,11 @@ NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
         ({}, "stop: must be given where the speed and the loads are constant"),
         ({"stop": -1.0}, "stop = -1 s: must be > 0"),
         ({"stop": 1.0, "preset": "best"}, "preset = 'best': must be one of"),
-        ({"stop": 1.0, "tolerance": 2.0}, "solver.tolerance = 2.0: must be"),
+        ({"stop": 1.0, "tolerance": 2.0}, r"^tolerance = 2\.0: must be"),
+        (
+            {"stop": 1.0, "parameters": {"solver.tolerance": 2.0}},
+            r"^solver\.tolerance = 2\.0: must be",
+        ),
         ({"stop": 1.0, "preset": NAMES}, r"^preset = array\(.*\): must be one of robust"),
         ({"stop": 1.0, "loads": {"disc[2].fz": 1.0}}, r"'disc\[2\].fz' is unknown; .* disc\[2\].f"),
         ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
