@@ -16,6 +16,7 @@ from .bearing_columns import (
     draw_coefficients,
     draw_lines,
     in_clearance,
+    parted,
     shown_either_way,
     shown_span,
     speed_and_load,
@@ -82,8 +83,8 @@ class BearingCurves(Displayed, linear.BearingCurves):
         figure, panels = new_panels(8.4, 10.9 if tilts else 7.4, 3 if tilts else 2, 2)
         locus, around, *over_speed = panels
         x, y = self.x / self.clearance, self.y / self.clearance
-        locus.plot(x, y, "-", color=BLUE, lw=1.4)
         d, (varied, unit, what) = current(), what_varies(self)
+        locus.plot(*parted(varied, x, y)[1:], "-", color=BLUE, lw=1.4)
         for i, color in ((0, BLUE), (len(x) - 1, ORANGE)):
             label = f"{varied[i]:.4g} {unit}"
             locus.plot(x[i], y[i], "o", color=color, label=label)
@@ -233,7 +234,8 @@ class RingCurves(Displayed, linear.RingCurves):
             (self.x, self.y, "journal", BLUE),
             (self.ring_x, self.ring_y, "ring", ORANGE),
         ):
-            locus.plot(x * d.small, y * d.small, mark, ms=4, color=color, lw=1.4, label=label)
+            path = parted(varied, x * d.small, y * d.small)[1:]
+            locus.plot(*path, mark, ms=4, color=color, lw=1.4, label=label)
             locus.plot(x[0] * d.small, y[0] * d.small, "o", color=color)
         circle = self.outer_clearance * d.small * np.exp(1j * ANGLES)
         locus.plot(circle.real, circle.imag, color="black", lw=1.2, label="outer clearance")
@@ -241,7 +243,7 @@ class RingCurves(Displayed, linear.RingCurves):
         locus.set(xlabel=f"x [{d.small_word}]", ylabel=f"y [{d.small_word}]")
         entitle(locus, f"Journal and ring at rest; dots at {varied[0]:.4g} {unit}", 9)
         locus.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 0.92))
-        ratio.plot(varied, self.ratio, mark, ms=4, color=BLUE, lw=1.4)
+        ratio.plot(*parted(varied, self.ratio), mark, ms=4, color=BLUE, lw=1.4)
         ratio.set_ylabel("Speed of the ring over the rotor's [1]")
         ratio.set_ylim(bottom=0.0)
         draw_coefficients(panels, self, mark)

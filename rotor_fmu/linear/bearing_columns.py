@@ -89,10 +89,18 @@ def draw_coefficients(panels: Sequence[Axes], result: Curves, mark: str) -> None
         axes.set_ylabel(name)
 
 
+def parted(over: np.ndarray, *curves: np.ndarray) -> list[np.ndarray]:
+    """Return a speed or load and curves over it, along their last axis, with a gap between both
+    senses of rotation."""
+    at = 1 + np.flatnonzero(over[1:] * over[:-1] < 0.0)
+    return [np.insert(np.asarray(of, float), at, np.nan, axis=-1) for of in (over, *curves)]
+
+
 def draw_lines(
     axes: Axes, over: np.ndarray, values: np.ndarray, labels: list[str], mark: str, group: int = 1
 ) -> None:
     """Draw lines, every other group of them dashed: those of the same values are seen."""
+    over, values = parted(over, values)
     for n, (of, label, color) in enumerate(zip(values, labels, COLORS, strict=False)):
         dashes = mark.replace("-", "--") if n // group % 2 else mark
         axes.plot(over, of, dashes, ms=4, color=color, lw=1.4, label=label)

@@ -223,6 +223,21 @@ def test_a_film_whose_journal_turns_backwards_whirls_as_its_mirror_image_does():
     np.testing.assert_allclose(shares[1][::-1], shares[0], rtol=1e-6)
 
 
+def test_no_curve_leads_from_one_sense_of_rotation_to_the_other():
+    rotor, speeds = in_films(), np.linspace(-1800.0, 1800.0, 10)
+    ring = parse_rotor((EXAMPLES / "turbocharger" / "rotor.toml").read_text(encoding="utf-8"))
+    for found in (
+        bearing_answers.bearing(rotor, speeds, load=200.0),
+        bearing_answers.floating_ring(ring, speeds, bearing="floating_ring_bearing[1]", load=1.0),
+    ):
+        lines = [line for axes in found.figure().axes for line in axes.lines]
+        curves = [line for line in lines if len(line.get_xdata()) == 11]
+        assert len(curves) >= 9
+        for line in curves:
+            gaps = [np.flatnonzero(np.isnan(of)).tolist() for of in line.get_data()]
+            assert gaps == [[5], [5]]
+
+
 def test_a_film_without_a_load_is_neither_judged_by_a_mass_nor_measured_by_its_load():
     """A vertical machine puts none on it: a mass of 0 kg whirls nowhere, and where the forces of
     the lobes cancel what is left of them is rounding."""
