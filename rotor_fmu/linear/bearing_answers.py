@@ -55,14 +55,16 @@ class BearingCurves(Displayed, linear.BearingCurves):
         return Table.of(f"{self.bearing}: {self._stability()}", columns)
 
     def _stability(self) -> str:
-        """Return which mass whirls, and where."""
+        """Return which mass whirls, and where; one may leave an equilibrium that holds no mass at
+        all without a whirl."""
         d = current()
+        whirls = "whirls" if self.critical_mass.all() else "is unstable"
         if varies_load(self):
             shown = [f"{load * d.force:.6g} {d.force_unit}" for load in self.turns]
             loads = np.hypot(*self.load.T)
             least = int(loads.argmin())
             is_first = self.critical_mass[least] < self.mass * loads[least] / loads[0]
-            where = whirls_where(bool(is_first), shown)
+            where = whirls_where(bool(is_first), shown, whirls)
             return f"a mass that weighs its load {where}"
         if self.mass == 0.0:
             return "it bears no load"
@@ -71,10 +73,9 @@ class BearingCurves(Displayed, linear.BearingCurves):
             return f"{mass} does not whirl"
         is_slowest = self.threshold not in self.turns
         if is_slowest and not len(self.turns):
-            return f"{mass} whirls already above {shown_either_way(self.threshold)}"
-        return (
-            f"{mass} {whirls_where(is_slowest, [shown_either_way(speed) for speed in self.turns])}"
-        )
+            return f"{mass} {whirls} already above {shown_either_way(self.threshold)}"
+        turns = [shown_either_way(speed) for speed in self.turns]
+        return f"{mass} {whirls_where(is_slowest, turns, whirls)}"
 
     def figure(self) -> Figure:
         """Draw the journal's locus in its clearance, the pressure around it, and stiffness and

@@ -23,16 +23,16 @@ def shown_either_way(speed: float) -> str:
     return f"{speed_with_unit(abs(speed))} ({abs(speed):.6g} rad/s)"
 
 
-def whirls_where(is_first: bool, turns: Sequence[str]) -> str:
+def whirls_where(is_first: bool, turns: Sequence[str], whirls: str) -> str:
     """Return between which of these values a mass whirls, which at each of them begins to, or ends;
-    is_first: whether it does below them."""
+    is_first: whether it does below them; whirls: the word for it."""
     if not turns:
-        return "whirls" if is_first else "does not whirl"
+        return whirls if is_first else "does not whirl"
     places = [f"below {turns[0]}"] if is_first else []
     rest = turns[is_first:]
     places += [f"from {begin} to {end}" for begin, end in zip(rest[::2], rest[1::2], strict=False)]
     places += [f"above {rest[-1]}"] if len(rest) % 2 else []
-    return f"whirls {' and '.join(places)}"
+    return f"{whirls} {' and '.join(places)}"
 
 
 def what_varies(result: Curves) -> tuple[np.ndarray, str, str]:
