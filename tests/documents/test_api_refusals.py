@@ -107,6 +107,14 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
         ),
         (lambda: RIG.stability("fast"), "speed = 'fast': must be a number"),
         (lambda: RIG.stability(5.0, anticipated="1"), "anticipated = '1': must be a number"),
+        (
+            lambda: RIG.stability(5.0, level=2, cross_couplings=[4, 1e5]),
+            r"cross_couplings = \[4, 100000\.0\]: must be a dictionary",
+        ),
+        (
+            lambda: RIG.stability(5.0, level=2, cross_couplings={4: "1"}),
+            "cross_couplings = .*: must be a list of numbers",
+        ),
         (lambda: RIG.stability(5.0, node="4"), "node = '4': must be an integer from 1 to 8"),
         (lambda: RIG.unbalance_check("1", 2.0, [4]), "low = '1': must be a number"),
         (lambda: RIG.unbalance_check(1.0, 2.0, 4), "probes = 4: must be a list of nodes"),
@@ -170,6 +178,14 @@ def test_an_array_is_no_place_of_a_run(ask, expected):
     run = rf.simulate(RIG, speed=100.0, stop=0.1)
     with pytest.raises(rf.InputError, match=f"^{expected}$"):
         ask(run)
+
+
+def test_a_cross_coupling_may_be_an_array_of_no_dimension():
+    one, other = (
+        RIG.stability(5.0, anticipated=of, contacts="pinned") for of in (1e3, np.array(1e3))
+    )
+    assert other.anticipated == one.anticipated
+    assert other.log_dec_anticipated == one.log_dec_anticipated
 
 
 def test_files_that_are_none_are_refused_by_their_name(tmp_path):
