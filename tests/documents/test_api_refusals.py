@@ -149,6 +149,9 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
             lambda: rf.build_fmu(RIG, platforms="linux64"),
             "platforms = 'linux64': must be a list of .*",
         ),
+        (lambda: rf.build_fmu(RIG, reduction="4"), "reduction = '4': must be a number"),
+        (lambda: rf.build_fmu(RIG, reduction=None), "reduction = None: must be a number"),
+        (lambda: rf.response(RIG, speed=np.array(5.0)), r"speed = 5\.0: must be FROM and TO"),
         (lambda: rf.build_fmu(RIG, parameters=3), "parameters = 3: must be a dictionary"),
         (lambda: RIG.campbell(5.0), "speeds = 5.0: must be a list of numbers"),
         (
