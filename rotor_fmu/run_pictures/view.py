@@ -67,9 +67,10 @@ class View:
         the run never had."""
         if self.chosen_speed is not None:
             chosen = number("speed", self.chosen_speed)
-            low, high = float(np.nanmin(self.run.w)), float(np.nanmax(self.run.w))
+            known = self.run.w[np.isfinite(self.run.w)]
+            low, high = known.min(initial=np.inf), known.max(initial=-np.inf)
             reach = _AS_GOOD * max(abs(low), abs(high))
-            if not low - reach <= chosen <= high + reach:
+            if len(known) and not low - reach <= chosen <= high + reach:
                 had = f"{low:g} to {high:g}" if low < high else f"{low:g}"
                 raise InputError(f"speed = {chosen:g} rad/s: the run turns at {had} rad/s")
             return chosen
