@@ -3,7 +3,7 @@
 import math
 import os
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Collection, Hashable, Mapping
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,11 @@ from .quantities import POSITIVE
 def shown_value(name: str, value: object) -> str:
     """Return an argument and its value in one line, shortened."""
     return f"{name} = {' '.join(reprlib.repr(value).split())}"
+
+
+def is_one_of(value: object, known: Collection[object]) -> bool:
+    """Return whether an argument of any type is among the known values, as no list or array is."""
+    return isinstance(value, Hashable) and value in tuple(known)
 
 
 def number(name: str, value: Any) -> float:

@@ -12,6 +12,7 @@ from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from .model.arguments import check_positive as check_positive
+from .model.arguments import is_one_of as is_one_of
 from .model.arguments import listed as listed
 from .model.arguments import mapped as mapped
 from .model.arguments import number as number
@@ -134,7 +135,7 @@ def check_one_of(given: str, value: object, known: Collection[str]) -> None:
 
     given: the value and what it is of, in the words of who gave it.
     """
-    if value not in tuple(known):  # it may be a list, which no dictionary can look up
+    if not is_one_of(value, known):
         near = near_names(value, known)
         meant = f"; did you mean {near[0]}?" if near else ""
         raise InputError(f"{given}: must be one of {', '.join(known)}{meant}")

@@ -24,7 +24,7 @@ def unfinished(path: Path) -> Iterator[Path]:
         raise InputError(f"{path}: is a folder, where a file of this name is to be written")
     # the suffix last: writers choose formats by it
     part = path.with_name(f"{path.stem}.part{path.suffix}")
-    with _named(path, str(part)):
+    with named(path, str(part)):
         try:
             yield part
             part.replace(path)
@@ -36,12 +36,12 @@ def unfinished(path: Path) -> Iterator[Path]:
 def scratch_folder() -> Iterator[Path]:
     """A temporary folder; an `OSError` that names no file, as of a full disk, is raised with its
     name."""
-    with TemporaryDirectory(prefix="rotor_fmu_") as name, _named(Path(name)):
+    with TemporaryDirectory(prefix="rotor_fmu_") as name, named(Path(name)):
         yield Path(name)
 
 
 @contextmanager
-def _named(path: Path, *others: str) -> Iterator[None]:
+def named(path: Path, *others: str) -> Iterator[None]:
     """Raise an `OSError` that names no file, or one of the others, with the name of a path."""
     try:
         yield

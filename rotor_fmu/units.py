@@ -44,7 +44,7 @@ _MEASURED = {
     "degC": ("a temperature", ""),
     "1": ("a number", "percent"),
 }
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^:]*?)\s*")
 # What no unit contains: commas and sums, and numbers that are no exponents nor the 1 of 1/min. Pint
 # would calculate with them: 0,01 mm, 1 000 rpm and 1+1 mm would be 0, 0 and 1.
 _NO_UNIT = re.compile(r"^\.|[,+]|\s-|-\s|(?<![\w.^)])(?<!\*\*)(?<!\^-)(?<!\*\*-)\d")

@@ -7,7 +7,7 @@ from ..kernels.functions import angle, direction
 from ..kernels.jit import jit, jit_not_inlined
 from .bearing_film import TURNS, pad_count, pad_of, short_share, solved, thinnest
 from .short_film import blunted, shear, short_load, sommerfeld
-from .zone_pressure import conductance, floored, vectors, zone_bound
+from .zone_pressure import SOURCE, conductance, floored, vectors, zone_bound
 
 _PEAK_STEPS = 96  # for 1e-3 of the largest pressure
 
@@ -63,7 +63,7 @@ def _driven(film, at, inner, outer, step):
     that between the nodes, and half a cell of the source 1.25 f (`zone_pressure`)."""
     f = at.cosine[outer] * film.S.real + at.sine[outer] * film.S.imag
     passes = conductance(at.thickness[inner], at.thickness[outer])
-    return passes * (at.P[inner] - at.P[outer]) / step + 0.625 * step * at.slope[outer] * f
+    return passes * (at.P[inner] - at.P[outer]) / step + 0.5 * SOURCE * step * at.slope[outer] * f
 
 
 @jit

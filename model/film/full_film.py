@@ -12,7 +12,7 @@ import math
 
 from ..kernels.jit import jit, jit_not_inlined
 from .load_derivatives import ADJOINTS, OF_X, OF_Y, clear_ends, gradient, pairs_of, solve_adjoints
-from .zone_pressure import Zone, conductance, fill_pressure, vectors
+from .zone_pressure import SOURCE, Zone, conductance, fill_pressure, vectors
 
 
 @jit_not_inlined
@@ -48,7 +48,7 @@ def _close(film, zone, work):
     out = first * (1.0 - at.adjoint[ADJOINTS]) + last * (1.0 - at.adjoint[ADJOINTS * (n - 1)])
     at.inverse[0] = 1.0 / (out + film.a * step * cube)
     f = at.slope[0] * (at.cosine[0] * film.S.real + at.sine[0] * film.S.imag)
-    joint = first * at.P[1] + last * at.P[n - 1] + 1.25 * step * f
+    joint = first * at.P[1] + last * at.P[n - 1] + SOURCE * step * f
     joint *= at.inverse[0]
     for i in range(n + 1):
         at.P[i] += joint * at.adjoint[ADJOINTS * i]

@@ -4,7 +4,7 @@ free ends, all four at once, with the factors of the pressure's own matrix (`zon
 from typing import NamedTuple
 
 from ..kernels.jit import jit, jit_not_inlined
-from .zone_pressure import conductance, vectors
+from .zone_pressure import SOURCE, conductance, vectors
 
 ADJOINTS = 4  # of the load's x and y, and of the flows at the first and the last end
 OF_X, OF_Y, OF_FIRST, OF_LAST = range(ADJOINTS)
@@ -43,8 +43,8 @@ def gradient(film, zone, work, column):
             weight = 0.5 * step if i == 0 else step
         f = cosine[i] * S.real + sine[i] * S.imag
         loaded = weight * by_residual
-        stretched += loaded * (film.a * h * h * h * P[i] - 1.25 * slope[i] * f)
-        of_f = -1.25 * loaded
+        stretched += loaded * (film.a * h * h * h * P[i] - SOURCE * slope[i] * f)
+        of_f = -SOURCE * loaded
         of_h = (before + after + 3.0 * loaded * film.a * h * h * P[i]) * slope[i]
         of_h += of_f * bend[i] * f
         of_f *= slope[i]

@@ -19,6 +19,7 @@ from typing import NamedTuple
 from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_not_inlined
 
+SOURCE = 1.25  # factor of f in Reynolds' equation, of the parabola across the length
 VECTORS = 11  # vectors of n + 1 numbers in the work array of a zone: `Vectors`
 _ITERATIONS = 600  # a few as a rule; hundreds where elements are few and the film thin
 _CONVERGED = 1e-10  # of the ends [rad]
@@ -186,7 +187,7 @@ def fill_pressure(film, first, last, work):
     nodes = vectors(film, work)
     cosine, sine, thickness, slope, _, P, inverse, _ = nodes
     step = (last - first) / n
-    per, mass, source = weights = (1.0 / step, film.a * step, 1.25 * step)
+    per, mass, source = weights = (1.0 / step, film.a * step, SOURCE * step)
     P[0] = 0.0
     P[n] = 0.0
     middle = n // 2
@@ -215,7 +216,7 @@ def fill_pressure(film, first, last, work):
     fall = per * conductance(thickness[n - 1], thickness[n]) * P[n - 1] + 0.5 * source * f_n
     by_0 = 1.0 / (thickness[0] * thickness[0] * thickness[0])
     by_n = 1.0 / (thickness[n] * thickness[n] * thickness[n])
-    return rise * by_0, -1.25 * f_0 * by_0, -fall * by_n, -1.25 * f_n * by_n
+    return rise * by_0, -SOURCE * f_0 * by_0, -fall * by_n, -SOURCE * f_n * by_n
 
 
 @jit

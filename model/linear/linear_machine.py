@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import scipy.sparse as sp
 
+from ..arguments import is_one_of
 from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
 from ..parts.housing import masses
@@ -68,7 +69,7 @@ class LinearMachine:
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
-        if contacts not in (None, *CONTACTS):
+        if not is_one_of(contacts, (None, *CONTACTS)):
             raise LinearError(f"contacts = {contacts}: must be one of {', '.join(CONTACTS)}")
         self.rotor = rotor
         self.structure = assemble(rotor)

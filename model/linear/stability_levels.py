@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import check_positive, number, numbers
+from ..arguments import check_positive, mapped, number, numbers
 from ..machine.rotor import Rotor
 from ..parts.base import BodyElement
 from ..parts.linear_bearing import LinearBearing, Seal
@@ -144,9 +144,10 @@ def level_1(
     or a stiffness cannot be, or the machine has no forward mode.
     """
     stages = anticipated if isinstance(anticipated, Mapping) else {}
-    expected = anticipated
-    if isinstance(expected, Mapping):
-        expected = sum(numbers("anticipated", expected.values()))
+    if isinstance(anticipated, Mapping):
+        expected = sum(numbers("anticipated", anticipated.values()))
+    else:
+        expected = number("anticipated", anticipated)
     _check(speed, expected)
     bare = rotor if seals else without_seals(rotor)
     at = _stage_node(rotor, stages, contacts) if node is None else node
@@ -196,8 +197,8 @@ def level_2(
     """
     bare = without_seals(rotor)
     seals = {where: part for where, part in rotor.named_parts() if isinstance(part, Seal)}
-    given = cross_couplings or {}
-    total = sum(given.values())
+    given = mapped("cross_couplings", cross_couplings)
+    total = sum(numbers("cross_couplings", given.values()))
     _check(speed, total)
     _check_nodes(rotor, given)
     variants: list[tuple[str, tuple[LinearBearing, ...], float]] = [("rotor and bearings", (), 0.0)]
@@ -255,5 +256,5 @@ def _bodies(rotor: Rotor) -> dict[int, float]:
 
 def _check(speed: float, anticipated: float) -> None:
     check_positive("speed", speed, "rad/s", LinearError)
-    if not (math.isfinite(number("anticipated", anticipated)) and anticipated >= 0):
+    if not (math.isfinite(anticipated) and anticipated >= 0):
         raise LinearError(f"anticipated cross coupling = {anticipated:g} N/m: must be >= 0")

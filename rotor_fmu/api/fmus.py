@@ -81,6 +81,7 @@ def build_fmu(
     check_machine(machine)
     if step is not None:
         check_positive("step", step := number("step", step), "s")
+    number("reduction", reduction)  # its range is the FMU's
     kind = FmuKind(is_native, is_source, fmi)
     chosen_step = None if step is None else f"step = {step:g} s"
     options = ("is_native", "is_source", "platforms")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, is_one_of
 from ..model.machine.rotor import Rotor
 
 if TYPE_CHECKING:
@@ -223,7 +223,7 @@ class LinearAnalyses:
         """
         from ..linear.stability_answers import level_1, level_2
 
-        if level not in (1, 2):
+        if not is_one_of(level, (1, 2)):
             raise InputError(f"level = {level}: must be 1 or 2")
         if level == 1:
             return level_1(self.rotor, speed, **options)

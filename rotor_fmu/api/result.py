@@ -190,8 +190,8 @@ class Result(RecordedSignals):
         Raises
         ------
         InputError
-            If there is no such kind of picture, nor such a place, or an argument does not change
-            this kind.
+            If there is no such kind of picture, nor such a place, or the run never had such a
+            speed, or an argument does not change this kind.
         """
         from ..run_pictures.signal_plots import KINDS
         from ..run_pictures.view import View

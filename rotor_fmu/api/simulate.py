@@ -154,12 +154,13 @@ def plan(
     given: dict[str, float | str] = parameters
     if preset is not None:
         check_one_of(f"preset = {preset!r}", preset, PRESETS)
-    for option, chosen in (("preset", preset), ("tolerance", tolerance)):
-        if chosen is None:
-            continue
-        if f"{PREFIX}{option}" in given:
-            raise InputError(f"{option} = {chosen!r}: parameters give {PREFIX}{option} too")
-        given[f"{PREFIX}{option}"] = chosen
+    options = (("preset", preset), ("tolerance", tolerance))
+    arguments = {f"{PREFIX}{option}": chosen for option, chosen in options if chosen is not None}
+    for name, chosen in arguments.items():
+        if name in given:
+            option = name.removeprefix(PREFIX)
+            raise InputError(f"{option} = {chosen!r}: parameters give {name} too")
+        given[name] = chosen
     inputs = {v.name for v in table if v.causality == "input"}
     for name in given.keys() & inputs:
         raise InputError(f"parameters: {name} is an input: give it as speed or among loads")
@@ -167,7 +168,9 @@ def plan(
         values = parse_settings(table, [f"{name}={value}" for name, value in given.items()])
         return make_job(machine.toml, machine.rotor, values, signals, stop, step)
     except ValueError as error:
-        raise InputError(str(error).removeprefix("--set ")) from error
+        said = str(error).removeprefix("--set ")
+        is_argument = said.partition(" ")[0] in arguments
+        raise InputError(said.removeprefix(PREFIX) if is_argument else said) from error
 
 
 def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float | None) -> Signals:

@@ -26,6 +26,7 @@ from .master import Connection, Side, run_jacobi
 from .member import Member
 
 PARTNER, ROTOR = "partner", "rotor"
+_SLAVE = partner_slave.TableSlave.__name__
 _LISTED = ("name", "causality", "unit", "start", "minimum", "description")
 CAUSALITIES = ("input", "output", "parameter", "local")
 
@@ -90,7 +91,7 @@ class Coupling:
     @property
     def variables(self) -> tuple[Variable, ...]:
         """Variables of the partner, in the order of their value references. Raises `InputError` for
-        a unit or a causality that no FMU has."""
+        a unit or a causality that no FMU has, and where `BEGUN` is missing."""
         variables = listed_variables(self._table("VARIABLES", *_LISTED))
         for v in variables:
             where = f"{self.source.name}: VARIABLES: {v.name}"
@@ -101,12 +102,30 @@ class Coupling:
                 raise InputError(
                     f"{where}: the unit {v.unit!r} is unknown; must be SI units such as N.m, kg/m3"
                 ) from None
+        if partner_slave.BEGUN[0] not in [v.name for v in variables]:
+            raise InputError(f"{self.source.name}: VARIABLES: has no BEGUN")
         return variables
+
+    def _check_slave(self) -> None:
+        """Raise `InputError` unless the source has a slave with a table and all that it must do."""
+        for slave in self._declared.values():
+            # by name: the copy in an FMU that has run in this process is another class
+            if _SLAVE in [base.__name__ for base in getattr(slave, "__mro__", ())[1:]]:
+                lacks = [] if hasattr(slave, "VARIABLES") else ["VARIABLES"]
+                lacks += sorted(slave.__abstractmethods__)
+                if lacks:
+                    said = f"{self.source.name}: {slave.__name__}: has no "
+                    raise InputError(said + " and no ".join(lacks))
+                return
+        raise InputError(f"{self.source.name}: has no subclass of {_SLAVE}")
 
     def build(self, out: Path) -> Path:
         """Build the partner's FMU in the folder `out` and return its path; equal sources give equal
-        bytes. Raises `OSError` if `out` cannot be written."""
-        return build_partner(self.source, self.variables, out / self.fmu_name)
+        bytes. Raises `OSError` if `out` cannot be written, `InputError` for a source without a
+        slave that can run."""
+        variables = self.variables
+        self._check_slave()
+        return build_partner(self.source, variables, out / self.fmu_name)
 
     @contextmanager
     def open(

@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib.resources import files
@@ -19,6 +19,7 @@ from itertools import chain
 from pathlib import Path
 
 from ..errors import RunFailed
+from ..files import named, scratch_folder
 from ..model.kernels.cache import private_folder
 from ..model.kernels.digest import CARRIED, imported, made_here, record, syntax_digest
 from ..model.kernels.library import file_name, find, here
@@ -107,10 +108,10 @@ def library(platform: Platform) -> Path:
         )
     print(f"making the library for {platform.name}", file=sys.stderr, flush=True)
     folder = _folder()
-    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
-        work = Path(name)
+    emitted = kernels()
+    with scratch_folder() as work:
         made = work / f"library{platform.suffix}"
-        link(platform, objects(platform, kernels(), work), made)
+        link(platform, objects(platform, emitted, work), made)
         return _put(folder, platform, made.read_bytes())
 
 
@@ -175,25 +176,22 @@ def kernels() -> Path:
     return folder
 
 
-class unfinished_folder:
-    """A folder that is moved to its place when all in it is done."""
-
-    def __init__(self, target: Path) -> None:
-        self._target = target
-
-    def __enter__(self) -> Path:
-        self._target.parent.mkdir(parents=True, exist_ok=True)
-        self._work = Path(tempfile.mkdtemp(prefix="part-", dir=self._target.parent))
-        return self._work
-
-    def __exit__(self, kind: type | None, *_: object) -> None:
-        if kind is None:
+@contextlib.contextmanager
+def unfinished_folder(target: Path) -> Iterator[Path]:
+    """A folder that is moved to its place when all in it is done; an `OSError` that names no file,
+    as of a full disk, is raised with the name of the place."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with named(target):
+        work = Path(tempfile.mkdtemp(prefix="part-", dir=target.parent))
+        try:
+            yield work
             try:
-                self._work.rename(self._target)
+                work.rename(target)
             except OSError:  # another process was faster
-                if not self._target.is_dir():
+                if not target.is_dir():
                     raise
-        shutil.rmtree(self._work, ignore_errors=True)
+        finally:
+            shutil.rmtree(work, ignore_errors=True)
 
 
 def forget_old(versions: Path, pattern: str) -> None:
@@ -283,12 +281,16 @@ def _link_command(
 
 
 def _run_all(commands: list[list[str]], what: str) -> None:
-    """Run commands at the same time. Raises `LibraryError` if one fails."""
+    """Run commands at the same time. Raises `LibraryError` if one fails, `OSError` where Python
+    says by its number why a file cannot be written, but not which."""
     with ThreadPoolExecutor(len(commands)) as pool:
         for done in pool.map(_run, commands):
             if done.returncode:
                 lines = [line for line in done.stderr.splitlines() if "rror" in line]
                 reason = lines[-1].strip() if lines else "no reason given"
+                if of_system := re.search(r"\[Errno (\d+)\] (.*)", reason):
+                    number, reason = of_system.groups()
+                    raise OSError(int(number), f"{what} could not be made: {reason}")
                 raise LibraryError(f"{what} could not be made: {reason}")
 
 

@@ -4,11 +4,11 @@
 
 import shutil
 import subprocess
-import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import InputError
+from ..files import scratch_folder
 from ..model.kernels.digest import made_here, syntax_digest
 from .build import (
     C_SOURCES,
@@ -86,10 +86,10 @@ def source_files(fmi: int) -> dict[str, bytes]:
 def _write_kernels(folder: Path) -> None:
     tool = _tool()
     licence = _licence(Path(tool))
-    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
-        work = Path(name)
+    emitted = kernels()
+    with scratch_folder() as work:
         module = work / "kernels.wasm"
-        link_kernels(objects(WASM, kernels(), work), module)
+        link_kernels(objects(WASM, emitted, work), module)
         source = work / f"{_NAME}.c"
         command = [tool, str(module), "-o", str(source), "-n", "kernels"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -7,11 +7,11 @@ import hashlib
 import shutil
 import subprocess
 import sys
-import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import InputError
+from ..files import scratch_folder
 from ..model.kernels.digest import made_here, syntax_digest
 from .build import (
     C_SOURCES,
@@ -63,11 +63,11 @@ def make(target: Path) -> None:
     """Write the component without a machine. Raises what `empty_component` does."""
     command = _tools()
     print(f"making the component for {COMPONENT.name}", file=sys.stderr, flush=True)
-    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
-        work = Path(name)
+    emitted = kernels()
+    with scratch_folder() as work:
         module = work / "module.wasm"
         sources = [file for file in C_SOURCES.glob("*.c") if file.name not in _LEFT_OUT]
-        parts = [*sorted(sources), *sorted(_FOLDER.glob("*.c")), *objects(WASM, kernels(), work)]
+        parts = [*sorted(sources), *sorted(_FOLDER.glob("*.c")), *objects(WASM, emitted, work)]
         folders = (f"-I{C_SOURCES}", f"-I{fmi_headers()}")
         options = (*folders, f'-DSOURCES="{sources_digest()}"')
         link_module(parts, module, options, f"the module for {COMPONENT.name}")

@@ -16,6 +16,7 @@ from .bearing_columns import (
     draw_coefficients,
     draw_lines,
     in_clearance,
+    parted,
     shown_either_way,
     shown_span,
     speed_and_load,
@@ -54,14 +55,16 @@ class BearingCurves(Displayed, linear.BearingCurves):
         return Table.of(f"{self.bearing}: {self._stability()}", columns)
 
     def _stability(self) -> str:
-        """Return which mass whirls, and where."""
+        """Return which mass whirls, and where; one may leave an equilibrium that holds no mass at
+        all without a whirl."""
         d = current()
+        whirls = "whirls" if self.critical_mass.all() else "is unstable"
         if varies_load(self):
             shown = [f"{load * d.force:.6g} {d.force_unit}" for load in self.turns]
             loads = np.hypot(*self.load.T)
             least = int(loads.argmin())
             is_first = self.critical_mass[least] < self.mass * loads[least] / loads[0]
-            where = whirls_where(bool(is_first), shown)
+            where = whirls_where(bool(is_first), shown, whirls)
             return f"a mass that weighs its load {where}"
         if self.mass == 0.0:
             return "it bears no load"
@@ -70,10 +73,9 @@ class BearingCurves(Displayed, linear.BearingCurves):
             return f"{mass} does not whirl"
         is_slowest = self.threshold not in self.turns
         if is_slowest and not len(self.turns):
-            return f"{mass} whirls already above {shown_either_way(self.threshold)}"
-        return (
-            f"{mass} {whirls_where(is_slowest, [shown_either_way(speed) for speed in self.turns])}"
-        )
+            return f"{mass} {whirls} already above {shown_either_way(self.threshold)}"
+        turns = [shown_either_way(speed) for speed in self.turns]
+        return f"{mass} {whirls_where(is_slowest, turns, whirls)}"
 
     def figure(self) -> Figure:
         """Draw the journal's locus in its clearance, the pressure around it, and stiffness and
@@ -82,8 +84,8 @@ class BearingCurves(Displayed, linear.BearingCurves):
         figure, panels = new_panels(8.4, 10.9 if tilts else 7.4, 3 if tilts else 2, 2)
         locus, around, *over_speed = panels
         x, y = self.x / self.clearance, self.y / self.clearance
-        locus.plot(x, y, "-", color=BLUE, lw=1.4)
         d, (varied, unit, what) = current(), what_varies(self)
+        locus.plot(*parted(varied, x, y)[1:], "-", color=BLUE, lw=1.4)
         for i, color in ((0, BLUE), (len(x) - 1, ORANGE)):
             label = f"{varied[i]:.4g} {unit}"
             locus.plot(x[i], y[i], "o", color=color, label=label)
@@ -233,7 +235,8 @@ class RingCurves(Displayed, linear.RingCurves):
             (self.x, self.y, "journal", BLUE),
             (self.ring_x, self.ring_y, "ring", ORANGE),
         ):
-            locus.plot(x * d.small, y * d.small, mark, ms=4, color=color, lw=1.4, label=label)
+            path = parted(varied, x * d.small, y * d.small)[1:]
+            locus.plot(*path, mark, ms=4, color=color, lw=1.4, label=label)
             locus.plot(x[0] * d.small, y[0] * d.small, "o", color=color)
         circle = self.outer_clearance * d.small * np.exp(1j * ANGLES)
         locus.plot(circle.real, circle.imag, color="black", lw=1.2, label="outer clearance")
@@ -241,7 +244,7 @@ class RingCurves(Displayed, linear.RingCurves):
         locus.set(xlabel=f"x [{d.small_word}]", ylabel=f"y [{d.small_word}]")
         entitle(locus, f"Journal and ring at rest; dots at {varied[0]:.4g} {unit}", 9)
         locus.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 0.92))
-        ratio.plot(varied, self.ratio, mark, ms=4, color=BLUE, lw=1.4)
+        ratio.plot(*parted(varied, self.ratio), mark, ms=4, color=BLUE, lw=1.4)
         ratio.set_ylabel("Speed of the ring over the rotor's [1]")
         ratio.set_ylim(bottom=0.0)
         draw_coefficients(panels, self, mark)

@@ -23,16 +23,16 @@ def shown_either_way(speed: float) -> str:
     return f"{speed_with_unit(abs(speed))} ({abs(speed):.6g} rad/s)"
 
 
-def whirls_where(is_first: bool, turns: Sequence[str]) -> str:
+def whirls_where(is_first: bool, turns: Sequence[str], whirls: str) -> str:
     """Return between which of these values a mass whirls, which at each of them begins to, or ends;
-    is_first: whether it does below them."""
+    is_first: whether it does below them; whirls: the word for it."""
     if not turns:
-        return "whirls" if is_first else "does not whirl"
+        return whirls if is_first else "does not whirl"
     places = [f"below {turns[0]}"] if is_first else []
     rest = turns[is_first:]
     places += [f"from {begin} to {end}" for begin, end in zip(rest[::2], rest[1::2], strict=False)]
     places += [f"above {rest[-1]}"] if len(rest) % 2 else []
-    return f"whirls {' and '.join(places)}"
+    return f"{whirls} {' and '.join(places)}"
 
 
 def what_varies(result: Curves) -> tuple[np.ndarray, str, str]:
@@ -89,10 +89,18 @@ def draw_coefficients(panels: Sequence[Axes], result: Curves, mark: str) -> None
         axes.set_ylabel(name)
 
 
+def parted(over: np.ndarray, *curves: np.ndarray) -> list[np.ndarray]:
+    """Return a speed or load and curves over it, along their last axis, with a gap between both
+    senses of rotation."""
+    at = 1 + np.flatnonzero(over[1:] * over[:-1] < 0.0)
+    return [np.insert(np.asarray(of, float), at, np.nan, axis=-1) for of in (over, *curves)]
+
+
 def draw_lines(
     axes: Axes, over: np.ndarray, values: np.ndarray, labels: list[str], mark: str, group: int = 1
 ) -> None:
     """Draw lines, every other group of them dashed: those of the same values are seen."""
+    over, values = parted(over, values)
     for n, (of, label, color) in enumerate(zip(values, labels, COLORS, strict=False)):
         dashes = mark.replace("-", "--") if n // group % 2 else mark
         axes.plot(over, of, dashes, ms=4, color=color, lw=1.4, label=label)

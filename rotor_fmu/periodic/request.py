@@ -105,7 +105,8 @@ def response_request(
             raise InputError("speed: must be one speed where another parameter is varied")
         check_names(rotor.parameters(), [name])
         held, ends = number("speed", speed), numbers("over", over[1:])
-    if not isinstance(ends, (tuple, list, np.ndarray)) or len(ends) != 2:
+    is_list = isinstance(ends, (tuple, list)) or getattr(ends, "ndim", 0) == 1
+    if not is_list or len(ends) != 2:
         raise InputError(f"speed = {speed}: must be FROM and TO")
     low, high = numbers("speed", ends)
     if start is not None and not hasattr(start, "orbit"):

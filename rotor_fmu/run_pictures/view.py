@@ -11,12 +11,14 @@ from matplotlib.patches import Circle
 
 from .. import vibration
 from ..display import Display, current
+from ..errors import InputError, number
 from ..plotting.figure_style import entitle, new_panels
 from ..runs.measuring_points import MeasuringPoint
 from ..runs.recording import Recording
 
 # Positions of a contact angle and their labels.
 ANGLES = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
+_AS_GOOD = 0.01  # of the highest speed: how far a chosen speed may lie beyond those of a run
 _CONSTANT = 1e-6  # of a speed: a range that is less than this is rounding
 _NEAR_STANDSTILL = 0.4  # of the highest speed: a run that comes so near is drawn down to standstill
 
@@ -61,9 +63,17 @@ class View:
 
     @property
     def speed(self) -> float:
-        """Speed at which orbit and spectrum are taken [rad/s]."""
+        """Speed at which orbit and spectrum are taken [rad/s]; `InputError` for a chosen one that
+        the run never had."""
         if self.chosen_speed is not None:
-            return self.chosen_speed
+            chosen = number("speed", self.chosen_speed)
+            known = self.run.w[np.isfinite(self.run.w)]
+            low, high = known.min(initial=np.inf), known.max(initial=-np.inf)
+            reach = _AS_GOOD * max(abs(low), abs(high))
+            if len(known) and not low - reach <= chosen <= high + reach:
+                had = f"{low:g} to {high:g}" if low < high else f"{low:g}"
+                raise InputError(f"speed = {chosen:g} rad/s: the run turns at {had} rad/s")
+            return chosen
         track = vibration.order_track(*self.signal, (1.0,))
         return float(track.speed[np.nanargmax(track.major())])
 

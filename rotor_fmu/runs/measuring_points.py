@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, nearest
+from ..errors import InputError, is_one_of, nearest
 
 _EQUAL = 0.02  # relative difference of two places' motions that are taken to be equal
 
@@ -81,9 +81,8 @@ def moves_most(points: Sequence[MeasuringPoint]) -> MeasuringPoint:
 
 def named(name: str, known: Sequence[Any], what: str) -> Any:
     """Return the point or contact of this name; `InputError` with the nearest name otherwise."""
-    for item in known:
-        if item.name == name:
-            return item
     names = [item.name for item in known]
+    if is_one_of(name, names):
+        return known[names.index(name)]
     hint = f"did you mean {nearest(name, names)}?" if names else "there is none"
     raise InputError(f"place = {name}: the recording has no such {what}; {hint}")

@@ -223,6 +223,33 @@ def test_a_film_whose_journal_turns_backwards_whirls_as_its_mirror_image_does():
     np.testing.assert_allclose(shares[1][::-1], shares[0], rtol=1e-6)
 
 
+def test_no_curve_leads_from_one_sense_of_rotation_to_the_other():
+    rotor, speeds = in_films(), np.linspace(-1800.0, 1800.0, 10)
+    ring = parse_rotor((EXAMPLES / "turbocharger" / "rotor.toml").read_text(encoding="utf-8"))
+    for found in (
+        bearing_answers.bearing(rotor, speeds, load=200.0),
+        bearing_answers.floating_ring(ring, speeds, bearing="floating_ring_bearing[1]", load=1.0),
+    ):
+        lines = [line for axes in found.figure().axes for line in axes.lines]
+        curves = [line for line in lines if len(line.get_xdata()) == 11]
+        assert len(curves) >= 9
+        for line in curves:
+            gaps = [np.flatnonzero(np.isnan(of)).tolist() for of in line.get_data()]
+            assert gaps == [[5], [5]]
+
+
+def test_a_film_that_holds_no_mass_at_all_is_said_to_be_unstable_not_to_whirl():
+    """Pads pivoted behind their middle: what leaves the equilibrium there has no frequency of
+    whirl."""
+    pads = {"pads": (5.178, 0.989, 3.084), "arc": 1.644, "offset": 0.745, "tilting": True}
+    speeds, mass = [-400.0, -300.0], "journal_bearing[1]: a mass of 0.2039 kg on it"
+    found = bearing_answers.bearing(in_films(**pads), speeds, load=2.0)
+    assert not found.critical_mass.any()
+    assert found.table().title.startswith(f"{mass} is unstable already above ")
+    found = bearing_answers.bearing(in_films(**pads), [-300.0], load=[2.0, 3.0])
+    assert found.table().title == "journal_bearing[1]: a mass that weighs its load is unstable"
+
+
 def test_a_film_without_a_load_is_neither_judged_by_a_mass_nor_measured_by_its_load():
     """A vertical machine puts none on it: a mass of 0 kg whirls nowhere, and where the forces of
     the lobes cancel what is left of them is rounding."""

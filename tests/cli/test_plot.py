@@ -92,6 +92,20 @@ def test_a_place_that_the_recording_has_not_is_told_its_nearest(folder):
     assert said == "place = disk[2]: the recording has no such place; did you mean disc[2]?"
 
 
+@pytest.mark.parametrize("kind", ["orbit", "spectrum"])
+def test_a_speed_that_the_run_never_had_is_refused_with_those_that_it_had(folder, kind):
+    said = str(plot(kind, folder, "--speed", "60Hz").exception)
+    assert said == "speed = 376.991 rad/s: the run turns at 180.02 to 300 rad/s"
+    assert plot(kind, folder, "--speed", "300.01").exit_code == 0
+
+
+@pytest.mark.parametrize("kind", ["orbit", "spectrum"])
+def test_a_run_without_a_row_has_no_turn_at_any_speed(tmp_path, kind):
+    recorded(stop=0.0).save(tmp_path / "recording.npz")
+    said = str(plot(kind, tmp_path, "--speed", "60Hz").exception)
+    assert "the signal holds 0 whole turns of the shaft" in said
+
+
 def test_a_run_of_less_than_a_block_of_turns_says_how_many_it_has(tmp_path):
     recorded(stop=0.05).save(tmp_path / "recording.npz")
     assert "holds 2 whole turns of the shaft; 4 are needed" in str(plot("bode", tmp_path).exception)

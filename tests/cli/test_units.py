@@ -94,6 +94,7 @@ def test_what_to_write_in_the_place_of_such_a_name_is_read():
         ),
         ("5 1/min", "rad/s", "radians or turns a '1/min'? must be a speed of rotation"),
         ("mm", "m", "x = mm: must be a number, in m or with mm or um or inch or mil behind it"),
+        ("1:2", "rad/s", "x = 1:2: must be a number, in rad/s or with rpm or Hz behind it"),
         ("1e999 mm", "m", "x = 1e999 mm: must be a number"),
         ("313 K", "degC", "x = 313 K: must be a temperature, in degC"),
         ("0,01 mm", "m", "x = 0,01 mm: the unit ',01 mm' is unknown; must be a length"),

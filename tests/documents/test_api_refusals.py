@@ -6,6 +6,7 @@ import pytest
 import rotor_fmu as rf
 
 RIG = rf.load()
+NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
 
 
 @pytest.mark.parametrize(
@@ -14,7 +15,12 @@ RIG = rf.load()
         ({}, "stop: must be given where the speed and the loads are constant"),
         ({"stop": -1.0}, "stop = -1 s: must be > 0"),
         ({"stop": 1.0, "preset": "best"}, "preset = 'best': must be one of"),
-        ({"stop": 1.0, "tolerance": 2.0}, "solver.tolerance = 2.0: must be"),
+        ({"stop": 1.0, "tolerance": 2.0}, r"^tolerance = 2\.0: must be"),
+        (
+            {"stop": 1.0, "parameters": {"solver.tolerance": 2.0}},
+            r"^solver\.tolerance = 2\.0: must be",
+        ),
+        ({"stop": 1.0, "preset": NAMES}, r"^preset = array\(.*\): must be one of robust"),
         ({"stop": 1.0, "loads": {"disc[2].fz": 1.0}}, r"'disc\[2\].fz' is unknown; .* disc\[2\].f"),
         ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
         ({"stop": 1.0, "parameters": {"gravity": -1}}, r"^gravity = -1 m/s2: must be"),
@@ -90,6 +96,9 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
             lambda: rf.response(RIG, speed=(1.0, 2.0), loads={"disc[2].fy": "a"}),
             r"loads: disc\[2\].fy = 'a': must be a number",
         ),
+        (lambda: RIG.modes(contacts=NAMES), "contacts = .*: must be one of open, pinned"),
+        (lambda: RIG.stability(5.0, level=NAMES), "level = .*: must be 1 or 2"),
+        (lambda: rf.build_fmu(RIG, fmi=NAMES), "fmi = .*: must be 2 or 3"),
         (lambda: RIG.static("fast"), "speed = 'fast': must be a number"),
         (lambda: RIG.modes(count=2.5), "count = 2.5: must be an integer, at least 1"),
         (
@@ -98,6 +107,14 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
         ),
         (lambda: RIG.stability("fast"), "speed = 'fast': must be a number"),
         (lambda: RIG.stability(5.0, anticipated="1"), "anticipated = '1': must be a number"),
+        (
+            lambda: RIG.stability(5.0, level=2, cross_couplings=[4, 1e5]),
+            r"cross_couplings = \[4, 100000\.0\]: must be a dictionary",
+        ),
+        (
+            lambda: RIG.stability(5.0, level=2, cross_couplings={4: "1"}),
+            "cross_couplings = .*: must be a list of numbers",
+        ),
         (lambda: RIG.stability(5.0, node="4"), "node = '4': must be an integer from 1 to 8"),
         (lambda: RIG.unbalance_check("1", 2.0, [4]), "low = '1': must be a number"),
         (lambda: RIG.unbalance_check(1.0, 2.0, 4), "probes = 4: must be a list of nodes"),
@@ -132,6 +149,9 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
             lambda: rf.build_fmu(RIG, platforms="linux64"),
             "platforms = 'linux64': must be a list of .*",
         ),
+        (lambda: rf.build_fmu(RIG, reduction="4"), "reduction = '4': must be a number"),
+        (lambda: rf.build_fmu(RIG, reduction=None), "reduction = None: must be a number"),
+        (lambda: rf.response(RIG, speed=np.array(5.0)), r"speed = 5\.0: must be FROM and TO"),
         (lambda: rf.build_fmu(RIG, parameters=3), "parameters = 3: must be a dictionary"),
         (lambda: RIG.campbell(5.0), "speeds = 5.0: must be a list of numbers"),
         (
@@ -143,6 +163,32 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
 def test_what_an_analysis_cannot_be_asked_is_refused_in_one_line(ask, expected):
     with pytest.raises(rf.InputError, match=f"^{expected}$"):
         ask()
+
+
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (lambda run: run.plot(NAMES), r"kind = array\(.*\): must be one of .*"),
+        (lambda run: run.plot("bode", NAMES), "place = .*: the recording has no such place.*"),
+        (lambda run: run.orbit(NAMES[:1]), "place = .*: the recording has no such place.*"),
+        (
+            lambda run: run.plot("contact-angle", NAMES),
+            "place = .*: the recording has no such contact.*",
+        ),
+    ],
+)
+def test_an_array_is_no_place_of_a_run(ask, expected):
+    run = rf.simulate(RIG, speed=100.0, stop=0.1)
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        ask(run)
+
+
+def test_a_cross_coupling_may_be_an_array_of_no_dimension():
+    one, other = (
+        RIG.stability(5.0, anticipated=of, contacts="pinned") for of in (1e3, np.array(1e3))
+    )
+    assert other.anticipated == one.anticipated
+    assert other.log_dec_anticipated == one.log_dec_anticipated
 
 
 def test_files_that_are_none_are_refused_by_their_name(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import runpy
 from pathlib import Path
 
@@ -80,10 +81,11 @@ def test_the_imported_machine_is_what_the_command_makes_of_the_file_from_ross(tm
         ["import-ross", str(FROM_ROSS / "on_pedestals.json"), "--out", str(out)],
         standalone_mode=False,
     )
+    texts = [file.read_text(encoding="utf-8") for file in (out, FROM_ROSS / "imported.toml")]
     # numbers that the import calculates may differ in their last digit
-    made, there = (
-        parse_rotor(file.read_text(encoding="utf-8")) for file in (out, FROM_ROSS / "imported.toml")
-    )
+    made, there = (re.sub(r"\d+(\.\d+)?(e[-+]?\d+)?", "NUMBER", text) for text in texts)
+    assert made == there
+    made, there = (parse_rotor(text) for text in texts)
     speed = 200.0
     np.testing.assert_allclose(modes(made, speed).natural, modes(there, speed).natural, rtol=1e-9)
 

@@ -150,6 +150,10 @@ def test_a_pair_that_does_not_connect_both_is_refused(fmu, tmp_path, table, righ
         ('"rad/s2"', '"rad/s/s"', "VARIABLES: rate: the unit 'rad/s/s' is unknown"),
         ('"input"', '"inputt"', "VARIABLES: tau: 'inputt': must be one of input, output, param"),
         ("CONNECTIONS", "CONNECTION", "has no table CONNECTIONS"),
+        ("    BEGUN,\n", "", "VARIABLES: has no BEGUN"),
+        ("    VARIABLES = VARIABLES\n", "", "SteadyMotor: has no VARIABLES$"),
+        ("def step", "def steps", "SteadyMotor: has no step$"),
+        ("SteadyMotor(TableSlave)", "SteadyMotor", "has no subclass of TableSlave"),
     ],
 )
 def test_a_table_that_no_fmu_can_have_is_refused(fmu, tmp_path, right, wrong, expected):

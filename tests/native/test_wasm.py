@@ -94,6 +94,14 @@ def test_a_course_of_the_speed_that_cannot_be_is_refused(tmp_path, values, said)
     assert said in error.value.stderr
 
 
+@pytest.mark.skipif(NODE is None, reason="node is not installed")
+def test_a_run_at_rest_has_the_points_of_one_at_the_machines_own_speed(tmp_path):
+    """No turn tells how fine: a fall into a bearing has none either."""
+    at_rest = {"course.from": 0.0, "course.to": 0.0, "course.hold": 0.5}
+    rows, plan, _ = run_in_node(machine_of(None, False, 0), at_rest, tmp_path)
+    assert len(rows) == plan["rows"] == 501
+
+
 def test_the_module_asks_its_host_for_little_and_is_small():
     """What it imports is what the page provides."""
     wasmtime = pytest.importorskip("wasmtime", reason="wasmtime is not installed")

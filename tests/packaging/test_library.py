@@ -1,13 +1,16 @@
 """How the solver library is emitted and linked."""
 
+import errno
+import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
 from rotor_fmu.model.kernels.library import find, here
 
-from rotor_fmu.library import build
+from rotor_fmu.library import build, c_source, component
 from rotor_fmu.library.build import LibraryError, link, missing_extra, runs_on_old_linux
 from rotor_fmu.library.emit import check_size
 from rotor_fmu.library.platforms import PLATFORMS, WASM
@@ -97,6 +100,47 @@ def test_what_is_to_be_installed_is_what_a_platform_takes(monkeypatch):
     assert missing_extra(PLATFORMS["win64"]) == "build"
     monkeypatch.setattr(build, "_has_cc", lambda: False)
     assert missing_extra(mine) == "build"
+
+
+@pytest.mark.parametrize(
+    "make",
+    [lambda target: build.library(WASM), component.make, c_source._write_kernels],
+    ids=["library", "component", "source"],
+)
+def test_a_full_temporary_folder_is_named(monkeypatch, tmp_path, make):
+    """By the process that compiles, Python says of no write in which file it was."""
+    emitted, temporary = tmp_path / "kernels", tmp_path / "temporary"
+    for folder in (emitted, temporary):
+        folder.mkdir()
+    (emitted / "rotor_advance.ll").touch()
+    stderr = "Traceback\nOSError: [Errno 28] No space left on device\n"
+    done = subprocess.CompletedProcess([], 1, "", stderr)
+    monkeypatch.setattr(build, "_run", lambda command: done)
+    monkeypatch.setattr(build, "find", lambda *given: None)
+    for module in (build, component, c_source):
+        monkeypatch.setattr(module, "kernels", lambda: emitted)
+    monkeypatch.setattr(component, "_tools", list)
+    monkeypatch.setattr(c_source, "_tool", lambda: sys.executable)
+    monkeypatch.setattr(c_source, "_licence", lambda tool: "")
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    with pytest.raises(OSError, match="could not be made: No space left on device") as full:
+        make(tmp_path / "made")
+    assert Path(full.value.filename).parent == temporary
+    assert not list(temporary.iterdir())
+
+
+def test_a_full_cache_is_named_and_nothing_is_left_in_it(tmp_path):
+    folder = tmp_path / "kernels-1"
+
+    def fill():
+        with build.unfinished_folder(folder) as work:
+            (work / "begun").touch()
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with pytest.raises(OSError, match="No space") as full:
+        fill()
+    assert full.value.filename == str(folder)
+    assert not list(tmp_path.iterdir())
 
 
 def test_two_processes_may_put_the_same_library_at_once(tmp_path, monkeypatch):

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...errors import InputError
+from ...errors import InputError, is_one_of
 from ...library.platforms import COMPONENT, PLATFORMS
 from .native_fmu import build_native, build_source
 from .python_fmu import SYSTEMS, build
@@ -35,7 +35,7 @@ class FmuKind:
         """
         native, source, platforms = options
         needs_no_python = self.is_native or self.is_source
-        if self.fmi not in (2, 3):
+        if not is_one_of(self.fmi, (2, 3)):
             raise InputError(f"{fmi}: must be 2 or 3")
         for choice in (fmi if self.fmi == 3 else None, step):
             if choice is not None and not needs_no_python:

@@ -106,7 +106,8 @@ def _package(libraries: dict[str, bytes]) -> tuple[str, dict[str, bytes]]:
         digest.update(f"{name}\0{len(data)}\0".encode() + data)
     package = f"rotorbearing_{digest.hexdigest()[:12]}"
     entry = sources.pop("entry.py")
-    inside = {"__init__.py": b"", **sources, **libraries}
+    sums = {name: hashlib.sha256(data).hexdigest() for name, data in sorted(libraries.items())}
+    inside = {"__init__.py": f"CHECKSUMS = {sums}\n".encode(), **sources, **libraries}
     files = {f"{package}/{name}": data for name, data in inside.items()}
     return package, files | {f"{package}_entry.py": entry}
 

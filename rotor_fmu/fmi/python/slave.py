@@ -5,6 +5,7 @@ Standard library and pythonfmu only: a host needs nothing beside Python.
 """
 
 import ctypes
+import hashlib
 import sys
 from array import array
 from collections.abc import Callable
@@ -18,6 +19,7 @@ from typing import Any
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
+from . import CHECKSUMS
 from .wrapper import HeldFromLookUp, hold, settle_exit
 
 TABLE = "machine.table"  # the machine, in an FMU's resources
@@ -48,6 +50,9 @@ def _loaded() -> Any:
             f"this FMU carries no library for {sys.platform}; build it with one: rotor-fmu build "
             "--platform linux64 --platform win64"
         )
+    # a file whose end is missing would end the host in the system's loader
+    if hashlib.sha256(file.read_bytes()).hexdigest() != CHECKSUMS.get(file.name):
+        return f"the FMU's library is damaged: {file.name} is not what was built"
     try:
         library = ctypes.CDLL(str(file))  # its calls let other threads run meanwhile
     except OSError as error:

@@ -15,7 +15,8 @@ function round(value) {
 // values: SI units by the names of controls, those that were changed. Throws a sentence for a course
 // of the speed that cannot be.
 function planOf(data, values) {
-  const given = (name) => values[name] ?? data.course.controls.find((c) => c.name === name).start;
+  const start = (name) => data.course.controls.find((c) => c.name === name).start;
+  const given = (name) => values[name] ?? start(name);
   const [from, to, rate, hold, samples] = ["from", "to", "rate", "hold", "samples"].map((each) =>
     given(`course.${each}`),
   );
@@ -34,7 +35,8 @@ function planOf(data, values) {
   if (!(ramp + hold > 0)) {
     throw new Error("the run takes no time: choose two speeds, or a time at the last one");
   }
-  const fastest = Math.max(Math.abs(from), Math.abs(to)) || 1;
+  // at rest no turn tells how fine: as fine as at the machine's own speed
+  const fastest = Math.max(Math.abs(from), Math.abs(to)) || start("course.from");
   const wished = Math.min(round(TURN / fastest / samples), ramp + hold);
   const legs = [
     { duration: ramp, from, rate: Math.sign(to - from) * rate },
