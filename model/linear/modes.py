@@ -107,7 +107,7 @@ class Modes(Spectrum):
 
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the parts of the nodes, and of the housings where no node moves."""
-        is_alone = ~(self.x.any(axis=1) | self.y.any(axis=1))[:, None]
+        is_alone = ~np.hstack([self.x, self.y]).any(axis=1, keepdims=True)
         x = np.hstack([self.x, self.housing_x * is_alone])
         y = np.hstack([self.y, self.housing_y * is_alone])
         return (x + 1j * y) / 2, (x - 1j * y).conj() / 2
