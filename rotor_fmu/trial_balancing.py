@@ -30,7 +30,7 @@ from .model.settings.table import IN_STAGES
 from .model.structure.assembly import assemble
 from .model.structure.structure import total_mass
 from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
-from .run_status import FAILED
+from .run_status import FAILED, on_numbers
 from .vibration.influence_coefficients import correction, enough_measurements
 
 _SETTLED = 16.0  # time constants of the slowest mode until the motion is steady: 1e-7 of it is left
@@ -92,7 +92,8 @@ class Balancing(Displayed):
     are permitted, the machine's maximum continuous or rated speed, or the highest of balancing;
     influence: coefficients, complex of shape (m, p) [m/(kg.m)]; rank: their numerical rank;
     touches: whether a contact closed during a run, so that the coefficients are not those of a
-    linear machine; settles: whether the runs were long enough for the slowest mode.
+    linear machine; settles: whether the runs were long enough for the slowest mode; messages: what
+    the runs say of their numbers, each once.
     """
 
     planes: tuple[CorrectionPlane, ...]
@@ -103,6 +104,7 @@ class Balancing(Displayed):
     rank: int
     touches: bool
     settles: bool
+    messages: tuple[str, ...]
 
     @property
     def residual(self) -> float:
@@ -163,6 +165,7 @@ class Balancing(Displayed):
             title += "; a contact closed during a run: the coefficients are not a linear machine's"
         if not self.settles:
             title += f"; {_MOST_TURNS} turns are too few for the slowest mode to settle"
+        title = "; ".join([title, *self.messages])
         return Table(title, heads, [*planes, *left_in_planes, *measured])
 
     def figure(self) -> Figure:
@@ -232,17 +235,16 @@ def balance(
         raise InputError("the machine has no unbalance: there is nothing to balance")
     own = rotor.operation
     service_speed = own.maximum_continuous_speed or own.rated_speed or max(speeds)
-    bench = _Bench(rotor, list(speeds), nodes, report)
+    bench, u = _Bench(rotor, list(speeds), nodes, report), complex(trial)
     initial = bench.vibration("as it is", {})
-    trials = np.array(
-        [bench.vibration(f"trial unbalance at node {n}", {n: complex(trial)}) for n in planes]
-    )
-    found = correction(initial, trials, np.full(len(planes), complex(trial)))
+    trials = np.array([bench.vibration(f"trial unbalance at node {n}", {n: u}) for n in planes])
+    found = correction(initial, trials, [u] * len(planes))
     corrections = dict(zip(planes, found.unbalances.tolist(), strict=True))
     corrected = bench.vibration("corrected", corrections)
-    rows = zip(bench.rows(), initial, found.expected, corrected, strict=True)
+    places = [(n, axis, s) for s in speeds for n in nodes for axis in "xy"]
+    rows = zip(places, initial, found.expected, corrected, strict=True)
     result = Balancing(
-        planes=tuple(CorrectionPlane(n, complex(trial), u) for n, u in corrections.items()),
+        planes=tuple(CorrectionPlane(n, u, w) for n, w in corrections.items()),
         vibrations=tuple(Vibration(*row, *map(complex, seen)) for row, *seen in rows),
         residuals=_residuals(rotor, _with(rotor, corrections), service_speed),
         service_speed=service_speed,
@@ -250,6 +252,7 @@ def balance(
         rank=found.rank,
         touches=bench.touches,
         settles=bench.settles,
+        messages=tuple(bench.messages),
     )
     return of_machine(result, rotor)
 
@@ -288,15 +291,11 @@ class _Bench:
         sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
         self._touching = [f"{name}.contact" for name in walls(rotor)]
-        self._done, self.touches = 0, False
-
-    def rows(self) -> list[tuple[int, str, float]]:
-        """Return node, axis and speed of each measurement."""
-        return [(n, axis, s) for s in self._speeds for n in self._nodes for axis in "xy"]
+        self._done, self.touches, self.messages = 0, False, dict[str, None]()
 
     def vibration(self, what: str, unbalances: dict[int, complex]) -> np.ndarray:
-        """Return the vibration with further unbalances [kg.m] by node, in the order of `rows`;
-        what: they are, in words."""
+        """Return the vibration with further unbalances [kg.m] by node, of each speed and node
+        in x and y; what: they are, in words."""
         rotor = _with(self._rotor, unbalances)
         result = []
         for speed, turns in zip(self._speeds, self._turns, strict=True):
@@ -308,8 +307,7 @@ class _Bench:
     def _at(self, rotor: Rotor, speed: float, turns: int) -> np.ndarray:
         turn = 2 * math.pi / speed
         names = [f"measured_{node}.{axis}" for node in self._nodes for axis in "xy"]
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"):
             result = simulate(
                 Machine(rotor, ""),
                 speed=speed,
@@ -320,8 +318,10 @@ class _Bench:
                 per_turn=_ROWS,
                 step=turn / _STEPS,
             )
+        self.messages |= dict.fromkeys(on_numbers(result.messages, result.codes))
         if result.status.startswith(FAILED):
-            raise RunFailed(f"the run at {speed:g} rad/s {result.status}")
+            why = "; ".join([result.status, *self.messages])
+            raise RunFailed(f"the run at {speed:g} rad/s {why}")
         phi = result["phi"]
         within = (phi > phi[-1] - 2 * math.pi * _MEASURED).nonzero()[0]
         self.touches |= any(bool((result[name][within] > 0.5).any()) for name in self._touching)
@@ -343,8 +343,5 @@ def _settling(rotor: Rotor, speed: float) -> float:
 def _once(phi: np.ndarray, signal: np.ndarray) -> complex:
     """Return the component that turns with the shaft, by least squares with the mean and two
     harmonics, so that it takes no even spacing."""
-    columns = [np.ones_like(phi)]
-    for order in (1, 2):
-        columns += [np.cos(order * phi), np.sin(order * phi)]
-    a = np.linalg.lstsq(np.column_stack(columns), signal, rcond=None)[0]
-    return complex(a[1], -a[2])
+    turning = np.exp(1j * np.outer(phi, range(-2, 3)))
+    return complex(2 * np.linalg.lstsq(turning, signal, rcond=None)[0][3])

@@ -13,6 +13,7 @@ from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.body import Body
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
+from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
@@ -131,6 +132,15 @@ def test_a_machine_that_does_not_settle_is_refused():
     rotor = replace(without_contact(), rotating_damping=True)
     with pytest.raises(InputError, match=r"balancing speed = 300 rad/s: the machine is unstable"):
         balance(rotor, [300.0], [4])
+
+
+@pytest.mark.usefixtures("few_turns")
+def test_what_the_runs_say_of_their_numbers_is_said_once():
+    """Hysteresis, which a run takes otherwise than `unbalance` does."""
+    rotor = replace(without_contact(), eta_h=1e-4, rotating_damping=True)
+    result = balance(rotor, [150.0], [4])
+    assert result.messages == (str(HYSTERETIC_AS_SLOWER),)
+    assert str(HYSTERETIC_AS_SLOWER) in result.table().title
 
 
 @pytest.mark.usefixtures("few_turns")
