@@ -31,7 +31,7 @@ from .model.structure.assembly import assemble
 from .model.structure.structure import total_mass
 from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
 from .run_status import FAILED, on_numbers
-from .vibration.influence_coefficients import correction, enough_measurements
+from .vibration.influence_coefficients import correction, enough_measurements, once_per_turn
 
 _SETTLED = 16.0  # time constants of the slowest mode until the motion is steady: 1e-7 of it is left
 _LEAST_TURNS, _MOST_TURNS = 60, 4000
@@ -42,6 +42,8 @@ _ROWS = 64  # a turn
 _STEPS = 12
 _TRIAL = 0.1  # of the rotor's weight, the force of all trial unbalances together
 _TOLERANCE = 1e-5
+_STEADY = 0.01  # of the initial vibration: what another one within a run may differ by
+_UNSTEADY = "the vibration was not steady: another motion than that of the unbalance is in it"
 _GROWS = 1e-9  # of its frequency: what grows less is a mode without damping
 
 # Of how many runs are done, and of what the next one is.
@@ -242,6 +244,7 @@ def balance(
     corrections = dict(zip(planes, found.unbalances.tolist(), strict=True))
     corrected = bench.vibration("corrected", corrections)
     places = [(n, axis, s) for s in speeds for n in nodes for axis in "xy"]
+    steady = bench.change < _STEADY * np.abs(initial).max()
     rows = zip(places, initial, found.expected, corrected, strict=True)
     result = Balancing(
         planes=tuple(CorrectionPlane(n, u, w) for n, w in corrections.items()),
@@ -252,7 +255,7 @@ def balance(
         rank=found.rank,
         touches=bench.touches,
         settles=bench.settles,
-        messages=tuple(bench.messages),
+        messages=(*bench.messages, *(() if steady else (_UNSTEADY,))),
     )
     return of_machine(result, rotor)
 
@@ -292,6 +295,7 @@ class _Bench:
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
         self._touching = [f"{name}.contact" for name in walls(rotor)]
         self._done, self.touches, self.messages = 0, False, dict[str, None]()
+        self.change = 0.0  # between the halves of what was measured, at most [m]
 
     def vibration(self, what: str, unbalances: dict[int, complex]) -> np.ndarray:
         """Return the vibration with further unbalances [kg.m] by node, of each speed and node
@@ -325,7 +329,13 @@ class _Bench:
         phi = result["phi"]
         within = (phi > phi[-1] - 2 * math.pi * _MEASURED).nonzero()[0]
         self.touches |= any(bool((result[name][within] > 0.5).any()) for name in self._touching)
-        return np.array([_once(phi[within], result[name][within]) for name in names])
+        halves = np.array_split(within, 2)
+        first, last = (
+            np.array([once_per_turn(phi[half], result[name][half]) for name in names])
+            for half in halves
+        )
+        self.change = max(self.change, float(np.abs(last - first).max()))
+        return (first + last) / 2
 
 
 def _settling(rotor: Rotor, speed: float) -> float:
@@ -338,10 +348,3 @@ def _settling(rotor: Rotor, speed: float) -> float:
             f"(a mode grows by {growth:.3g} 1/s)"
         )
     return _SETTLED / -growth * speed / (2 * math.pi) if growth < 0 else math.inf
-
-
-def _once(phi: np.ndarray, signal: np.ndarray) -> complex:
-    """Return the component that turns with the shaft, by least squares with the mean and two
-    harmonics, so that it takes no even spacing."""
-    turning = np.exp(1j * np.outer(phi, range(-2, 3)))
-    return complex(2 * np.linalg.lstsq(turning, signal, rcond=None)[0][3])

@@ -63,6 +63,13 @@ def correction(
     return Correction(influence, result, v + influence @ result, int(rank))
 
 
+def once_per_turn(phi: np.ndarray, signal: np.ndarray) -> complex:
+    """Return the component that turns with the shaft, of a signal over its angle [rad], by least
+    squares with the mean and two harmonics, so that it takes no even spacing."""
+    turning = np.exp(1j * np.outer(phi, range(-2, 3)))
+    return complex(2 * np.linalg.lstsq(turning, signal, rcond=None)[0][3])
+
+
 def enough_measurements(measurements: int, planes: int) -> None:
     """Raise `InputError` where there are fewer measurements than correction planes."""
     if measurements < planes:

@@ -20,7 +20,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
 from rotor_fmu.trial_balancing import balance
 from rotor_fmu.vibration.influence_coefficients import correction
-from tests.linear.api_617 import RPM, SHAFT, support
+from tests.linear.api_617 import RPM, SHAFT, example, support
 
 
 def without_contact():
@@ -47,6 +47,7 @@ def test_two_trial_runs_of_the_rig_without_contact_leave_less_than_one_percent()
     rotor, runs = without_contact(), []
     result = balance(rotor, [150.0], [4, 6], measured=[4, 6], report=lambda *run: runs.append(run))
     assert result.residual < 0.01
+    assert result.messages == ()
     assert [done for done, _ in runs] == [0, 1, 2, 3]
     assert runs[2][1].startswith("trial unbalance at node 6, ")
     assert not result.touches
@@ -141,6 +142,13 @@ def test_what_the_runs_say_of_their_numbers_is_said_once():
     result = balance(rotor, [150.0], [4])
     assert result.messages == (str(HYSTERETIC_AS_SLOWER),)
     assert str(HYSTERETIC_AS_SLOWER) in result.table().title
+
+
+@pytest.mark.usefixtures("few_turns")
+def test_a_whirl_that_the_unbalance_does_not_drive_is_said():
+    """Of floating rings, which no mode at the frequency of rotation shows."""
+    result = balance(example("turbocharger"), [500.0], [2])
+    assert [said.partition(":")[0] for said in result.messages] == ["the vibration was not steady"]
 
 
 @pytest.mark.usefixtures("few_turns")
