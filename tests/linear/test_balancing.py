@@ -250,6 +250,14 @@ def test_a_machine_without_unbalance_is_not_balanced():
     ("initial", "trials", "unbalances", "expected"),
     [
         ([1.0], [[1.0, 2.0]], [1.0], "shape"),
+        ([np.nan], [[1.0]], [1.0], r"initial = \[nan\]: must be finite numbers"),
+        (
+            [1.0],
+            [[1.0], [2.0, 3.0]],
+            [1.0, 1.0],
+            r"trials = \[\[1.0\], \[2.0, 3.0\]\]: must be finite",
+        ),
+        ([1.0], [[1.0]], ["50 g.mm"], "unbalances = .* must be finite numbers"),
         ([1.0], [[1.0]], [0.0], "trial unbalance is 0"),
         ([1.0], [[1.0], [2.0]], [1.0, 1.0], "1 measurements for 2 planes"),
     ],
