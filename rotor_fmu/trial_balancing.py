@@ -14,12 +14,13 @@ from matplotlib.figure import Figure
 from .api.machine import Machine
 from .api.simulate import simulate
 from .display import current, speed_with_unit
-from .errors import InputError, RunFailed, check_positive
+from .errors import InputError, RunFailed, check_positive, listed, numbers
 from .linear.answers import modes
 from .linear.displayed import Displayed, of_machine
 from .linear.linear_plots import titled
 from .linear.linear_tables import Table
 from .model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
+from .model.linear.static import check_node
 from .model.linear.supports import walls
 from .model.linear.unbalance_placement import residual_unbalance
 from .model.machine.rotor import Rotor
@@ -217,15 +218,14 @@ def balance(
     node or the trial unbalance cannot be, or the machine is unstable at a speed, `RunFailed` if a
     run stops before its end.
     """
-    nodes = list(planes if measured is None else measured)
-    for node in (*planes, *nodes):
-        if not 1 <= node <= len(rotor.nodes):
-            raise InputError(f"node {node}: must be from 1 to {len(rotor.nodes)}")
+    speeds, planes = numbers("speeds", speeds), listed("planes", planes, "nodes")
+    nodes = planes if measured is None else listed("measured", measured, "nodes")
+    planes, nodes = ([int(check_node(rotor, n)) for n in given] for given in (planes, nodes))
     for name, given in (("planes", planes), ("measured", nodes)):
         if len(set(given)) < len(given) or not given:
-            raise InputError(f"{name}: {list(given)}: must be different nodes, at least one")
+            raise InputError(f"{name}: {given}: must be different nodes, at least one")
     if len(set(speeds)) < len(speeds) or not speeds:
-        raise InputError(f"speeds: {list(speeds)} rad/s: must be different ones, at least one")
+        raise InputError(f"speeds: {speeds} rad/s: must be different ones, at least one")
     enough_measurements(2 * len(nodes) * len(speeds), len(planes))
     for speed in speeds:
         check_positive("balancing speed", speed, "rad/s")
@@ -237,7 +237,7 @@ def balance(
         raise InputError("the machine has no unbalance: there is nothing to balance")
     own = rotor.operation
     service_speed = own.maximum_continuous_speed or own.rated_speed or max(speeds)
-    bench, u = _Bench(rotor, list(speeds), nodes, report), complex(trial)
+    bench, u = _Bench(rotor, speeds, nodes, report), complex(trial)
     initial = bench.vibration("as it is", {})
     trials = np.array([bench.vibration(f"trial unbalance at node {n}", {n: u}) for n in planes])
     found = correction(initial, trials, [u] * len(planes))

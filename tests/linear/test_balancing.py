@@ -58,7 +58,7 @@ def test_two_trial_runs_of_the_rig_without_contact_leave_less_than_one_percent()
 
 def test_influence_coefficients_from_runs_are_those_of_the_linear_response():
     rotor = without_contact()
-    result = balance(rotor, [150.0], [4], measured=[6])
+    result = balance(rotor, np.array([150.0]), np.array([4]), measured=[6])
     linear = unbalance_response(rotor, [150.0], unbalances=[(4, 1.0, 0.0)])
     expected = [linear.x[0, 5], linear.y[0, 5]]
     np.testing.assert_allclose(result.influence[:, 0], expected, rtol=1e-3)
@@ -205,6 +205,10 @@ def test_a_machine_whose_planes_are_dependent_says_so():
     ("arguments", "expected"),
     [
         ({"speeds": [], "planes": [4]}, "speeds"),
+        ({"speeds": 150.0, "planes": [4]}, "speeds = 150.0: must be a list of numbers"),
+        ({"speeds": [150.0], "planes": 4}, "planes = 4: must be a list of nodes"),
+        ({"speeds": [150.0], "planes": [4], "measured": 4}, "measured = 4: must be a list"),
+        ({"speeds": [150.0], "planes": [4.5]}, "node = 4.5: must be an integer from 1 to 8"),
         ({"speeds": [150.0, 150.0], "planes": [4]}, "speeds"),
         (
             {"speeds": [150.0], "planes": [4], "measured": [5, 5]},
