@@ -7,6 +7,7 @@ from .model.message_templates import Message
 
 OK, DOUBTFUL, FAILED = "ok", "doubtful: ", "failed: "
 _NOT_CONFIRMED = "not-confirmed"  # a code
+_OF_COST = ("reduction-pays", "slow")  # codes of what is said of a run's cost, not of its numbers
 
 
 def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
@@ -22,6 +23,12 @@ def not_confirmed(status: str) -> str:
     if status == OK:
         return f"{DOUBTFUL}{_NOT_CONFIRMED}"
     return status if status.startswith(FAILED) else f"{status}, {_NOT_CONFIRMED}"
+
+
+def on_numbers(messages: Iterable[str], codes: Iterable[str]) -> list[str]:
+    """Return the messages of a run that bear on its numbers; not why it failed."""
+    told = zip(messages, codes, strict=True)
+    return [message for message, code in told if code and code not in _OF_COST]
 
 
 def messages_and_codes(messages: Iterable[Message]) -> dict[str, list[str]]:

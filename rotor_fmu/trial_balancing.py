@@ -14,12 +14,13 @@ from matplotlib.figure import Figure
 from .api.machine import Machine
 from .api.simulate import simulate
 from .display import current, speed_with_unit
-from .errors import InputError, RunFailed, check_positive
+from .errors import InputError, RunFailed, check_positive, listed, numbers
 from .linear.answers import modes
 from .linear.displayed import Displayed, of_machine
 from .linear.linear_plots import titled
 from .linear.linear_tables import Table
 from .model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
+from .model.linear.static import check_node
 from .model.linear.supports import walls
 from .model.linear.unbalance_placement import residual_unbalance
 from .model.machine.rotor import Rotor
@@ -30,8 +31,8 @@ from .model.settings.table import IN_STAGES
 from .model.structure.assembly import assemble
 from .model.structure.structure import total_mass
 from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
-from .run_status import FAILED
-from .vibration.influence_coefficients import correction, enough_measurements
+from .run_status import FAILED, on_numbers
+from .vibration.influence_coefficients import correction, enough_measurements, once_per_turn
 
 _SETTLED = 16.0  # time constants of the slowest mode until the motion is steady: 1e-7 of it is left
 _LEAST_TURNS, _MOST_TURNS = 60, 4000
@@ -42,6 +43,8 @@ _ROWS = 64  # a turn
 _STEPS = 12
 _TRIAL = 0.1  # of the rotor's weight, the force of all trial unbalances together
 _TOLERANCE = 1e-5
+_STEADY = 0.01  # of the initial vibration: what another one within a run may differ by
+_UNSTEADY = "the vibration was not steady: another motion than that of the unbalance is in it"
 _GROWS = 1e-9  # of its frequency: what grows less is a mode without damping
 
 # Of how many runs are done, and of what the next one is.
@@ -92,7 +95,8 @@ class Balancing(Displayed):
     are permitted, the machine's maximum continuous or rated speed, or the highest of balancing;
     influence: coefficients, complex of shape (m, p) [m/(kg.m)]; rank: their numerical rank;
     touches: whether a contact closed during a run, so that the coefficients are not those of a
-    linear machine; settles: whether the runs were long enough for the slowest mode.
+    linear machine; settles: whether the runs were long enough for the slowest mode; messages: what
+    the runs say of their numbers, each once.
     """
 
     planes: tuple[CorrectionPlane, ...]
@@ -103,6 +107,7 @@ class Balancing(Displayed):
     rank: int
     touches: bool
     settles: bool
+    messages: tuple[str, ...]
 
     @property
     def residual(self) -> float:
@@ -163,6 +168,7 @@ class Balancing(Displayed):
             title += "; a contact closed during a run: the coefficients are not a linear machine's"
         if not self.settles:
             title += f"; {_MOST_TURNS} turns are too few for the slowest mode to settle"
+        title = "; ".join([title, *self.messages])
         return Table(title, heads, [*planes, *left_in_planes, *measured])
 
     def figure(self) -> Figure:
@@ -212,15 +218,14 @@ def balance(
     node or the trial unbalance cannot be, or the machine is unstable at a speed, `RunFailed` if a
     run stops before its end.
     """
-    nodes = list(planes if measured is None else measured)
-    for node in (*planes, *nodes):
-        if not 1 <= node <= len(rotor.nodes):
-            raise InputError(f"node {node}: must be from 1 to {len(rotor.nodes)}")
+    speeds, planes = numbers("speeds", speeds), listed("planes", planes, "nodes")
+    nodes = planes if measured is None else listed("measured", measured, "nodes")
+    planes, nodes = ([int(check_node(rotor, n)) for n in given] for given in (planes, nodes))
     for name, given in (("planes", planes), ("measured", nodes)):
         if len(set(given)) < len(given) or not given:
-            raise InputError(f"{name}: {list(given)}: must be different nodes, at least one")
+            raise InputError(f"{name}: {given}: must be different nodes, at least one")
     if len(set(speeds)) < len(speeds) or not speeds:
-        raise InputError(f"speeds: {list(speeds)} rad/s: must be different ones, at least one")
+        raise InputError(f"speeds: {speeds} rad/s: must be different ones, at least one")
     enough_measurements(2 * len(nodes) * len(speeds), len(planes))
     for speed in speeds:
         check_positive("balancing speed", speed, "rad/s")
@@ -232,17 +237,17 @@ def balance(
         raise InputError("the machine has no unbalance: there is nothing to balance")
     own = rotor.operation
     service_speed = own.maximum_continuous_speed or own.rated_speed or max(speeds)
-    bench = _Bench(rotor, list(speeds), nodes, report)
+    bench, u = _Bench(rotor, speeds, nodes, report), complex(trial)
     initial = bench.vibration("as it is", {})
-    trials = np.array(
-        [bench.vibration(f"trial unbalance at node {n}", {n: complex(trial)}) for n in planes]
-    )
-    found = correction(initial, trials, np.full(len(planes), complex(trial)))
+    trials = np.array([bench.vibration(f"trial unbalance at node {n}", {n: u}) for n in planes])
+    found = correction(initial, trials, [u] * len(planes))
     corrections = dict(zip(planes, found.unbalances.tolist(), strict=True))
     corrected = bench.vibration("corrected", corrections)
-    rows = zip(bench.rows(), initial, found.expected, corrected, strict=True)
+    places = [(n, axis, s) for s in speeds for n in nodes for axis in "xy"]
+    steady = bench.change < _STEADY * np.abs(initial).max()
+    rows = zip(places, initial, found.expected, corrected, strict=True)
     result = Balancing(
-        planes=tuple(CorrectionPlane(n, complex(trial), u) for n, u in corrections.items()),
+        planes=tuple(CorrectionPlane(n, u, w) for n, w in corrections.items()),
         vibrations=tuple(Vibration(*row, *map(complex, seen)) for row, *seen in rows),
         residuals=_residuals(rotor, _with(rotor, corrections), service_speed),
         service_speed=service_speed,
@@ -250,6 +255,7 @@ def balance(
         rank=found.rank,
         touches=bench.touches,
         settles=bench.settles,
+        messages=(*bench.messages, *(() if steady else (_UNSTEADY,))),
     )
     return of_machine(result, rotor)
 
@@ -288,15 +294,12 @@ class _Bench:
         sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
         self._touching = [f"{name}.contact" for name in walls(rotor)]
-        self._done, self.touches = 0, False
-
-    def rows(self) -> list[tuple[int, str, float]]:
-        """Return node, axis and speed of each measurement."""
-        return [(n, axis, s) for s in self._speeds for n in self._nodes for axis in "xy"]
+        self._done, self.touches, self.messages = 0, False, dict[str, None]()
+        self.change = 0.0  # between the halves of what was measured, at most [m]
 
     def vibration(self, what: str, unbalances: dict[int, complex]) -> np.ndarray:
-        """Return the vibration with further unbalances [kg.m] by node, in the order of `rows`;
-        what: they are, in words."""
+        """Return the vibration with further unbalances [kg.m] by node, of each speed and node
+        in x and y; what: they are, in words."""
         rotor = _with(self._rotor, unbalances)
         result = []
         for speed, turns in zip(self._speeds, self._turns, strict=True):
@@ -308,8 +311,7 @@ class _Bench:
     def _at(self, rotor: Rotor, speed: float, turns: int) -> np.ndarray:
         turn = 2 * math.pi / speed
         names = [f"measured_{node}.{axis}" for node in self._nodes for axis in "xy"]
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"):
             result = simulate(
                 Machine(rotor, ""),
                 speed=speed,
@@ -320,12 +322,20 @@ class _Bench:
                 per_turn=_ROWS,
                 step=turn / _STEPS,
             )
+        self.messages |= dict.fromkeys(on_numbers(result.messages, result.codes))
         if result.status.startswith(FAILED):
-            raise RunFailed(f"the run at {speed:g} rad/s {result.status}")
+            why = "; ".join([result.status, *self.messages])
+            raise RunFailed(f"the run at {speed:g} rad/s {why}")
         phi = result["phi"]
         within = (phi > phi[-1] - 2 * math.pi * _MEASURED).nonzero()[0]
         self.touches |= any(bool((result[name][within] > 0.5).any()) for name in self._touching)
-        return np.array([_once(phi[within], result[name][within]) for name in names])
+        halves = np.array_split(within, 2)
+        first, last = (
+            np.array([once_per_turn(phi[half], result[name][half]) for name in names])
+            for half in halves
+        )
+        self.change = max(self.change, float(np.abs(last - first).max()))
+        return (first + last) / 2
 
 
 def _settling(rotor: Rotor, speed: float) -> float:
@@ -338,13 +348,3 @@ def _settling(rotor: Rotor, speed: float) -> float:
             f"(a mode grows by {growth:.3g} 1/s)"
         )
     return _SETTLED / -growth * speed / (2 * math.pi) if growth < 0 else math.inf
-
-
-def _once(phi: np.ndarray, signal: np.ndarray) -> complex:
-    """Return the component that turns with the shaft, by least squares with the mean and two
-    harmonics, so that it takes no even spacing."""
-    columns = [np.ones_like(phi)]
-    for order in (1, 2):
-        columns += [np.cos(order * phi), np.sin(order * phi)]
-    a = np.linalg.lstsq(np.column_stack(columns), signal, rcond=None)[0]
-    return complex(a[1], -a[2])

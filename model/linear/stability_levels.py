@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import check_positive, mapped, number, numbers
+from ..arguments import check_positive, mapped, number
 from ..machine.rotor import Rotor
 from ..parts.base import BodyElement
 from ..parts.linear_bearing import LinearBearing, Seal
@@ -145,7 +145,7 @@ def level_1(
     """
     stages = anticipated if isinstance(anticipated, Mapping) else {}
     if isinstance(anticipated, Mapping):
-        expected = sum(numbers("anticipated", anticipated.values()))
+        expected = _sum("anticipated", anticipated)
     else:
         expected = number("anticipated", anticipated)
     _check(speed, expected)
@@ -198,7 +198,7 @@ def level_2(
     bare = without_seals(rotor)
     seals = {where: part for where, part in rotor.named_parts() if isinstance(part, Seal)}
     given = mapped("cross_couplings", cross_couplings)
-    total = sum(numbers("cross_couplings", given.values()))
+    total = _sum("cross_couplings", given)
     _check(speed, total)
     _check_nodes(rotor, given)
     variants: list[tuple[str, tuple[LinearBearing, ...], float]] = [("rotor and bearings", (), 0.0)]
@@ -252,6 +252,11 @@ def _bodies(rotor: Rotor) -> dict[int, float]:
     for _, body in rotor.elements_of_kind(BodyElement):
         result[body.node] = result.get(body.node, 0.0) + body.mass
     return result
+
+
+def _sum(name: str, stages: Mapping[int, float]) -> float:
+    """Return the sum of an argument's cross couplings by node [N/m]; `InputError` for no number."""
+    return sum(number(f"{name}: {node}", q) for node, q in stages.items())
 
 
 def _check(speed: float, anticipated: float) -> None:

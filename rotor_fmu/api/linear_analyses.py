@@ -224,7 +224,7 @@ class LinearAnalyses:
         from ..linear.stability_answers import level_1, level_2
 
         if not is_one_of(level, (1, 2)):
-            raise InputError(f"level = {level}: must be 1 or 2")
+            raise InputError(f"level = {level!r}: must be 1 or 2")
         if level == 1:
             return level_1(self.rotor, speed, **options)
         return level_2(self.rotor, speed, **options)

@@ -250,4 +250,5 @@ def _conclusions(
         ),
         _stability(level_2) + (" Level 1 asks for level 2." if level_1.is_level_2_required else ""),
         rub.conclusion,
+        *dict.fromkeys(message for run in rub.runs for message in run.messages),
     )

@@ -27,7 +27,7 @@ from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
 from ..model.structure.assembly import assemble
 from ..model.structure.reduction_offer import reduction_offer
-from ..run_status import FAILED
+from ..run_status import FAILED, on_numbers
 
 _TURNS = 1200.0  # of a run up or down
 _SETTLING = 60.0  # turns at the first speed, before the run begins
@@ -66,11 +66,13 @@ class ContactRun(NamedTuple):
 
 
 class RubRun(NamedTuple):
-    """A run with contacts: `run-up` or `run-down`; its status; of the place that moves most, the
-    speed [rad/s] and the amplitude there [m], shape (n,); what each contact did."""
+    """A run with contacts: `run-up` or `run-down`; its status; what it says of its numbers; of the
+    place that moves most, the speed [rad/s] and the amplitude there [m], shape (n,); what each
+    contact did."""
 
     direction: str
     status: str
+    messages: list[str]
     speed: np.ndarray
     amplitude: np.ndarray
     contacts: tuple[ContactRun, ...]
@@ -247,7 +249,8 @@ def _run(
     wider = max(0.0, 0.5 * (_NARROW * top - (operating[1] - operating[0])))
     passed = (operating[0] - wider, operating[1] + wider)
     seen = tuple(_contact_run(result, name, passed, after) for name in contacts)
-    return RubRun(direction, result.status, speed, amplitude, seen)
+    messages = on_numbers(result.messages, result.codes)
+    return RubRun(direction, result.status, messages, speed, amplitude, seen)
 
 
 def _amplitude(result: Result, place: str, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -13,11 +13,11 @@ that do the same is taken then: the rounding that differs is no reason for large
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, shown_value
 
 # Share of the largest singular value of A below which one is an error of the measured vibration.
 _RANK_TOLERANCE = 1e-4
@@ -45,11 +45,11 @@ def correction(
     initial: once-per-revolution vibration without a trial unbalance, complex of shape (m,) [m];
     trials: the same with the trial unbalance of each plane in turn, shape (p, m) [m]; unbalances:
     the trial unbalances, complex of shape (p,) [kg.m]; each is removed before the next. Raises
-    `InputError` if the shapes do not fit, a trial unbalance is 0, or there are fewer measurements
-    than planes.
+    `InputError` if a value is not a finite number, the shapes do not fit, a trial unbalance is 0,
+    or there are fewer measurements than planes.
     """
-    v, seen = np.asarray(initial, complex), np.atleast_2d(np.asarray(trials, complex))
-    u = np.asarray(unbalances, complex)
+    v, seen = _finite("initial", initial), np.atleast_2d(_finite("trials", trials))
+    u = _finite("unbalances", unbalances)
     if v.ndim != 1 or seen.shape != (len(u), len(v)):
         raise InputError(
             f"trials: shape {seen.shape}, must be {(len(u), len(v))}: a row for each of "
@@ -61,6 +61,25 @@ def correction(
     influence = ((seen - v) / u[:, None]).T
     result, _, rank, _ = np.linalg.lstsq(influence, -v, rcond=_RANK_TOLERANCE)
     return Correction(influence, result, v + influence @ result, int(rank))
+
+
+def _finite(name: str, values: Any) -> np.ndarray:
+    """Return an argument as complex numbers; `InputError` where it has others, as of a reading that
+    is missing."""
+    try:
+        result = np.asarray(values, complex)
+    except (TypeError, ValueError):
+        result = np.array(np.nan)
+    if not np.isfinite(result).all():
+        raise InputError(f"{shown_value(name, values)}: must be finite numbers, complex or real")
+    return result
+
+
+def once_per_turn(phi: np.ndarray, signal: np.ndarray) -> complex:
+    """Return the component that turns with the shaft, of a signal over its angle [rad], by least
+    squares with the mean and two harmonics, so that it takes no even spacing."""
+    turning = np.exp(1j * np.outer(phi, range(-2, 3)))
+    return complex(2 * np.linalg.lstsq(turning, signal, rcond=None)[0][3])
 
 
 def enough_measurements(measurements: int, planes: int) -> None:

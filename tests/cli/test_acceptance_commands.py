@@ -2,10 +2,12 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from matplotlib.text import Text
+from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
@@ -151,6 +153,15 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
     up, down = data["contact"]["runs"]
     assert up["contacts"][0]["share_in_range"] > 0.5
     assert down["contacts"][0]["share_in_range"] == 0.0
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_what_runs_of_a_report_say_of_their_numbers_is_concluded_once():
+    """Hysteresis, which they take otherwise than the rest of the report does."""
+    rotor = replace(load_rotor(Path(JEFFCOTT))[1], eta_h=1e-4, rotating_damping=True)
+    concluded = machine_report(rotor, ReportOptions(1400 * RPM, 1800 * RPM)).conclusions
+    assert concluded[-2].startswith("The rub lasts in the operating range")
+    assert concluded[-1] == HYSTERETIC_AS_SLOWER
 
 
 @pytest.mark.usefixtures("coarse_report")

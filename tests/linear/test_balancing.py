@@ -13,13 +13,14 @@ from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.body import Body
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
+from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
 from rotor_fmu.trial_balancing import balance
 from rotor_fmu.vibration.influence_coefficients import correction
-from tests.linear.api_617 import RPM, SHAFT, support
+from tests.linear.api_617 import RPM, SHAFT, example, support
 
 
 def without_contact():
@@ -46,6 +47,7 @@ def test_two_trial_runs_of_the_rig_without_contact_leave_less_than_one_percent()
     rotor, runs = without_contact(), []
     result = balance(rotor, [150.0], [4, 6], measured=[4, 6], report=lambda *run: runs.append(run))
     assert result.residual < 0.01
+    assert result.messages == ()
     assert [done for done, _ in runs] == [0, 1, 2, 3]
     assert runs[2][1].startswith("trial unbalance at node 6, ")
     assert not result.touches
@@ -56,7 +58,7 @@ def test_two_trial_runs_of_the_rig_without_contact_leave_less_than_one_percent()
 
 def test_influence_coefficients_from_runs_are_those_of_the_linear_response():
     rotor = without_contact()
-    result = balance(rotor, [150.0], [4], measured=[6])
+    result = balance(rotor, np.array([150.0]), np.array([4]), measured=[6])
     linear = unbalance_response(rotor, [150.0], unbalances=[(4, 1.0, 0.0)])
     expected = [linear.x[0, 5], linear.y[0, 5]]
     np.testing.assert_allclose(result.influence[:, 0], expected, rtol=1e-3)
@@ -134,6 +136,22 @@ def test_a_machine_that_does_not_settle_is_refused():
 
 
 @pytest.mark.usefixtures("few_turns")
+def test_what_the_runs_say_of_their_numbers_is_said_once():
+    """Hysteresis, which a run takes otherwise than `unbalance` does."""
+    rotor = replace(without_contact(), eta_h=1e-4, rotating_damping=True)
+    result = balance(rotor, [150.0], [4])
+    assert result.messages == (str(HYSTERETIC_AS_SLOWER),)
+    assert str(HYSTERETIC_AS_SLOWER) in result.table().title
+
+
+@pytest.mark.usefixtures("few_turns")
+def test_a_whirl_that_the_unbalance_does_not_drive_is_said():
+    """Of floating rings, which no mode at the frequency of rotation shows."""
+    result = balance(example("turbocharger"), [500.0], [2])
+    assert [said.partition(":")[0] for said in result.messages] == ["the vibration was not steady"]
+
+
+@pytest.mark.usefixtures("few_turns")
 def test_a_contact_that_closes_is_said():
     assert balance(rig(), [150.0], [5]).touches
 
@@ -187,6 +205,10 @@ def test_a_machine_whose_planes_are_dependent_says_so():
     ("arguments", "expected"),
     [
         ({"speeds": [], "planes": [4]}, "speeds"),
+        ({"speeds": 150.0, "planes": [4]}, "speeds = 150.0: must be a list of numbers"),
+        ({"speeds": [150.0], "planes": 4}, "planes = 4: must be a list of nodes"),
+        ({"speeds": [150.0], "planes": [4], "measured": 4}, "measured = 4: must be a list"),
+        ({"speeds": [150.0], "planes": [4.5]}, "node = 4.5: must be an integer from 1 to 8"),
         ({"speeds": [150.0, 150.0], "planes": [4]}, "speeds"),
         (
             {"speeds": [150.0], "planes": [4], "measured": [5, 5]},
@@ -232,6 +254,14 @@ def test_a_machine_without_unbalance_is_not_balanced():
     ("initial", "trials", "unbalances", "expected"),
     [
         ([1.0], [[1.0, 2.0]], [1.0], "shape"),
+        ([np.nan], [[1.0]], [1.0], r"initial = \[nan\]: must be finite numbers"),
+        (
+            [1.0],
+            [[1.0], [2.0, 3.0]],
+            [1.0, 1.0],
+            r"trials = \[\[1.0\], \[2.0, 3.0\]\]: must be finite",
+        ),
+        ([1.0], [[1.0]], ["50 g.mm"], "unbalances = .* must be finite numbers"),
         ([1.0], [[1.0]], [0.0], "trial unbalance is 0"),
         ([1.0], [[1.0], [2.0]], [1.0, 1.0], "1 measurements for 2 planes"),
     ],
