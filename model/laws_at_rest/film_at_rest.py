@@ -110,4 +110,4 @@ class FilmAtRest(LawProbe):
     def is_invalid(self, d: complex) -> bool:
         """Return whether the film is thinner than its roughness, without a contact behind it."""
         self._settle_at(d, 0j)
-        return self._laws.is_invalid(0, d)
+        return bool(self._laws.is_invalid[0])

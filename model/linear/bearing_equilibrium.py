@@ -299,10 +299,10 @@ def check_films(
     for j, (name, at, on) in enumerate(zip(interfaces, d, force, strict=True)):
         part = parts.get(name)
         if isinstance(part, JournalBearing | SqueezeFilmDamper):
-            if laws.is_invalid(j, at):
+            if laws.is_invalid[j]:
                 alone = BearingAlone(part, speed, name, cage_of(rotor, part))
                 kx, ky = alone.cage.stiffness
                 of_cage = complex(kx * at.real, ky * at.imag)
                 raise alone.no_equilibrium(of_cage - complex(on))
-        elif isinstance(part, FloatingRingBearing) and laws.is_invalid(j, at):
+        elif isinstance(part, FloatingRingBearing) and laws.is_invalid[j]:
             raise RingAlone(part, speed, name).no_equilibrium(-complex(on))
