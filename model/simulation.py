@@ -12,6 +12,7 @@ from .backend import Backend, bound_entry_points, selected_backend, why_interpre
 from .errors import InputError
 from .kernels.kernel import interpreted
 from .kernels.library import RAISED
+from .laws_at_rest.oil import machine_with_oil
 from .machine.rotor import Rotor
 from .message_templates import MOST_ARGUMENTS, Message, choice, fill_template
 from .settings import DEFAULT_PRESET, PRESETS, Settings
@@ -112,7 +113,7 @@ class Simulation:
             warn(Message(why_interpreted(), "interpreted"))
         self.rotor = rotor
         self.settings = settings
-        structure, self._ranges = assembled(rotor, int(settings.reduction))
+        structure, self._ranges = assembled(machine_with_oil(rotor), int(settings.reduction))
         self.names = observed_names(rotor)
         for warning in settings.warnings:
             self._warn(warning)

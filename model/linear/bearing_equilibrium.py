@@ -4,7 +4,7 @@ that it carries without whirling."""
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,10 +12,11 @@ from ..film.bearing_film import bearing_of, pad_count, pad_of, solved
 from ..film.tilting_pads import pad_balance, set_pivot_displacement, set_tilt
 from ..film.zone_pressure import vectors, zone_bound
 from ..kernels.kernel import interpreted
+from ..laws_at_rest.film_at_rest import FilmAtRest
+from ..laws_at_rest.oil import with_oil
+from ..laws_at_rest.tangents import LawsAtRest
 from ..machine.rotor import Rotor
-from ..parts import LAWS
 from ..parts.base import MountElement, Part
-from ..parts.film_equilibrium import FilmProbe
 from ..parts.film_law import bearing_at
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
@@ -23,34 +24,15 @@ from ..parts.law import Weights
 from ..parts.law_probe import BY_D
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..parts.tilting_pads import states_of_pad
-from ..step.laws_along_motion import single_law
 from .system_at_speed import LinearError
-from .tangents import LawsAtRest
 
 _HALVINGS = 30
 _TURNS, _MOST_TURN = 8, 0.3  # steps of Newton's method, and their size [rad]
 _CLOSE = 1e-5  # of a displacement: what it makes of a load is not seen in a message
 
 
-class FilmAtRest(FilmProbe, ABC):
-    """A film that the solver library lets rest, if there is one: `interpreted`, each of its pads
-    takes milliseconds."""
-
-    def __init__(self, part: Any, speed: float, where: str) -> None:
-        super().__init__(part, speed, where)
-        one = single_law(self._law, self._record, self._tables, len(self._states))
-        self._laws = LawsAtRest(*one)
-        laws = self._laws.machine.laws
-        self._record, self._tables = laws[LAWS.index(self._law)][0], laws[-1]
-        self._follows = True  # the library knows every law so
-
-    def _vibrating(self, d: complex, frequency: float) -> tuple[complex, np.ndarray, np.ndarray]:
-        place, states = np.array([d], complex), self._states
-        rest = self._laws.tangents(
-            *(place, self.speed, frequency), sliding=self._sliding, states=states
-        )
-        self._states = self._laws.states.copy()
-        return complex(rest.force[0]), rest.by_d[0], rest.by_v[0]
+class _LoadedFilm(FilmAtRest, ABC):
+    """A film whose journal rests under a load, or an error that says what it carries."""
 
     def rest(self, load: complex, start: complex | None = None) -> complex:
         """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
@@ -65,7 +47,7 @@ class FilmAtRest(FilmProbe, ABC):
         """Return the error of a load [N] that is not carried."""
 
 
-class RingAlone(FilmAtRest):
+class RingAlone(_LoadedFilm):
     """A floating ring bearing whose journal is moved by hand at a speed [rad/s].
 
     part: the bearing; where: its name, for messages; gravity: on the ring, to the right and upwards
@@ -106,7 +88,7 @@ def cage_of(rotor: Rotor, part: Part) -> Cage:
     return NO_CAGE
 
 
-class BearingAlone(FilmAtRest):
+class BearingAlone(_LoadedFilm):
     """A journal bearing or a damper whose journal is moved by hand at a speed [rad/s].
 
     part: the bearing; where: its name, for messages; cage: acts beside its film, on a housing that
@@ -120,6 +102,7 @@ class BearingAlone(FilmAtRest):
         where: str = "journal_bearing",
         cage: Cage = NO_CAGE,
     ) -> None:
+        part = with_oil(part, where)
         super().__init__(part, speed, where)
         self.part, self.cage = part, cage
         is_journal = isinstance(part, JournalBearing)
@@ -316,10 +299,10 @@ def check_films(
     for j, (name, at, on) in enumerate(zip(interfaces, d, force, strict=True)):
         part = parts.get(name)
         if isinstance(part, JournalBearing | SqueezeFilmDamper):
-            if laws.is_invalid(j, at):
+            if laws.is_invalid[j]:
                 alone = BearingAlone(part, speed, name, cage_of(rotor, part))
                 kx, ky = alone.cage.stiffness
                 of_cage = complex(kx * at.real, ky * at.imag)
                 raise alone.no_equilibrium(of_cage - complex(on))
-        elif isinstance(part, FloatingRingBearing) and laws.is_invalid(j, at):
+        elif isinstance(part, FloatingRingBearing) and laws.is_invalid[j]:
             raise RingAlone(part, speed, name).no_equilibrium(-complex(on))

@@ -10,8 +10,8 @@ from typing import get_args
 import numpy as np
 
 from ..film.bearing_film import PAD
+from ..laws_at_rest.oil import oil_of
 from ..machine.rotor import Rotor
-from ..parts.film_viscosity import oil_of
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
 from ..parts.rolling_bearing import RollingBearing
@@ -187,9 +187,9 @@ def _viscous(alone: BearingAlone) -> float:
 def _temperatures(part: JournalBearing, speeds: np.ndarray) -> np.ndarray | None:
     """Return the temperature of the lubricant at each speed [degC], as its table over the speed has
     it; None without a heat balance."""
-    oil = oil_of(part) if part.temperature else None
-    if oil is None:
+    if not part.temperature:
         return None
+    oil = oil_of(part)
     fast = np.clip(np.abs(speeds), oil.speed[0], oil.speed[-1])
     return np.asarray(interpolant(oil.speed, oil.temperature)(fast))
 

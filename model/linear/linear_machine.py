@@ -17,6 +17,8 @@ import scipy.sparse as sp
 
 from ..arguments import is_one_of
 from ..kernels.kernel import interpreted
+from ..laws_at_rest.oil import machine_with_oil
+from ..laws_at_rest.tangents import LawsAtRest, Tangents
 from ..machine.rotor import Rotor
 from ..parts.housing import masses
 from ..structure.assembly import assemble
@@ -44,7 +46,6 @@ from .supports import (
     unsprung,
 )
 from .system_at_speed import Linear, LinearError, Strain
-from .tangents import LawsAtRest, Tangents
 
 OPEN, PINNED = "open", "pinned"
 CONTACTS = (OPEN, PINNED)
@@ -71,7 +72,7 @@ class LinearMachine:
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
         if not is_one_of(contacts, (None, *CONTACTS)):
             raise LinearError(f"contacts = {contacts}: must be one of {', '.join(CONTACTS)}")
-        self.rotor = rotor
+        self.rotor = rotor = machine_with_oil(rotor)
         self.structure = assemble(rotor)
         self.supports = supports(rotor)
         self._full = matrices_of(rotor, self.structure)

@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
+from ..laws_at_rest.tangents import Tangents
 from ..quantities import QuantityError
 from ..structure.strain_solver import Solve, StrainedMatrices
 from .real_matrices import TURN
-from .tangents import Tangents
 
 _WITH_IT = 1e-9  # relative difference of a frequency and the speed that are one
 

@@ -32,7 +32,7 @@ from .film_law import (
     film_table,
     whole_circle,
 )
-from .film_viscosity import HeatQuantities, check_viscosity, oil_of
+from .film_viscosity import HeatQuantities, check_viscosity
 from .law import Kinematics, Law, Weights
 from .pads_linearized import linearize_film
 from .speed_table import speed_table
@@ -334,10 +334,11 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
 
     def viscosity_table(self) -> np.ndarray | None:
         """Return the `speed_table` of the viscosity, None if it is constant."""
-        oil = oil_of(self)
-        if oil is None:
+        if not isinstance(self.viscosity, tuple):
             return None
-        return speed_table(oil.speed, ("viscosity",), {"viscosity": oil.viscosity})
+        if self.temperature:  # no numbers before there is a heat balance (`laws_at_rest.oil`)
+            return math.nan * speed_table(self.speed, ("viscosity",), {})
+        return speed_table(self.speed, ("viscosity",), {"viscosity": self.viscosity})
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """Yield one interface."""

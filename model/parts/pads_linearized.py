@@ -14,7 +14,7 @@ from ..film.tilting_pads import across_of
 from ..kernels.jit import jit, jit_not_inlined
 from .film_law import bearing_at
 from .law import Weights
-from .tilting_pads import mass_of_pad, pad_motion, states_of_pad
+from .tilting_pads import mass_of_pad, pad_motion, rate_of_return, states_of_pad
 
 _BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
@@ -120,6 +120,12 @@ def _linearize_pad(part, bearing, tables, i, pad, internal_state, slopes):
     if part.pivot_stiffness > 0.0:
         _store(slopes, last, first, pad.pivot_velocity, pivot_rate, part)
         slopes.force[last] = complex(x.pivot, y.pivot)
+        if internal_state[last] < 0.0:  # all else is as if it had returned
+            slopes.force[last] = 0.0j
+            for place in range(first, last):
+                slopes.by_states[place, last] = 0.0
+            slopes.by_states[first:last, last] = 0.0
+            slopes.by_states[last, last] = -rate_of_return(part, bearing)
     return (
         *(0.5 * (x.d.conjugate() + 1j * y.d.conjugate()), 0.5 * (x.d + 1j * y.d)),
         *(0.5 * (x.v.conjugate() + 1j * y.v.conjugate()), 0.5 * (x.v + 1j * y.v)),

@@ -38,6 +38,8 @@ from ..quantities import NOT_NEGATIVE, Output, quantity, switch
 from .film_law import FilmQuantities
 from .law import Kinematics
 
+_LEAST_DAMPING = 1e-4  # of a pivot, as a share of that of a film as thick as the clearance
+
 
 @dataclass(frozen=True, kw_only=True)
 class TiltingQuantities(FilmQuantities):
@@ -135,6 +137,15 @@ def _by_pivot(at, search, slope, outwards, by_displacement, by_velocity):
     return p * outwards + q * outwards.conjugate()
 
 
+@jit
+def rate_of_return(part, bearing):
+    """Return by how much of itself a pivot displaced inwards, where no film can hold it, returns
+    in a second [1/s]: nearly at once."""
+    slender = bearing.journal_radius / bearing.clearance
+    film = bearing.viscosity * bearing.length * slender * slender * slender
+    return part.pivot_stiffness / (_LEAST_DAMPING * film)
+
+
 @jit_not_inlined
 def pad_motion(part, bearing, tables, kinematics, i, free, b):
     """Return the `PadMotion` of a pad, and move the pad there; free: the states at the end of a
@@ -147,7 +158,9 @@ def pad_motion(part, bearing, tables, kinematics, i, free, b):
         search, y, slope, at = _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b)
         return PadMotion(search, y, slope, at, 0.0, 0.0)
     outwards = across_of(bearing, tables, i) * -1j
-    before = free[first + states_of_pad(part) - 1]
+    before, returning = free[first + states_of_pad(part) - 1], 0.0
+    if b == 0.0 and before < 0.0:  # no film holds it, and that of one back already acts
+        before, returning = 0.0, -before * rate_of_return(part, bearing)
     # the unknown is the displacement of the pivot, or its rate at the end of the step
     base, by_displacement, by_velocity = (0.0, 1.0, 0.0) if is_at_rest else (before, b, 1.0)
     z = before if is_at_rest else 0.0
@@ -172,7 +185,8 @@ def pad_motion(part, bearing, tables, kinematics, i, free, b):
         z = low if is_narrow else ahead
     if is_at_rest:  # it may bear at `low`, and nothing further on: its pivot says how much it does
         at = with_force_change(at, residual * outwards)
-    return PadMotion(search, y, slope, at, base + by_displacement * z, by_velocity * z)
+    velocity = by_velocity * z + returning
+    return PadMotion(search, y, slope, at, base + by_displacement * z, velocity)
 
 
 @jit

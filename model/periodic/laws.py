@@ -90,6 +90,8 @@ class LawsAlongMotion:
         is_damped = np.array([part.c > 0 for part in walls], bool)
         self.corner_owner = np.concatenate([owners, owners[is_damped]])
         self._sampled: dict[int, _SampleBlock] = {}
+        # pads that tilt are solved once for force and rates with their derivatives, twice without
+        self._is_solved_once = any(i.states and LAWS[i.law].linearize for i in interfaces)
         # laws of whose states differences are taken, each by itself
         self._alone = {
             j: self if self.count == 1 else LawsAlongMotion(structure, index)
@@ -177,7 +179,10 @@ class LawsAlongMotion:
     def forces(self, d: np.ndarray, v: np.ndarray, states: np.ndarray, speed: float) -> Forces:
         """Return forces and rates; d, v: shape (n, 2 m) [m], [m/s]; states: shape (n, s)."""
         at = self._filled(d, v, states)
-        at.call_laws(*BY_D, float(speed))
+        if self._is_solved_once:
+            at.linearize_laws(float(speed))
+        else:
+            at.call_laws(*BY_D, float(speed))
         return Forces(in_plane(at.samples.force.T), at.samples.rates.copy())
 
     def tangents(

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..laws_at_rest.oil import machine_with_oil
 from ..linear import LinearError, LinearMachine
 from ..linear.linear_machine import OPEN
 from ..linear.real_matrices import TURN, in_plane
@@ -81,7 +82,7 @@ class CondensedMachine:
     def with_rotor(self, rotor: Rotor) -> "CondensedMachine":
         """Return the machine with other quantities; the linear part is taken over if only nonlinear
         laws change."""
-        s = assemble(rotor)
+        s = assemble(machine_with_oil(rotor))
         if not _is_same_but_laws(self.structure, s, self._linear):
             return CondensedMachine(rotor, self._loads)
         result = copy(self)

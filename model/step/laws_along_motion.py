@@ -10,7 +10,7 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..parts import LAWS
 from ..parts.law import Kinematics, Law, StateSlopes, Weights
 from ..structure.structure import INTERFACE, LAW_TABLES, sizes_of_laws
-from .laws import law_gap, law_linearize, law_rates, law_tangent_called, law_vibrate
+from .laws import law_breaks, law_gap, law_linearize, law_rates, law_tangent_called, law_vibrate
 from .step_status import DONE
 
 
@@ -25,7 +25,7 @@ class Samples(NamedTuple):
     """Relative displacements [m], velocities [m/s] and internal states of the interfaces at
     samples; the states that the laws solve for; forces [N], their tangents p z + q conj(z) with
     respect to displacement and velocity, rates of the states with the derivatives of `StateSlopes`,
-    and gaps [m]."""
+    gaps [m], and, at rest, whether the laws are invalid."""
 
     d: Annotated[np.ndarray, complex, "interfaces", "samples"]
     v: Annotated[np.ndarray, complex, "interfaces", "samples"]
@@ -40,6 +40,7 @@ class Samples(NamedTuple):
     rates_by_v: Annotated[np.ndarray, complex, "samples", "states"]
     rates_by_states: Annotated[np.ndarray, float, "samples", "states", "states"]
     gap: Annotated[np.ndarray, float, "interfaces", "samples"]
+    is_invalid: Annotated[np.ndarray, bool, "interfaces", "samples"]
 
 
 class LawData(NamedTuple):
@@ -138,7 +139,7 @@ def fill_linearized(machine, samples, speed):
 @jit
 def vibrate_laws(block, speed, sliding, frequency):
     """Fill in forces and tangents at rest at all displacements, for a vibration with a frequency
-    [rad/s]; speed, sliding: see `Kinematics` [rad/s]."""
+    [rad/s], and whether the laws are invalid there; speed, sliding: see `Kinematics` [rad/s]."""
     run = _view(block)
     laws, interfaces = run.machine
     samples = run.samples
@@ -147,9 +148,11 @@ def vibrate_laws(block, speed, sliding, frequency):
         at = interface.internal_state
         for t in range(samples.d.shape[1]):
             motion = Kinematics(samples.d[j, t], 0.0j, speed, sliding, 0.0)
+            states, solved = samples.states[t, at:], samples.solved[t, at:]
             force, p_d, q_d, p_v, q_v = law_vibrate(
-                laws, interface, motion, frequency, samples.states[t, at:], samples.solved[t, at:]
+                *(laws, interface, motion, frequency, states, solved)
             )
+            samples.is_invalid[j, t] = law_breaks(laws, interface, motion.displacement, solved)
             samples.force[j, t] = force
             samples.p[0, j, t], samples.q[0, j, t] = p_d, q_d
             samples.p[1, j, t], samples.q[1, j, t] = p_v, q_v

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..model.laws_at_rest.oil import machine_with_oil
 from ..model.machine.rotor import HYSTERETIC_AT_REST, Rotor
 from ..model.message_templates import choice
 from ..model.messages import CODES, SENTENCES, closed_at
@@ -101,7 +102,8 @@ def table_bytes(fmu_interface: FmuInterface, sources: str, guid: str) -> bytes:
     """
     index = {variable.name: i for i, variable in enumerate(fmu_interface.table)}
     structure, beyond = assembled(
-        fmu_interface.rotor, int(fmu_interface.table[index[REDUCTION.name]].start or 0)
+        machine_with_oil(fmu_interface.rotor),
+        int(fmu_interface.table[index[REDUCTION.name]].start or 0),
     )
     block = new_block(structure, len(observed_names(fmu_interface.rotor)))
     where = {field.path: _offset(block, i) for i, field in enumerate(LAYOUT.fields)}

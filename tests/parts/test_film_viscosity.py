@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.laws_at_rest.oil import oil_of
 from rotor_fmu.model.linear import bearing_curves, modes
 from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.parts.film_viscosity import oil_of
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
@@ -17,6 +17,7 @@ from rotor_fmu.model.simulation import Simulation
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
+from ..toml_text import table
 from .films import film, heavy_shaft
 
 _SPEED, _LOAD = 300.0, 1000.0
@@ -109,6 +110,33 @@ def test_a_short_film_heats_up_as_the_closed_form_says():
     assert oil_of(part).temperature[2] == pytest.approx(expected, abs=0.02)
 
 
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"density": 5e-324}, "its film would be hotter at 100 rad/s than its temperature"),
+        ({"speed": (100.0, 3000.0)}, "its film would be hotter at 3000 rad/s than its temperat"),
+        (
+            {"static_load": 1e6},
+            "no equilibrium: its film does not carry static_load = 1e+06 N at 100 rad/s and 40",
+        ),
+    ],
+)
+def test_a_heat_balance_that_cannot_be_is_refused_where_its_film_is_needed(more, message):
+    """By a run and by linear analyses with one sentence; a file is read without it."""
+    lists = table("[journal_bearing]", node=3, **_listed(_GIVEN | _OVER_TEMPERATURE | more))
+    machine = parse_rotor(heavy_shaft() + film(1) + lists)
+    uses = (
+        lambda: Simulation(machine, speed=300.0, warn=lambda _: None),
+        lambda: modes(machine, 300.0),
+        lambda: bearing_curves(machine, [300.0], bearing="journal_bearing[2]", load=_LOAD),
+    )
+    for use in uses:
+        with pytest.raises(QuantityError) as refused:
+            use()
+        assert str(refused.value).startswith(f"journal_bearing[2]: {message}")
+        assert "\n" not in str(refused.value)
+
+
 def _listed(of):
     return {name: list(v) if isinstance(v, tuple) else v for name, v in of.items()}
 
@@ -187,12 +215,6 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
         ),
         ({"inlet_temperature": 20.0}, ".inlet_temperature = 20 degC: must be within journal_"),
         ({"static_load": 0.0}, ".static_load = 0 N: must be > 0: the heat balance needs it"),
-        ({"density": 5e-324}, ": its film would be hotter at 100 rad/s than its temperature"),
-        ({"speed": (100.0, 3000.0)}, ": its film would be hotter at 3000 rad/s than its temperat"),
-        (
-            {"static_load": 1e6},
-            ": no equilibrium: its film does not carry static_load = 1e+06 N at 100 rad/s and 40",
-        ),
         ({"speed": ()}, ".speed: 0 given, at least 2 are needed"),
         ({"speed": (100.0, -3.0)}, ".speed[2] = -3 rad/s: must be >= 0"),
         ({"heat_share": 1.5}, ".heat_share = 1.5: must be from 0 to 1"),

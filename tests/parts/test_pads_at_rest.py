@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.laws_at_rest.potential_rest import rest_in_potential
 from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
-from rotor_fmu.model.parts.potential_rest import rest_in_potential
 
 _PI = math.pi
 _C, _SPEED = 1e-4, 100.0

@@ -20,9 +20,11 @@ from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights
+from rotor_fmu.model.periodic.laws import LawsAlongMotion
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.assembly import assemble
 
 from ..toml_text import table
 from .films import OF_A_FILM, heavy_shaft
@@ -151,6 +153,27 @@ def test_a_vibration_is_reduced_as_its_implicit_steps_are(pivot):
     # which is not what pads without inertia do
     light = BearingAlone(_part(_ON_PAD), _SPEED).coefficients(d)
     assert np.abs(light[0] - K).max() > 1e-3 * most
+
+
+@pytest.mark.parametrize("inertia", [0.0, 2e-3])
+def test_a_pivot_displaced_inwards_returns_nearly_at_once(inertia):
+    """By a ten-thousandth of the damping of a film as thick as the clearance, as no film holds it;
+    all else is as of one that has returned, with all derivatives."""
+    rotor = _in_pads(pad_inertia=inertia, pivot_stiffness=1e8)
+    laws, part = LawsAlongMotion(assemble(rotor), np.array([0])), rotor.parts[-1]
+    c, end = part.clearance, laws.states // 4 - 1
+    returns = 1e12 * (c / part.journal_radius) ** 3 / (part.viscosity * part.length)
+    back = c * np.random.default_rng(4).uniform(0.0, 0.1, (1, laws.states))
+    back[0, end] = 0.0
+    inwards = back - 1e-3 * c * (np.arange(laws.states) == end)
+    d, v, scale = np.array([[2e-5, -3e-5]]), np.array([[3e-4, 1e-3]]), laws.state_scales(_SPEED)
+    returned, seen = (laws.tangents(d, v, own, scale, _SPEED) for own in (back, inwards))
+    assert np.abs(returned.force).max() > 100.0
+    returned.rates[0, end] += 1e-3 * c * returns
+    returned.by_states[..., end] = returned.rates_by_states[..., end] = 0.0
+    returned.rates_by_states[0, end, end] = -returns
+    for of_seen, expected in zip(seen, returned, strict=True):
+        np.testing.assert_allclose(of_seen, expected, rtol=1e-12)
 
 
 def test_a_stiff_pivot_is_a_rigid_one():

@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ..kernels.kernel import interpreted
-from .law_probe import BY_D, LawProbe
+from ..parts import LAWS
+from ..parts.law_probe import BY_D, LawProbe
+from ..step.laws_along_motion import single_law
 from .potential_rest import rest_in_potential
+from .tangents import LawsAtRest
 
 _ITERATIONS, _CHANGE = 200, 1e-12  # of the clearance
 _NEAR = 1e-6  # of the clearance: a step no shorter than the last is of rounding then
@@ -16,8 +18,9 @@ _LEFT = 1e-6  # of a load, that a film may bear more or less
 _CLOSE = 1e-5  # of the clearance: how far a rest is from where it was looked for
 
 
-class FilmProbe(LawProbe):
-    """The film of a part at a prescribed motion of its journal, at a speed [rad/s].
+class FilmAtRest(LawProbe):
+    """The film of a part at a prescribed motion of its journal, at a speed [rad/s]; the solver
+    library lets it rest, if there is one: `interpreted`, each of its pads takes milliseconds.
 
     part: the part; where: its name, for messages.
     """
@@ -25,6 +28,19 @@ class FilmProbe(LawProbe):
     def __init__(self, part: Any, speed: float, where: str) -> None:
         super().__init__(part, speed, where)
         self._part = part
+        one = single_law(self._law, self._record, self._tables, len(self._states))
+        self._laws = LawsAtRest(*one)
+        laws = self._laws.machine.laws
+        self._record, self._tables = laws[LAWS.index(self._law)][0], laws[-1]
+        self._follows = True  # the library knows every law so
+
+    def _vibrating(self, d: complex, frequency: float) -> tuple[complex, np.ndarray, np.ndarray]:
+        place, states = np.array([d], complex), self._states
+        rest = self._laws.tangents(
+            *(place, self.speed, frequency), sliding=self._sliding, states=states
+        )
+        self._states = self._laws.states.copy()
+        return complex(rest.force[0]), rest.by_d[0], rest.by_v[0]
 
     def equilibrium(self, load: complex, start: complex | None = None) -> complex | None:
         """Return the equilibrium of the journal under a load [N], by Newton's method from `start`
@@ -94,5 +110,4 @@ class FilmProbe(LawProbe):
     def is_invalid(self, d: complex) -> bool:
         """Return whether the film is thinner than its roughness, without a contact behind it."""
         self._settle_at(d, 0j)
-        breaks = interpreted(self._law.breaks)
-        return bool(breaks(self._record, self._tables, complex(d), self._states))
+        return bool(self._laws.is_invalid[0])

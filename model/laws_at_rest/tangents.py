@@ -5,8 +5,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..backend import bound_unless_compiled
-from ..kernels.kernel import interpreted
-from ..step.laws import law_breaks
 from ..step.laws_along_motion import block_of, vibrate_laws
 from ..structure.structure import starts_of
 
@@ -23,14 +21,14 @@ class Tangents(NamedTuple):
 class LawsAtRest:
     """The laws of m interfaces at rest; laws, interfaces: as of a `Structure`.
 
-    machine: these, where the laws work; states: own states of the laws as they were solved last,
-    shape (s,).
+    machine: these, where the laws work; of the last `tangents`, states: own states of the laws as
+    they were solved, shape (s,); is_invalid: whether a law means nothing there, shape (m,).
     """
 
     def __init__(self, laws: tuple, interfaces: np.recarray) -> None:
         self._block, data = block_of(laws, interfaces, 1)
         self.machine, self._samples = data.machine, data.samples
-        self.states = self._samples.solved[0]
+        self.states, self.is_invalid = self._samples.solved[0], self._samples.is_invalid[:, 0]
         self._starts = starts_of(interfaces)
         self._vibrate = bound_unless_compiled(vibrate_laws, self._block)
 
@@ -57,10 +55,3 @@ class LawsAtRest:
         matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
         by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)
         return Tangents(at.force[:, 0].copy(), by_d, by_v)
-
-    def is_invalid(self, j: int, d: complex) -> bool:
-        """Return whether an interface's law means nothing at a displacement [m], its states as they
-        were solved last."""
-        laws, interfaces = self.machine
-        own = self.states[interfaces[j].internal_state :]
-        return bool(interpreted(law_breaks)(laws, interfaces[j], complex(d), own))
