@@ -22,6 +22,7 @@ _OF_ITSELF = 0.01  # weight of a shape's own likeness beside that of the space i
 _PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
 _GROWING = 1e-9  # damping ratio below minus which a mode grows
 _PRECISION = 1e-12
+_LOST = complex(np.nan, np.nan)  # a frequency of 0 would be one
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def campbell(
         speeds=at,
         contacts=seen[0].contacts,
         eigenvalues=np.array(
-            [[m.eigenvalues[p] if p >= 0 else np.nan for p in of] for m, of in followed]
+            [[m.eigenvalues[p] if p >= 0 else _LOST for p in of] for m, of in followed]
         ),
         whirl=tuple(tuple(m.whirl[p] if p >= 0 else "" for p in of) for m, of in followed),
         harmonics=harmonics,

@@ -1,6 +1,7 @@
 """Linear answers against textbooks and closed forms."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,8 @@ from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.parts.shaft import Material, Section
 from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.parts.unbalance import Unbalance
+
+from tests.machines import jeffcott
 
 RPM = math.pi / 30
 ROOT = Path(__file__).parents[2]
@@ -197,6 +200,19 @@ def test_modes_are_followed_through_their_crossings():
     rotor = PRINTED["5.9.9"][0]
     coarse, fine = (campbell(rotor, np.linspace(0, 2000, n), count=6) for n in (5, 33))
     np.testing.assert_allclose(coarse.eigenvalues, fine.eigenvalues[::8], rtol=1e-6, atol=1e-6)
+
+
+def test_a_mode_has_no_frequency_where_it_does_not_oscillate():
+    """Damped by far more than critically at 50 and 150 rad/s, by little at 200 rad/s."""
+    damping = {"cxx": (1e5, 1e5, 10.0), "cyy": (1e5, 1e5, 10.0)}
+    damper = LinearBearing(node=2, speed=(0.0, 100.0, 200.0), kxx=0.0, kyy=0.0, **damping)
+    rotor = jeffcott()
+    rotor = replace(rotor, parts=(*rotor.parts, damper))
+    diagram = campbell(rotor, [50.0, 150.0, 200.0], count=6)
+    for seen in (diagram.damped, diagram.natural, diagram.log_dec):
+        np.testing.assert_array_equal(
+            np.isnan(seen), 2 * [6 * [False] + 2 * [True]] + [8 * [False]]
+        )
 
 
 def test_a_rotor_that_damps_itself_loses_stability_where_zorzi_and_nelson_say():
