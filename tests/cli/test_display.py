@@ -159,7 +159,7 @@ def _others():
     vibrations = (Vibration(4, "x", 100.0, 1e-5, 0j, 1e-6),)
     residuals = (ResidualUnbalance(2, 3.0, 1e-4j, 1e-5j, 1e-5, 2.5),)
     numbers = {"influence": np.ones((1, 1)), "rank": 1, "touches": False, "settles": False}
-    yield Balancing(planes, vibrations, residuals, service_speed=200.0, **numbers)
+    yield Balancing(planes, vibrations, residuals, service_speed=200.0, messages=(), **numbers)
 
 
 def _column(text, head):
