@@ -275,7 +275,7 @@ def balance(
     amount = None if trial is None else in_si("--trial", trial, "kg.m")
     check_nodes(machine, "--plane", plane)
     check_nodes(machine, "--node", node or ())
-    from ..trial_balancing import balance as balanced
+    from ..balancing.trial_runs import balance as balanced
 
     runs = len(speeds) * (2 + len(plane))
     with progress_of("balance", runs, first=0.0) as update:

@@ -14,6 +14,7 @@ from rotor_fmu.model.linear.frequency_response import ControlLoop
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
+from rotor_fmu.balancing.result import Balancing, CorrectionPlane, ResidualUnbalance, Vibration
 from rotor_fmu.display import (
     choose,
     current,
@@ -33,7 +34,6 @@ from rotor_fmu.plotting.figure_style import new_figure, save
 from rotor_fmu.run_pictures import run_folder, signal_plots
 from rotor_fmu.run_pictures.signal_plots import bode, orbit
 from rotor_fmu.run_pictures.view import View
-from rotor_fmu.trial_balancing import Balancing, CorrectionPlane, ResidualUnbalance, Vibration
 
 from ..recordings import recorded
 

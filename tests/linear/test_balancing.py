@@ -15,10 +15,10 @@ from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER
 
+from rotor_fmu.balancing.trial_runs import balance
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
-from rotor_fmu.trial_balancing import balance
 from rotor_fmu.vibration.influence_coefficients import correction
 from tests.linear.api_617 import RPM, SHAFT, example, support
 
@@ -112,8 +112,8 @@ def test_what_is_left_in_the_bearings_planes_has_its_grade():
 @pytest.fixture
 def few_turns(monkeypatch):
     """Runs that are short, where what they lead to is not looked at."""
-    monkeypatch.setattr("rotor_fmu.trial_balancing._MOST_TURNS", 20)
-    monkeypatch.setattr("rotor_fmu.trial_balancing._LEAST_TURNS", 10)
+    monkeypatch.setattr("rotor_fmu.balancing.trial_runs._MOST_TURNS", 20)
+    monkeypatch.setattr("rotor_fmu.balancing.trial_runs._LEAST_TURNS", 10)
 
 
 @pytest.mark.usefixtures("few_turns")
@@ -140,7 +140,8 @@ def test_what_the_runs_say_of_their_numbers_is_said_once():
     """Hysteresis, which a run takes otherwise than `unbalance` does."""
     rotor = replace(without_contact(), eta_h=1e-4, rotating_damping=True)
     result = balance(rotor, [150.0], [4])
-    assert result.messages == (str(HYSTERETIC_AS_SLOWER),)
+    assert result.messages.count(str(HYSTERETIC_AS_SLOWER)) == 1
+    assert len(result.messages) == 1 + (not result.settles)
     assert str(HYSTERETIC_AS_SLOWER) in result.table().title
 
 
@@ -148,7 +149,7 @@ def test_what_the_runs_say_of_their_numbers_is_said_once():
 def test_a_whirl_that_the_unbalance_does_not_drive_is_said():
     """Of floating rings, which no mode at the frequency of rotation shows."""
     result = balance(example("turbocharger"), [500.0], [2])
-    assert [said.partition(":")[0] for said in result.messages] == ["the vibration was not steady"]
+    assert result.messages[0].startswith("the vibration was not steady:")
 
 
 @pytest.mark.usefixtures("few_turns")

@@ -1,0 +1,1 @@
+"""Balancing of a machine by runs in time, and its result."""

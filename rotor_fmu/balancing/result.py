@@ -1,0 +1,162 @@
+"""A machine balanced by influence coefficients, as a table and in the complex plane; what unbalance
+is left, by ISO 21940-11 and API 617."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..display import current, speed_with_unit
+from ..linear.displayed import Displayed
+from ..linear.linear_plots import titled
+from ..linear.linear_tables import Table
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
+
+
+class Vibration(NamedTuple):
+    """Once-per-revolution vibration of a node (from 1) along an axis at a speed [rad/s], complex
+    amplitudes 0-p [m] whose angles are measured from the shaft's mark: initial, expected after the
+    correction, and in the run with it."""
+
+    node: int
+    axis: str
+    speed: float
+    initial: complex
+    expected: complex
+    corrected: complex
+
+
+class CorrectionPlane(NamedTuple):
+    """A correction plane: its node (from 1), the trial unbalance and the correction unbalance,
+    complex [kg.m]."""
+
+    node: int
+    trial: complex
+    unbalance: complex
+
+
+class ResidualUnbalance(NamedTuple):
+    """The unbalance of the rotor, taken as rigid, in the plane of a bearing, complex [kg.m]: its
+    node (from 1), the mass that it bears [kg], initial and with the correction; the most that API
+    617 permits [kg.m]; the balance quality grade that is met [mm/s], infinite where none is."""
+
+    node: int
+    mass: float
+    initial: complex
+    corrected: complex
+    permitted: float
+    grade: float
+
+
+@dataclass(frozen=True)
+class Balancing(Displayed):
+    """A machine balanced by influence coefficients, m measurements and p planes.
+
+    planes: with their unbalances; vibrations: at the measuring points; residuals: unbalances in the
+    planes of the two outermost bearings, none where there are fewer; service_speed: for which they
+    are permitted, the machine's maximum continuous or rated speed, or the highest of balancing;
+    influence: coefficients, complex of shape (m, p) [m/(kg.m)]; rank: their numerical rank;
+    touches: whether a contact closed during a run, so that the coefficients are not those of a
+    linear machine; settles: whether the runs were long enough for the slowest mode; messages: what
+    the runs say of their numbers, each once.
+    """
+
+    planes: tuple[CorrectionPlane, ...]
+    vibrations: tuple[Vibration, ...]
+    residuals: tuple[ResidualUnbalance, ...]
+    service_speed: float
+    influence: np.ndarray
+    rank: int
+    touches: bool
+    settles: bool
+    messages: tuple[str, ...]
+
+    @property
+    def residual(self) -> float:
+        """The vibration in the run with the correction, as a share of the initial one [1], by their
+        root mean squares."""
+        before = np.array([v.initial for v in self.vibrations])
+        after = np.array([v.corrected for v in self.vibrations])
+        return float(np.linalg.norm(after) / np.linalg.norm(before))
+
+    def table(self) -> Table:
+        """Return a table with a row for each plane, for each bearing's plane, and for each
+        measurement."""
+        heads = (
+            *("", "trial", "[deg]", "correction", "[deg]"),
+            *("initial", "[deg]", "left", "expected", "API 617", "ISO 21940-11"),
+        )
+        d, unit = current(), current().amplitude_words
+        planes = [
+            (
+                f"plane at node {p.node} [{d.unbalance_unit}]",
+                *_polar(p.trial, d.unbalance),
+                *_polar(p.unbalance, d.unbalance),
+                *6 * ("",),
+            )
+            for p in self.planes
+        ]
+        left_in_planes = [
+            (
+                f"unbalance at bearing, node {r.node} [{d.unbalance_unit}]",
+                *4 * ("",),
+                *_polar(r.initial, d.unbalance),
+                *(abs(r.corrected) * d.unbalance, "", r.permitted * d.unbalance),
+                f"G {r.grade:g}" if math.isfinite(r.grade) else "none",
+            )
+            for r in self.residuals
+        ]
+        measured = [
+            (
+                f"node {v.node} {v.axis}, {speed_with_unit(v.speed)} [{unit}]",
+                *4 * ("",),
+                *_polar(v.initial, d.amplitude),
+                abs(v.corrected) * d.amplitude,
+                abs(v.expected) * d.amplitude,
+                *2 * ("",),
+            )
+            for v in self.vibrations
+        ]
+        left = f"{100 * self.residual:.3g} % of the vibration is left"
+        title = f"Balancing by influence coefficients: {left}"
+        if self.residuals:
+            title += f"; unbalances permitted at {speed_with_unit(self.service_speed)}"
+        if self.rank < len(self.planes):
+            title += (
+                f"; the influence coefficients of {len(self.planes)} planes have rank {self.rank}: "
+                "these are the smallest unbalances that do it"
+            )
+        if self.touches:
+            title += "; a contact closed during a run: the coefficients are not a linear machine's"
+        title = "; ".join([title, *self.messages])
+        return Table(title, heads, [*planes, *left_in_planes, *measured])
+
+    def figure(self) -> Figure:
+        """Draw the vibration before and after, in the complex plane."""
+        figure, axes = new_figure(5.4, 5.2)
+        d = current()
+        axes.axhline(0, color=GREY, lw=0.8)
+        axes.axvline(0, color=GREY, lw=0.8)
+        for kind, label, color, mark in (
+            ("initial", "initial", ORANGE, "o"),
+            ("expected", "expected", GREEN, "x"),
+            ("corrected", "with the correction", BLUE, "s"),
+        ):
+            values = np.array([getattr(v, kind) for v in self.vibrations]) * d.amplitude
+            axes.plot(values.real, values.imag, mark, color=color, ms=6, mfc="none", label=label)
+        for v in self.vibrations:
+            at = v.initial * d.amplitude
+            annotate(axes, f"{v.node}{v.axis}", (at.real, at.imag), (5, 4))
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.margins(0.15)
+        axes.set_xlabel(f"In phase with the mark [{d.amplitude_words}]")
+        axes.set_ylabel(f"A quarter of a turn ahead of it [{d.amplitude_words}]")
+        axes.legend(frameon=False, fontsize=8)
+        entitle(axes, titled(self.machine_name, "1x vibration, its angle from the mark"))
+        return figure
+
+
+def _polar(value: complex, factor: float) -> tuple[float, float]:
+    return abs(value) * factor, math.degrees(np.angle(value)) + 0.0  # no -0
