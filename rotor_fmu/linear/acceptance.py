@@ -4,6 +4,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ from .linear_plots import plain_ticks, shade, titled
 from .linear_tables import Table
 
 _MET = {True: "yes", False: "NO"}
-_DASHES = ("-", DASHED, DOTTED, (0, (6, 2, 1, 2)))
+_DASHES: tuple[Any, ...] = ("-", DASHED, DOTTED, (0, (6, 2, 1, 2)), (0, (9, 3)))
 
 
 class CriticalMap(Displayed, linear.CriticalMap):
@@ -79,14 +80,15 @@ class CriticalMap(Displayed, linear.CriticalMap):
             if np.isfinite(last):
                 at, aside = (stiffness[-1], last * d.speed), (4 + 9 * (mode % 2), 0)
                 annotate(axes, f"{mode + 1}", at, aside, va="center", color=BLUE)
-        for lines, dashes in zip(self._own_lines(), _DASHES * len(self.own), strict=False):
+        # those of a bearing, which may lie on each other, differ in colour and dashes
+        dashes = {"x": cycle(_DASHES), "y": cycle(_DASHES[1:] + _DASHES[:1])}
+        for lines in self._own_lines():
             own = lines[0]
             inside = (own.stiffness >= self.stiffness[0]) & (own.stiffness <= self.stiffness[-1])
             color = ORANGE if own.axis == "x" else GREEN
             over = np.where(inside, own.stiffness, np.nan) * d.stiffness
-            axes.plot(
-                over, own.speed * d.speed, color=color, ls=dashes, lw=1.4, label=_label_of(lines)
-            )
+            ls, label = next(dashes[own.axis]), _label_of(lines)
+            axes.plot(over, own.speed * d.speed, color=color, ls=ls, lw=1.4, label=label)
         for c in self.crossings:
             at = c.stiffness * d.stiffness, c.speed * d.speed
             axes.plot(*at, "o", color="black", mfc="white", ms=4.5)

@@ -171,8 +171,9 @@ class Campbell(Displayed, linear.Campbell):
         ]
         label = "1x, the speed" if self.harmonics == (1.0,) else f"{self._orders} times the speed"
         handles.append(Line2D([], [], color="black", lw=1.0, ls=LIMIT, label=label))
-        above.legend(
-            handles=handles, framealpha=0.9, edgecolor="none", loc="upper left", fontsize=8
+        # lines run all over the axes
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=5, fontsize=8, frameon=False
         )
         highest = 1.05 * np.nanmax(frequency, initial=0.0)
         # not so far that the line of the speed, and what it meets, becomes flat
@@ -303,25 +304,25 @@ class Static(Displayed, linear.Static):
             bent = curve(self.z, self.x * d.small, self.slope_x * d.small, self.shear)
             axes.plot(*bent, color=ORANGE, lw=1.5, ls=DASHED, label="x")
             axes.legend(frameon=False, fontsize=8)
+        axes.margins(x=0.08, y=0.3)
+        labels, reach = [], 0.1 * np.ptp(axes.get_ylim())
+        marks = [*zip(self.z * d.length, self.y * d.small, strict=True)]
         for place, support, load in zip(self.support_z, self.supports, self.load_y, strict=True):
             if load == 0.0:
                 continue  # a contact that is open
-            at = int(np.argmin(np.abs(self.z - place)))
-            annotate(
-                axes,
-                f"{support}\n{abs(load) * d.force:.4g} {d.force_unit}",
-                (place * d.length, self.y[at] * d.small),
-                (0, -34 if load <= 0 else 34),
-                ha="center",
-                va="center",
-                arrowprops={"arrowstyle": "->", "color": "black", "lw": 0.9},
-                bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
-            )
-        axes.margins(x=0.08, y=0.3)
+            node = int(np.argmin(np.abs(self.z - place)))
+            at, y = place * d.length, self.y[node] * d.small
+            tail = at, y + (-reach if load < 0 else reach)
+            arrow = {"arrowstyle": "->", "color": "black", "lw": 0.9}
+            axes.annotate("", (at, y), tail, arrowprops=arrow)
+            marks += [(at, (y + tail[1]) / 2)]
+            words = f"{support} {abs(load) * d.force:.5g} {d.force_unit}"
+            labels.append((*tail, words, load < 0))
         axes.set_xlabel(f"Along the shaft z [{d.length_unit}]")
         axes.set_ylabel(f"Deflection [{d.small_unit}]")
         state = turns(self.speed, self.contacts)
         entitle(axes, titled(self.machine_name, f"At rest under gravity, {state}"))
+        write_labels(axes, labels, marks)
         return figure
 
 

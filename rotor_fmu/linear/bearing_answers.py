@@ -25,6 +25,7 @@ from .bearing_columns import (
     whirls_where,
 )
 from .displayed import Displayed, answer_of
+from .linear_plots import plain_ticks
 from .linear_tables import Table
 
 
@@ -188,9 +189,10 @@ class DamperCurves(Displayed, linear.DamperCurves):
             (damping, self.damping * d.damping, f"Damping of the film [{d.damping_unit}]"),
         ):
             axes.plot(self.orbit, values, "-", color=BLUE, lw=1.4)
-            axes.set_yscale("log" if values.any() else "linear")  # a full film is not stiff
             axes.set(xlabel="Orbit over the clearance [1]", ylabel=name, xlim=(0.0, 1.0))
-            axes.yaxis.set_major_formatter("{x:g}")
+            if values.any():  # a full film is not stiff
+                axes.set_yscale("log")
+                plain_ticks(axes.yaxis)
         springs = {"spring": self.spring, "cage in x": self.cage[0], "cage in y": self.cage[1]}
         if self.cage[0] == self.cage[1]:
             springs = {"spring": self.spring, "cage": self.cage[0]}

@@ -104,4 +104,5 @@ def draw_lines(
     for n, (of, label, color) in enumerate(zip(values, labels, COLORS, strict=False)):
         dashes = mark.replace("-", "--") if n // group % 2 else mark
         axes.plot(over, of, dashes, ms=4, color=color, lw=1.4, label=label)
-    axes.legend(frameon=False, fontsize=8, ncols=2)
+    axes.margins(y=0.3)  # room for the legend above or below the lines
+    axes.legend(frameon=False, fontsize=8, ncols=4, columnspacing=1.0)

@@ -17,12 +17,16 @@ _NEAR = 5.0  # from a point to its text [pt]
 _FAR = (0.0, 11.0, 22.0, 33.0, 44.0)  # further away, where there is no room [pt]
 
 
-def write_labels(axes: Axes, labels: Sequence[tuple[float, float, str, bool]]) -> None:
+def write_labels(
+    axes: Axes,
+    labels: Sequence[tuple[float, float, str, bool]],
+    marks: Sequence[tuple[float, float]] = (),
+) -> None:
     """Write texts beside points, the limits of the axes being set: each as near as there is room,
     and with a line to its point where that is far.
 
     labels: x and y of a point in the data's units, its text, and whether this stands better to the
-    right and below than to the left and above.
+    right and below than to the left and above; marks: other points that no text covers.
     """
     figure = axes.figure
     assert isinstance(figure, Figure)
@@ -31,9 +35,9 @@ def write_labels(axes: Axes, labels: Sequence[tuple[float, float, str, bool]]) -
     legend = axes.get_legend()
     taken = [] if legend is None else [_scaled(legend.get_window_extent(), to_points)]
     room = _scaled(axes.get_window_extent(), to_points)
-    places = [axes.transData.transform((x, y)) * to_points for x, y, _, _ in labels]
+    places = [axes.transData.transform((x, y)) * to_points for x, y, *_ in (*labels, *marks)]
     taken += [Bbox.from_bounds(x - _MARK, y - _MARK, 2 * _MARK, 2 * _MARK) for x, y in places]
-    for (x, y, text, is_right), place in zip(labels, places, strict=True):
+    for (x, y, text, is_right), place in zip(labels, places, strict=False):
         width, height = _WIDE * _SIZE * len(text), _HIGH * _SIZE
         boxes = [
             (far, Bbox.from_bounds(place[0] + dx, place[1] + dy, width, height))

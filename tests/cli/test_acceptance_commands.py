@@ -17,6 +17,7 @@ from rotor_fmu.machine_report.report_page import ReportOptions, as_ranges, machi
 
 from ..known import EXAMPLES
 from ..linear.api_617 import RPM, SHAFT, support
+from ..toml_text import table
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
 COMPRESSOR = str(ROSS / "compressor.toml")
@@ -37,6 +38,21 @@ def test_bearings_of_the_same_stiffness_share_the_rows_of_a_critical_map(command
         alike = f"linear_bearing[1] k{axis}{axis}, linear_bearing[2] k{axis}{axis}"
         modes = [line.removeprefix(alike).split()[0] for line in said.splitlines() if alike in line]
         assert modes == sorted({*modes})
+
+
+def test_the_stiffnesses_of_four_bearings_look_different_in_a_critical_map(tmp_path):
+    text = table("material", young=2.1e11, density=7800.0)
+    text += table("shaft", nodes=[0.0, 0.2, 0.4, 0.6], diameters=[0.03] * 3)
+    for node in range(1, 5):
+        k = {"kxx": node * 1e6, "kyy": node * 1.6e6} if node < 4 else {"kxx": 9e6, "kyy": 9e6}
+        text += table("[linear_bearing]", node=node, cxx=0.0, cyy=0.0, **k)
+    rotor = tmp_path / "rotor.toml"
+    rotor.write_text(text)
+    figure = acceptance.critical_map(load_rotor(rotor)[1], [1e5, 1e6, 1e7]).figure()
+    (legend,) = figure.legends
+    lines = legend.get_lines()
+    assert len(lines) == 7
+    assert len({(line.get_color(), str(line._unscaled_dash_pattern)) for line in lines}) == 7
 
 
 def test_stability_of_both_levels(command, tmp_path):

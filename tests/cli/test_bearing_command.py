@@ -20,6 +20,8 @@ from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers, bearing_answers
+from rotor_fmu.linear.bearing_columns import draw_lines
+from rotor_fmu.plotting.figure_style import new_figure
 
 from ..parts.films import DAMPER, film, heavy_shaft, in_films
 from ..parts.machines import rigid
@@ -58,8 +60,13 @@ def test_a_film_that_never_ruptures_has_no_stiffness_and_is_drawn_so(short):
         with_part(part), 80.0, bearing="squeeze_film_damper[1]", load=2.0
     )
     assert not found.stiffness.any()
-    scales = [axes.get_yscale() for axes in found.figure().axes[1:]]
-    assert scales == ["log", "linear", "log"]
+    figure = found.figure()
+    assert [axes.get_yscale() for axes in figure.axes[1:]] == ["log", "linear", "log"]
+    figure.draw_without_rendering()
+    labels = [
+        text.get_text() for axes in figure.axes for text in axes.get_yticklabels(which="both")
+    ]
+    assert not [label for label in labels if "mathdefault" in label]
 
 
 def test_a_damper_without_a_spring_lies_on_its_wall_or_has_no_equilibrium():
@@ -290,6 +297,19 @@ def test_pads_that_tilt_are_drawn_where_they_stand_with_what_each_bears():
     middles = [complex(*0.5 * (line[39] + line[40])) for line in ends]
     np.testing.assert_allclose(np.abs(middles), 1.0, atol=1e-3)
     assert len(bearing_answers.bearing(_with_film(), [100.0], load=200.0).figure().axes) == 4
+
+
+def test_the_legend_of_coefficients_covers_no_line():
+    """Of an elliptical bearing's stiffnesses, which lie all over the axes."""
+    over = np.linspace(50.0, 117.0, 9)
+    ends = (4.5e7, 3.6e7), (1e7, 7.2e7), (-1.2e8, -1.2e8), (1.8e8, 2e8)
+    figure, axes = new_figure(4.0, 3.4)
+    draw_lines(axes, over, np.array([np.linspace(*of, 9) for of in ends]), ["kxx"] * 4, "-")
+    figure.draw_without_rendering()
+    legend = axes.get_legend().get_window_extent()
+    for line in axes.lines:
+        path = axes.transData.transform_path(line.get_path())
+        assert not path.intersects_bbox(legend, filled=False)
 
 
 def test_viscosity_and_temperature_of_the_lubricant_are_shown():

@@ -19,6 +19,7 @@ from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.loading import load_rotor, machine_text
 
 from ..known import EXAMPLES
+from ..toml_text import table
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
 TURBOCHARGER = EXAMPLES / "turbocharger" / "rotor.toml"
@@ -256,6 +257,31 @@ def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
     axes = figure.axes[0]
     boxes = [Text.get_window_extent(text) for text in axes.texts]  # without their lines
     assert len(boxes) == len(result.critical) > 8
-    boxes.append(axes.get_legend().get_window_extent())
+    assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
+
+
+def test_the_legend_of_a_campbell_diagram_covers_no_line():
+    figure = answers.campbell(load_rotor(TURBOCHARGER)[1], [100.0, 1000.0]).figure()
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    assert not legend.get_window_extent().count_overlaps([axes.bbox for axes in figure.axes])
+
+
+def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_nor_nodes(tmp_path):
+    """Of a machine whose supports stand close together."""
+    nodes = [0.05 * i for i in range(9)]
+    text = table("material", young=2.1e11, density=7800.0)
+    text += table("shaft", nodes=nodes, diameters=[0.03] * 8)
+    for node in range(1, 10):
+        text += table("[support]", node=node, name=f"support_at_{node}", stiffness=1e5)
+    rotor = tmp_path / "rotor.toml"
+    rotor.write_text(text)
+    figure = answers.static(rotor).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    boxes = [Text.get_window_extent(text) for text in axes.texts if text.get_text()]
+    assert len(boxes) == 9
+    dots = axes.transData.transform(axes.lines[2].get_xydata())
     for i, box in enumerate(boxes):
-        assert not [other for other in boxes[:i] if box.overlaps(other)]
+        assert not box.count_overlaps(boxes[:i])
+        assert not any(box.contains(*dot) for dot in dots)
