@@ -21,7 +21,7 @@ from ..model.simulation import Simulation, StepFailure
 from ..model.time_loop.recorder import Record, recordable
 from ..run_status import FAILED, messages_and_codes, not_confirmed, status_of
 from ..runs.recording import Recording
-from ..runs.verify_run import allowed, finer
+from ..runs.verify_run import STILL, allowed, finer
 from ..studies.study import Cell, Column, Result
 from . import run_metrics
 from .metric import Metric, MetricKind
@@ -162,7 +162,10 @@ class MachineRuns:
         finer_result, _ = self._run({**values, **finer(settings)})
         if finer_result.status.startswith(FAILED):
             return Result(not_confirmed(result.status), result.cells)
-        difference = _difference(result.cells, finer_result.cells)
+        still = STILL * self.machine.rotor.length
+        lengths = {column.name for column in self.columns if column.unit == "m"}
+        least = {name: still if name in lengths else 0.0 for name in result.cells}
+        difference = _difference(result.cells, finer_result.cells, least)
         is_near = difference <= allowed(settings)
         status = result.status if is_near else not_confirmed(result.status)
         return Result(status, {**result.cells, VERIFICATION: difference})
@@ -249,15 +252,17 @@ class MachineRuns:
         )
 
 
-def _difference(cells: Mapping[str, Cell], finer_cells: Mapping[str, Cell]) -> float:
-    """Return the largest difference of two runs' cells, relative to the size of each [1]; infinite
-    where only one run has a value."""
+def _difference(
+    cells: Mapping[str, Cell], finer_cells: Mapping[str, Cell], least: Mapping[str, float]
+) -> float:
+    """Return the largest difference of two runs' cells, relative to the size of each, which is at
+    least `least` [1]; infinite where only one run has a value."""
     largest = 0.0
     for name, cell in cells.items():
         one, other = np.atleast_1d(cell), np.atleast_1d(finer_cells[name])
         if one.shape != other.shape or (np.isnan(one) != np.isnan(other)).any():
             return math.inf
-        size = np.nanmax(np.abs(other), initial=0.0)
+        size = np.nanmax(np.abs(other), initial=least[name])
         apart = np.nanmax(np.abs(one - other), initial=0.0)
         largest = max(largest, float(apart / size) if size else float(apart > 0))
     return largest

@@ -51,6 +51,8 @@ def why_no_peak(t: np.ndarray, w: np.ndarray) -> str:
     """Return why a run, in which `peak_index` finds none, has no peak."""
     if not len(t) or not t[-1] > start_up(t, w):
         return "the run ends where it begins"
-    if is_constant(w):
+    if np.ptp(w) <= 1e-6 * np.abs(w).max():  # a constant speed is recorded with rounding
         return "the speed is constant"
+    if is_constant(w):
+        return f"the speed changes by at most {100 * _CONSTANT:g} %"
     return "the amplitude is largest at an edge of the run"

@@ -31,7 +31,7 @@ _FINER, _SHORTER = 0.1, 0.5
 _STEPS = ("h", "h_min", "h_max")
 _SMALL = 1e-3  # share of a part's largest motion below which its motion at the end is none
 # Share of the shaft's length below which there is no motion, about as in a run's error control.
-_STILL = 1e-8
+STILL = 1e-8
 
 
 class Comparison(NamedTuple):
@@ -113,7 +113,7 @@ def allowed(settings: Settings) -> float:
 def compare(run: Run, other: Run, settings: Settings, length: float) -> Verification:
     """Compare a run with a finer one, `other`; settings: of the run; length: of the shaft [m]."""
     peaks, final = [], []
-    still = _STILL * length
+    still = STILL * length
     for part in (n.removesuffix(".x_amp") for n in run.columns if n.endswith(".x_amp")):
         names = [f"{part}.{axis}_amp" for axis in "xy"]
         size = max(still, *(_largest(other, name) for name in names))

@@ -154,6 +154,7 @@ def test_the_place_that_moves_most_stands_for_a_machine():
     [
         (1.0, [], "the amplitude is largest at an edge of the run"),
         (3.0, [], "the amplitude is largest at an edge of the run"),
+        (0.3, [], "the speed changes by at most 1 %"),
         (3.0, ["speed=185"], "the speed is constant"),
     ],
 )

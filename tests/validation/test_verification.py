@@ -142,6 +142,57 @@ def test_a_study_says_how_far_each_run_is_from_a_finer_one(tmp_path):
     assert list(data.status.values) == ["ok", "doubtful: too-coarse-in-contact, not-confirmed"]
 
 
+STILL = """
+name = "still"
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.5, 1.0]
+diameters = [0.05, 0.05]
+eta_v = 2e-4
+[[disc]]
+node = 2
+diameter = 0.3
+width = 0.05
+e = 1e-5
+[[support]]
+node = 1
+stiffness = 1e7
+damping = 1e4
+[[support]]
+node = 3
+stiffness = 1e7
+damping = 1e4
+"""
+
+
+def test_a_part_of_a_motion_that_is_none_does_not_make_a_run_of_a_study_doubtful(tmp_path):
+    (tmp_path / "still.toml").write_text(STILL)
+    path = tmp_path / "study.toml"
+    path.write_text(
+        """
+machine = "still.toml"
+verify = true
+[run]
+kind = "constant"
+speed = 100
+settle = 2
+turns = 16
+per_turn = 64
+[vary]
+"disc[1].e" = { values = [1e-5] }
+[keep]
+whole = { order = 1, of = "disc[1].x" }
+half = { order = 0.5, of = "disc[1].x" }
+"""
+    )
+    run_study(read_study(path), tmp_path / "out", here, quiet)
+    data = studies.open(tmp_path / "out")
+    assert 0 < data.half.values[0] < 1e-8 < 1e-6 < data.whole.values[0]
+    assert list(data.status.values) == ["ok"]
+
+
 def test_a_study_verifies_or_not(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text(STUDY.replace("true", '"yes"'))
