@@ -234,10 +234,11 @@ def _newton_in_plane(
 def step_along(
     equations: ContinuationEquations, point: CurvePoint, length: float, scale: float
 ) -> CurvePoint:
-    """Return the point one step along the tangent away; raises `NotConverged`."""
+    """Return the point so far away along the tangent; raises `NotConverged`."""
     plane = predictor = point.direction
     if len(point.curvature):
         predictor = plane + 0.5 * length * point.curvature
+        predictor /= predictor @ plane  # the bend changes no length along the tangent
     x = point.x + length * predictor[:-1]
     value = point.value + length * scale * predictor[-1]
     return correct(equations, x, value, plane, scale)

@@ -12,22 +12,24 @@ from .arclength import CurvePoint, NotConverged
 from .balance import HarmonicBalance
 from .branch import FOLD, Bifurcation, Solution, solution
 from .folds import FoldCurve, fold_curve
+from .fourier import resized
 from .method_switch import PeriodicEquations
 from .problem import KEPT, SPEED, Machines, PeriodicError, Response, machines_of
 from .shooting import Shooting
 from .starting_points import Persistence, integrate_from_orbit
 
 _ROUNDING = 1e-9  # of the range
+_SAME = 1e-7  # share of a motion
 _STEPS = 1, 4, 16  # from a point to a value beside it, until Newton's method converges
 
 
 def motions_at(result: Response, value: float) -> list[Solution]:
     """Return all motions of the branches at a value of the parameter, by Newton's method from the
     neighbouring points."""
-    outcome = []
+    outcome = list[Solution]()
     near = _ROUNDING * (result.task.high - result.task.low)
     for branch in result.branches:
-        ends = branch.points[:1] + branch.points[-1:]
+        ends, found = branch.points[:1] + branch.points[-1:], list[Solution]()
         for a, b in zip(branch.points, branch.points[1:], strict=False):
             if a.value == value and a is not branch.points[0]:
                 continue  # the previous segment ends there
@@ -38,9 +40,18 @@ def motions_at(result: Response, value: float) -> list[Solution]:
             if not is_at_end and (not low <= value <= high or value == b.value):
                 continue
             solved = _between(result, a, b, value)
-            if solved is not None:
-                outcome.append(solved)
+            # a closed branch goes a part of a step beyond its start
+            if solved is not None and not any(_is_same(solved, other) for other in found):
+                found.append(solved)
+        outcome += found
     return outcome
+
+
+def _is_same(a: Solution, b: Solution) -> bool:
+    """Return whether two motions at one value, each solved for, differ by rounding alone."""
+    H = max(a.orbit.H, b.orbit.H)
+    first, second = resized(a.orbit.b, H), resized(b.orbit.b, H)
+    return bool(np.linalg.norm(second - first) <= _SAME * np.linalg.norm(first))
 
 
 def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:

@@ -128,12 +128,14 @@ def response(
     second = None if fold_over is None else _second(fold_over, machine, options, of)
     result = _computed(machine, toml, options, out, current().of_si(unit))
     summary = dict(result.summary)
+    write_response(result, machine.name, summary, out)  # kept where what follows is stopped
     if not result.is_stopped:
         if second is not None:
             summary["folds"] = _folds(result, *second, current().of_si(of[second[0]]), out)
         if check:
             summary["check"] = _checked(result)
-    _show(result, machine.name, summary, out)
+        write_json(summary, out / "response.json")
+    _show(result, out)
     return summary
 
 
@@ -162,9 +164,8 @@ def _computed(
         return compute_response(request, report_point, saved.journal)
 
 
-def _show(result: "ResponseResult", name: str, summary: dict[str, Any], out: Path) -> None:
-    """Write and print a response; raises `KeyboardInterrupt` for one that was stopped."""
-    write_response(result, name, summary, out)
+def _show(result: "ResponseResult", out: Path) -> None:
+    """Print a response; raises `KeyboardInterrupt` for one that was stopped."""
     typer.echo(result.table().text())
     for note in result.notes:
         typer.echo(note)

@@ -138,7 +138,8 @@ class ResponseCurves:
     def quantities(self, point: Solution | Bifurcation, name: str) -> dict[str, float]:
         """Return all quantities of a probe, as `curve` has them, of a motion [m, rad]."""
         X = self._amplitudes(point, name)
-        samples = 64 * 2 ** math.ceil(math.log2(max(1, len(X) / 8)))
+        # of a circle 512 have half of the range to 2e-5
+        samples = 64 * 2 ** math.ceil(math.log2(max(8, len(X) / 8)))
         x, y = self.series(point, name, samples)
         mean = X[0].real
         once = X[point.orbit.turns] if len(X) > point.orbit.turns else np.zeros(2, complex)

@@ -72,6 +72,20 @@ def test_a_curve_whose_check_fails_in_time_is_written_and_why_is_said(
     assert json.loads((tmp_path / "out" / "response.json").read_text())["check"] == []
 
 
+def test_a_curve_whose_check_is_stopped_is_written(process, tmp_path, monkeypatch):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(queries, "integrate_from_orbit", stopped)
+    asked = ("--speed", "100:110", "--check", "--out", "out")
+    done = process("response", "--rotor", str(JEFFCOTT), *asked)
+    assert done.returncode == 130
+    assert {"response.json", "response.png", "response.html"} <= {
+        path.name for path in (tmp_path / "out").iterdir()
+    }
+
+
 def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process, tmp_path):
     second = ("--fold-over", "contact[1].mu=0.01:0.1")
     asked = ("--rotor", str(JEFFCOTT), "--speed", "100:110", *second, "--out", "out")

@@ -26,6 +26,12 @@ def test_it_responds_as_the_unbalance_response_says(both):
         assert np.abs(whole - expected).max() <= 1e-10 * np.abs(expected).max()
 
 
+def test_half_of_its_range_is_its_amplitude_in_every_phase(both):
+    _, result, _ = both
+    half, once = (result.curve("sensor[1]", of).value for of in ("x_amp", "x_1x"))
+    assert half == pytest.approx(once, rel=2e-5)
+
+
 def test_it_hangs_where_gravity_holds_it(both):
     machine, result, _ = both
     point = result.points[100]

@@ -1,10 +1,14 @@
 """Corners of forces: the sums of samples that have them, Floquet multipliers across them, and the
 bifurcations that are located by these."""
 
+import itertools
+
 import numpy as np
 import pytest
 import scipy.integrate
 import scipy.optimize
+from rotor_fmu.model.periodic import arclength
+from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.floquet import multipliers
 from rotor_fmu.model.periodic.force_corners import SampledOrbit
 from rotor_fmu.model.periodic.fourier import derivative
@@ -78,6 +82,30 @@ def test_each_located_bifurcation_has_its_multiplier(doubled):
 
 
 @pytest.mark.slow
+class _Circle:
+    """x^2 + lambda^2 = 1."""
+
+    tolerance, damped_beyond = 1e-12, 1.0
+
+    def residual(self, x, value):
+        return x**2 + value**2 - 1.0
+
+    def linearized_with_parameter(self, x, value):
+        return self.residual(x, value), np.array([2.0 * x]), np.array([2.0 * value])
+
+
+def test_a_step_as_long_along_the_tangent_as_the_last_one_was_comes_to_its_end():
+    """So that a function along the step, whose sign changes just before the end, is continuous."""
+    circle = _Circle()
+    start = arclength.with_tangent(circle, np.array([1.0]), 0.0, 1.0)
+    trace = arclength.trace(circle, start, 1.0, -2.0, 2.0, ContinuationSteps())
+    points = [point for point, _ in itertools.islice(trace, 20)]
+    for a, b in itertools.pairwise(points):
+        length = a.tangent @ (b.x - a.x) + a.tangent_value * (b.value - a.value)
+        again = arclength.step_along(circle, a, float(length), 1.0)
+        assert abs(again.value - b.value) < 1e-6 * abs(b.value - a.value)
+
+
 def test_with_more_harmonics_a_folds_multiplier_is_nearer_to_one():
     options = {"speed": (240.0, 400.0), "branches": True, "harmonics": 60}
     off = []
