@@ -38,7 +38,7 @@ from ..plotting.figure_style import (
 from ..plotting.labels import write_labels
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
 from .linear_plots import WHIRL_COLORS, curve, draw_whirling, shade, shapes_in_grid, titled
-from .linear_tables import Table, peaks, turns
+from .linear_tables import Table, peaks, turns, without_rounding
 
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
 MOST_SPEEDS = 12  # of a table of the response
@@ -276,19 +276,19 @@ class Static(Displayed, linear.Static):
             *("where", f"z [{d.length_unit}]", f"x [{small}]", f"y [{small}]"),
             *(f"load x [{force}]", f"load y [{force}]"),
         )
-        nodes = [
-            (f"node {i}", z * d.length, x * d.small, y * d.small, "", "")
-            for i, (z, x, y) in enumerate(zip(self.z, self.x, self.y, strict=True), 1)
+        moved = (self.x, self.y, self.housing_x, self.housing_y)
+        x, y, housing_x, housing_y = without_rounding(d.small, *moved)
+        load_x, load_y = without_rounding(d.force, self.load_x, self.load_y)
+        at = zip((self.z * d.length).tolist(), x, y, strict=True)
+        housings = zip(self.housings, housing_x, housing_y, strict=True)
+        rows = [
+            *((f"node {i}", *place, "", "") for i, place in enumerate(at, 1)),
+            *((f"housing {name}", "", *of, "", "") for name, *of in housings),
+            *(
+                (f"on {name}", "", "", "", *of)
+                for name, *of in zip(self.supports, load_x, load_y, strict=True)
+            ),
         ]
-        housings = [
-            (f"housing {name}", "", x * d.small, y * d.small, "", "")
-            for name, x, y in zip(self.housings, self.housing_x, self.housing_y, strict=True)
-        ]
-        loads = [
-            (f"on {name}", "", "", "", float(x) * d.force, float(y) * d.force)
-            for name, x, y in zip(self.supports, self.load_x, self.load_y, strict=True)
-        ]
-        rows = [tuple(_rounded(cell) for cell in row) for row in (*nodes, *housings, *loads)]
         return Table(f"At rest, {turns(self.speed, self.contacts)}", heads, rows)
 
     def figure(self) -> Figure:
@@ -324,10 +324,6 @@ class Static(Displayed, linear.Static):
         entitle(axes, titled(self.machine_name, f"At rest under gravity, {state}"))
         write_labels(axes, labels, marks)
         return figure
-
-
-def _rounded(cell: object) -> object:
-    return (0.0 if abs(cell) < 1e-9 else float(cell)) if isinstance(cell, float) else cell
 
 
 modes = answer_of(Modes, linear.modes)

@@ -8,6 +8,7 @@ import numpy as np
 from ..cells import cell, html_table
 from ..display import speed_with_unit
 
+_ROUNDING = 1e-8  # of the largest of values of one kind
 _PROMINENT = 1e-4  # of a peak, by which it rises above what lies beside it: less is rounding
 # properties that stand beside the fields of a result
 _DERIVED = (
@@ -77,3 +78,9 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]
     return [value.real, value.imag] if isinstance(value, complex) else value
+
+
+def without_rounding(factor: float, *values: np.ndarray) -> list[list[float]]:
+    """Return values of one kind times a factor, 0 where they are rounding beside the largest."""
+    least = _ROUNDING * max(np.abs(of).max(initial=0.0) for of in values)
+    return [np.where(np.abs(of) > least, of * factor, 0.0).tolist() for of in values]

@@ -263,7 +263,13 @@ def contact_angle(view: View) -> Figure:
     legend_below(figure)
     angle_axis(axes, "")
     axes.set_xlabel(current().speed_label)
-    view.title(axes, f"where {contact.label} touches")
+    where = f"where {contact.label} touches"
+    if not touches.any():
+        where += ": nowhere in this run"
+        speeds = _speed(view.run.w)
+        axes.update_datalim([(speeds.min(), 0.0), (speeds.max(), 0.0)])
+        axes.autoscale_view(scaley=False)
+    view.title(axes, where)
     return figure
 
 

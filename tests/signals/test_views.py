@@ -9,6 +9,8 @@ from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu import vibration
 from rotor_fmu.run_pictures.run_folder import write_run_pictures
+from rotor_fmu.run_pictures.signal_plots import contact_angle
+from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.input_signals import Signals
 from rotor_fmu.runs.job import execute_recorded, prepare
 from rotor_fmu.runs.measuring_points import probe_that_moves_most
@@ -58,6 +60,15 @@ def test_the_contact_that_is_shown_is_the_last_one_that_touches():
     assert last_contact(columns | idle) == "bearing[1]"
     assert last_contact(idle) == "labyrinth"
     assert last_contact({"phi": columns["phi"]}) is None
+
+
+def test_where_nothing_touches_the_picture_says_so_over_the_speeds_of_the_run():
+    run = recorded()
+    quiet = Recording(run.t, run.columns | {"bearing[1].fn": 0 * run.t}, run.units, {})
+    axes = contact_angle(View(quiet, "bearing[1]")).axes[0]
+    assert axes.get_title("left").endswith("where bearing 1 touches: nowhere in this run")
+    low, high = axes.get_xlim()
+    assert low < run.w.min() / TURN < run.w.max() / TURN < high
 
 
 def apart(one, other):
