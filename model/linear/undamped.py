@@ -106,12 +106,12 @@ class UndampedMachine:
     def forward_criticals(self, stiffness: float) -> np.ndarray:
         """Return the forward critical speeds, ascending [rad/s], with this stiffness of all
         bearings [N/m], of a machine whose modes are circles."""
-        return _solve(_half(self._synchronous(stiffness), _FORWARD)[0])[0]
+        return _solve(_half(self._synchronous(stiffness), _FORWARD)[0], 2 * self._nodes)[0]
 
     def synchronous(self, stiffness: float) -> Synchronous:
         """Return the synchronous modes with this stiffness of all bearings [N/m], whichever way
         they whirl."""
-        speeds, shapes = _solve(self._synchronous(stiffness))
+        speeds, shapes = _solve(self._synchronous(stiffness), 4 * self._nodes)
         x, y = (shapes[axis : 4 * self._nodes : 4] for axis in (0, 1))
         turning, against = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
         norms = np.einsum("im,ij,jm->m", shapes.conj(), self.mass, shapes).real
@@ -126,11 +126,14 @@ class UndampedMachine:
         """Return the natural frequencies at standstill, ascending [rad/s], with this stiffness of
         all bearings [N/m]; of two planes that are alike those of one."""
         inverse = self._inverse(stiffness, self.mass.astype(complex))
-        planes = [_half(inverse, plane)[0] for plane in (_ACROSS, _UP)]
-        speeds = [_solve(plane)[0] for plane in planes]
-        if np.abs(planes[0] - planes[1]).max() < _APART * np.abs(planes[0]).max():
-            return speeds[0]
-        return np.sort(np.concatenate(speeds))
+        across, up = (
+            _solve(_half(inverse, plane)[0], 2 * self._nodes)[0] for plane in (_ACROSS, _UP)
+        )
+        # what is found are inverse squares: those of high frequencies are rounding of the largest
+        least = _APART * np.max(up**-2, initial=0.0)
+        if len(across) == len(up) and np.allclose(across**-2, up**-2, rtol=0.0, atol=least):
+            return across
+        return np.sort(np.concatenate([across, up]))
 
     def own_stiffness(self, speed: float) -> np.ndarray:
         """Return the direct stiffness in x and y of each bearing [N/m] where gravity holds the
@@ -152,13 +155,12 @@ class UndampedMachine:
 
     def planar_shapes(self, speed: float) -> np.ndarray:
         """Return the deflections of the modes at standstill along the nodes, the largest 1, by
-        ascending frequency, shape (m, n), without those of housings alone; with the mean of both
-        direct stiffnesses that each bearing has at a speed [rad/s]."""
+        ascending frequency, shape (m, n); with the mean of both direct stiffnesses that each
+        bearing has at a speed [rad/s]."""
         own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
         inverse = self._inverse(own, self.mass.astype(complex))
-        _, shapes = _solve(_half(inverse, _ACROSS)[0])
-        largest = np.abs(shapes[: 2 * self._nodes : 2]).max(axis=0)
-        w = shapes[: 2 * self._nodes : 2, largest > AT_REST * np.abs(shapes).max(axis=0)].T
+        _, shapes = _solve(_half(inverse, _ACROSS)[0], 2 * self._nodes)
+        w = shapes[: 2 * self._nodes : 2].T
         return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
 
     def _inverse(self, stiffness: float | np.ndarray, mass: np.ndarray) -> np.ndarray:
@@ -182,10 +184,12 @@ def _half(matrix: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, bool]:
     return within, bool(np.abs(beside).max() < _APART * np.abs(within).max())
 
 
-def _solve(inverse: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return frequencies, ascending [rad/s], and shapes of K^-1 M."""
+def _solve(inverse: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies, ascending [rad/s], and shapes of K^-1 M; nodes: their unknowns, which are
+    the first: a mode in which they rest is of housings alone, and none of the rotor."""
     values, shapes = scipy.linalg.eig(inverse)
-    is_critical = (values.real > 0) & (np.abs(values.imag) < _REAL * np.abs(values))
+    moves = np.abs(shapes[:nodes]).max(axis=0) > AT_REST * np.abs(shapes).max(axis=0)
+    is_critical = moves & (values.real > 0) & (np.abs(values.imag) < _REAL * np.abs(values))
     speeds = values.real[is_critical] ** -0.5
     order = np.argsort(speeds)
     return speeds[order], shapes[:, is_critical][:, order]

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import LinearError, campbell, modes
+from rotor_fmu.model.linear.critical_map import critical_map
 from rotor_fmu.model.linear.unbalance_placement import placed_unbalances
 from rotor_fmu.model.machine.toml import rig
 
@@ -41,3 +42,15 @@ def test_modes_of_housings_alone_are_none_that_unbalances_could_excite():
         assert placed_unbalances(with_seals, mode, 300.0) == placed_unbalances(without, mode, 300.0)
     with pytest.raises(LinearError, match="mode = 7: must be from 1 to 6"):
         placed_unbalances(with_seals, 7, 300.0)
+
+
+@pytest.mark.parametrize("synchronous", [True, False])
+@pytest.mark.parametrize("ky", [4e5, 3e5])
+def test_housings_alone_have_no_critical_speeds(ky, synchronous):
+    seals = [replace(rig().bearings[0], node=n, kx=4e5, ky=ky, mass=4.0) for n in (1, 2, 3)]
+    stiffness = np.geomspace(1e5, 1e8, 9)
+    seen, expected = (
+        np.sort(critical_map(rotor, stiffness, synchronous=synchronous).speeds)
+        for rotor in (overhung(others=seals), overhung())
+    )
+    np.testing.assert_allclose(seen, expected, rtol=1e-9)
