@@ -27,8 +27,8 @@ def not_confirmed(status: str) -> str:
 
 def on_numbers(messages: Iterable[str], codes: Iterable[str]) -> list[str]:
     """Return the messages of a run that bear on its numbers; not why it failed."""
-    told = zip(messages, codes, strict=True)
-    return [message for message, code in told if code and code not in _OF_COST]
+    both = zip(messages, codes, strict=True)
+    return [message for message, code in both if code and code not in _OF_COST]
 
 
 def messages_and_codes(messages: Iterable[Message]) -> dict[str, list[str]]:
