@@ -81,7 +81,6 @@ def test_each_located_bifurcation_has_its_multiplier(doubled):
             assert abs(b.multiplier + 1) < 2e-6
 
 
-@pytest.mark.slow
 class _Circle:
     """x^2 + lambda^2 = 1."""
 
@@ -106,6 +105,7 @@ def test_a_step_as_long_along_the_tangent_as_the_last_one_was_comes_to_its_end()
         assert abs(again.value - b.value) < 1e-6 * abs(b.value - a.value)
 
 
+@pytest.mark.slow
 def test_with_more_harmonics_a_folds_multiplier_is_nearer_to_one():
     options = {"speed": (240.0, 400.0), "branches": True, "harmonics": 60}
     off = []
