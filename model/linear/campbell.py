@@ -13,14 +13,13 @@ from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .following import Following
 from .linear_machine import LinearError, LinearMachine
-from .modes import DEFAULT_COUNT, Modes, check_count, machine_modes
+from .modes import DEFAULT_COUNT, GROWING, Modes, check_count, machine_modes
 from .spectrum import Spectrum
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _UNLIKE = 0.3  # shapes less alike than this are not of the same mode
 _OF_ITSELF = 0.01  # weight of a shape's own likeness beside that of the space it is any one of
 _PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
-_GROWING = 1e-9  # damping ratio below minus which a mode grows
 _PRECISION = 1e-12
 _LOST = complex(np.nan, np.nan)  # a frequency of 0 would be one
 
@@ -247,24 +246,16 @@ def _meeting(
     return seen_at(brentq(excess, a.speed, end, xtol=precision, rtol=1e-13))
 
 
-def _growth(modes: Modes) -> float:
-    """Return the largest share of growth of a mode that something holds, Re lambda / |lambda|; of
-    what does not oscillate, its sign."""
-    growing = [1.0] if len(modes.growing) else []
-    known = modes.is_sound & modes.is_held
-    return max([*(-modes.damping_ratio[known]), *growing], default=-1.0)
-
-
 def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:
     """Return the slowest speed at which some mode grows [rad/s]; of speeds of either sense of
     rotation one above 0."""
     ahead = [m for m in seen if m.speed >= 0.0]
     outward = ahead if len(ahead) > 1 else seen[::-1]
-    growth = [_growth(m) - _GROWING for m in outward]
+    growth = [m.growth - GROWING for m in outward]
     if growth[0] > 0:
         return float(outward[0].speed)
     for i in range(1, len(outward)):
         if growth[i] > 0:
             low, high = outward[i - 1].speed, outward[i].speed
-            return brentq(lambda s: _growth(follow.at(s)) - _GROWING, low, high, rtol=1e-12)
+            return brentq(lambda s: follow.at(s).growth - GROWING, low, high, rtol=1e-12)
     return None

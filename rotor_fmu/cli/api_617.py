@@ -183,6 +183,7 @@ def unbalance(
     check_nodes(machine, "--clearance", gaps)
     check_nodes(machine, "--unbalance", (number for number, _, _ in given or ()))
     from ..linear import acceptance, answers
+    from ..linear.where_linearized import where_not_reached
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
 
     if mode is not None and ends is not None:
@@ -198,6 +199,9 @@ def unbalance(
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
     say_where_linearized(machine, speeds)
+    highest = dict.fromkeys((float(max(speeds, key=abs)), *(ends or ())[1:]))
+    for sentence in where_not_reached(machine, highest, contacts):
+        typer.echo(sentence)
     writable_folder(out)
     _write_response(result, nodes, out / "unbalance.csv")
     if ends is None:

@@ -1,9 +1,11 @@
-"""What linear answers take for granted: the ends of tables, where oil films are linearized, and how
-tilting pads and floating rings follow."""
+"""What linear answers take for granted: the ends of tables, where oil films are linearized, how
+tilting pads and floating rings follow, and that the machine is stable."""
 
 from collections.abc import Collection
 
+from ..display import speed_with_unit
 from ..model.linear.linear_machine import LinearMachine
+from ..model.linear.modes import GROWING, modes
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
 from ..model.parts.floating_ring_bearing import FloatingRingBearing
@@ -32,3 +34,16 @@ def where_linearized(machine: Rotor, speeds: Collection[float]) -> list[str]:
                 f"another damping, which a run shows: {', '.join(named)}"
             )
     return result
+
+
+def where_not_reached(
+    machine: Rotor, speeds: Collection[float], contacts: str | None = None
+) -> list[str]:
+    """Return a sentence for each of some speeds [rad/s] at which the machine is unstable, so that
+    it does not come to its steady response there."""
+    return [
+        f"unstable at {speed_with_unit(speed)}, where its steady response is not reached; "
+        "`rotor-fmu campbell` has the threshold"
+        for speed in speeds
+        if modes(machine, speed, contacts=contacts).growth > GROWING
+    ]

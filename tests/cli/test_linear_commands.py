@@ -14,6 +14,7 @@ from rotor_fmu.model.machine.toml_text import toml_text
 
 from rotor_fmu.cli import app
 from rotor_fmu.cli.speeds import one_speed, speed_range
+from rotor_fmu.display import speed_with_unit
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.loading import load_rotor, machine_text
@@ -246,6 +247,21 @@ def test_the_threshold_of_stability_is_named_within_the_diagram(turbocharger, to
     (text,) = (text for text in below.texts if text.get_text().startswith("unstable"))
     box = Text.get_window_extent(text)
     assert below.bbox.x0 < box.x0 < box.x1 < below.bbox.x1
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(("top", "unstable"), [(0.9, 0), (1.1, 1)])
+def test_a_response_beyond_the_threshold_of_stability_is_said_not_to_be_reached(
+    turbocharger, tmp_path, capsys, top, unstable
+):
+    top *= turbocharger[1]
+    app(
+        ["unbalance", "--rotor", str(TURBOCHARGER), "--speed", f"100:{top}:3", "--out", tmp_path],
+        standalone_mode=False,
+    )
+    said = capsys.readouterr().out
+    assert said.count(f"unstable at {speed_with_unit(top)}, where its steady") == unstable
+    assert said.count("unstable") == unstable
 
 
 def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
