@@ -13,7 +13,7 @@ from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .following import Following
 from .linear_machine import LinearError, LinearMachine
-from .modes import DEFAULT_COUNT, GROWING, Modes, check_count, machine_modes
+from .modes import DEFAULT_COUNT, LEAST_GROWTH, Modes, check_count, machine_modes
 from .spectrum import Spectrum
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
@@ -251,11 +251,11 @@ def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:
     rotation one above 0."""
     ahead = [m for m in seen if m.speed >= 0.0]
     outward = ahead if len(ahead) > 1 else seen[::-1]
-    growth = [m.growth - GROWING for m in outward]
+    growth = [m.growth - LEAST_GROWTH for m in outward]
     if growth[0] > 0:
         return float(outward[0].speed)
     for i in range(1, len(outward)):
         if growth[i] > 0:
             low, high = outward[i - 1].speed, outward[i].speed
-            return brentq(lambda s: follow.at(s).growth - GROWING, low, high, rtol=1e-12)
+            return brentq(lambda s: follow.at(s).growth - LEAST_GROWTH, low, high, rtol=1e-12)
     return None

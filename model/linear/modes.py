@@ -31,7 +31,7 @@ _REAL = 1e-5
 # Of the highest of the frequencies: a growth that is more than rounding, which of a free motion is
 # about the root of that of a number.
 _GROWING = 1e-7
-GROWING = 1e-9  # a share of growth that is more than rounding
+LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
 DEFAULT_COUNT = 8
 DOUBTFUL = 1e-6  # a residual that is said
 
@@ -90,9 +90,8 @@ class Modes(Spectrum):
         """The largest share of growth of a mode that something holds, Re lambda / |lambda|; of what
         does not oscillate, its sign; -1 of none [1]."""
         known = self.is_sound & self.is_held
-        return max(
-            [*(-self.damping_ratio[known]), *([1.0] if len(self.growing) else [])], default=-1.0
-        )
+        straight = [1.0] if len(self.growing) else []
+        return max([*(-self.damping_ratio[known]), *straight], default=-1.0)
 
     @property
     def _rounding(self) -> float:

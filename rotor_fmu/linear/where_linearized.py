@@ -5,7 +5,7 @@ from collections.abc import Collection
 
 from ..display import speed_with_unit
 from ..model.linear.linear_machine import LinearMachine
-from ..model.linear.modes import GROWING, modes
+from ..model.linear.modes import LEAST_GROWTH, modes
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
 from ..model.parts.floating_ring_bearing import FloatingRingBearing
@@ -45,5 +45,5 @@ def where_not_reached(
         f"unstable at {speed_with_unit(speed)}, where its steady response is not reached; "
         "`rotor-fmu campbell` has the threshold"
         for speed in speeds
-        if modes(machine, speed, contacts=contacts).growth > GROWING
+        if modes(machine, speed, contacts=contacts).growth > LEAST_GROWTH
     ]
