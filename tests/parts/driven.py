@@ -3,6 +3,9 @@
 import shutil
 
 import fmpy
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 
 class Machine:
@@ -61,3 +64,18 @@ class Running:
 
     def __exit__(self, *reason):
         self.fmu.freeInstance()
+
+
+def of_both(machine_of, text, names, speed, step=0.01):
+    """Values of variables of a machine in TOML at a speed [rad/s], after each of five steps [s]: of
+    its FMU, and of its simulation."""
+    settings = choose("controlled", tolerance=1e-3)
+    simulation = Simulation(parse_rotor(text), settings, speed=speed, warn=lambda _: None)
+    of_fmu, of_simulation = [], []
+    with machine_of(text).start(speed=speed, tolerance=1e-3) as run:
+        for i in range(1, 6):
+            run.advance(step * i)
+            simulation.advance(step * i, speed)
+            of_fmu.append(run.read(*names))
+            of_simulation.append([simulation.read(name) for name in names])
+    return of_fmu, of_simulation

@@ -18,6 +18,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from ..toml_text import table
+from .driven import of_both
 from .films import film, heavy_shaft
 
 _SPEED, _LOAD = 300.0, 1000.0
@@ -194,13 +195,8 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
     )
     text = re.sub(r"viscosity = 0.01\b", heat, text, count=1)
     names = ("journal_bearing[1].fx", "journal_bearing[1].torque", "journal_bearing[2].film")
-    settings = choose("controlled", tolerance=1e-3)
-    simulation = Simulation(parse_rotor(text), settings, speed=300.0, warn=lambda _: None)
-    with machine_of(text).start(speed=300.0, tolerance=1e-3) as run:
-        for i in range(1, 6):
-            run.advance(0.01 * i)
-            simulation.advance(0.01 * i, 300.0)
-            assert run.read(*names) == [simulation.read(name) for name in names]
+    of_fmu, of_simulation = of_both(machine_of, text, names, 300.0)
+    assert of_fmu == of_simulation
 
 
 @pytest.mark.parametrize(

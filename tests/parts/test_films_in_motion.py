@@ -15,6 +15,7 @@ from rotor_fmu.machine_file.loading import machine_text
 
 from ..known import EXAMPLES
 from ..toml_text import table
+from .driven import of_both
 from .films import DAMPER, OF_A_FILM, THRESHOLDS, film, heavy_shaft, in_films, run_of
 from .machines import shaft
 
@@ -213,11 +214,5 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
     damper = table("[squeeze_film_damper]", **{**DAMPER, "node": 3}, stiffness=1e7)
     text = heavy_shaft(1e-5) + film(1, **lobes, k=1e8) + damper
     names = ("journal_bearing[1].fx", "journal_bearing[1].film", "squeeze_film_damper[1].fy")
-    simulation = Simulation(
-        parse_rotor(text), choose("controlled", tolerance=1e-3), speed=500.0, warn=lambda _: None
-    )
-    with machine_of(text).start(speed=500.0, tolerance=1e-3) as run:
-        for i in range(1, 6):
-            run.advance(0.01 * i)
-            simulation.advance(0.01 * i, 500.0)
-            assert run.read(*names) == [simulation.read(name) for name in names]
+    of_fmu, of_simulation = of_both(machine_of, text, names, 500.0)
+    assert of_fmu == of_simulation

@@ -19,6 +19,7 @@ from sksundae.cvode import CVODE
 
 from rotor_fmu.machine_file.loading import machine_text
 
+from .driven import of_both
 from .rings import RING, SPEED, G, drag, in_series, of_side, rigid_in_rings
 from .stated_law import StatedLaw
 
@@ -231,12 +232,8 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
     text = rigid_in_rings(e=1e-6, points=12, short=False)
     names = [f"floating_ring_bearing[1].{n}" for n in ("fx", "ring_y", "ratio", "power")]
     names.append("energy.rings")
-    simulation = _run(text, tolerance=1e-3)
-    with machine_of(text).start(speed=SPEED, tolerance=1e-3) as run:
-        for i in range(1, 4):
-            run.advance(1e-3 * i)
-            simulation.advance(1e-3 * i, SPEED)
-            assert run.read(*names) == [simulation.read(name) for name in names]
+    of_fmu, of_simulation = of_both(machine_of, text, names, SPEED, step=1e-3)
+    assert of_fmu == of_simulation
 
 
 # --- refused ---

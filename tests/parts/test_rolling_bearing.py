@@ -16,6 +16,8 @@ from rotor_fmu.model.simulation import Simulation
 
 import rotor_fmu as rf
 
+from .driven import of_both
+
 _SHAFT = """
 [material]
 young = 2.1e11
@@ -291,9 +293,5 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
         _BEARING.format(node=node, more=_DAMAGED) for node in (1, 3)
     )
     names = ("rolling_bearing[1].fx", "rolling_bearing[1].largest", "rolling_bearing[2].torque")
-    simulation = _run(parse_rotor(text), 300.0)
-    with machine_of(text).start(speed=300.0, tolerance=1e-3) as run:
-        for i in range(1, 6):
-            run.advance(0.01 * i)
-            simulation.advance(0.01 * i, 300.0)
-            assert run.read(*names) == [simulation.read(name) for name in names]
+    of_fmu, of_simulation = of_both(machine_of, text, names, 300.0)
+    assert of_fmu == of_simulation

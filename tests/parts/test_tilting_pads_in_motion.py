@@ -21,6 +21,7 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
 from ..toml_text import table
+from .driven import of_both
 from .films import OF_A_FILM, heavy_shaft
 from .stated_law import StatedLaw
 
@@ -218,9 +219,5 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
     text = heavy_shaft(1e-5) + _pads(1, k=1e8) + _pads(3, pad_inertia=1e-3, pivot_stiffness=5e8)
     names = ("journal_bearing[1].fx", "journal_bearing[1].tilt_3", "journal_bearing[2].tilt_4")
     names = (*names, "journal_bearing[2].film", "journal_bearing[2].pivot_3", "energy.pads")
-    simulation = _run(parse_rotor(text), 500.0)
-    with machine_of(text).start(speed=500.0, tolerance=1e-3) as run:
-        for i in range(1, 6):
-            run.advance(0.01 * i)
-            simulation.advance(0.01 * i, 500.0)
-            assert run.read(*names) == [simulation.read(name) for name in names]
+    of_fmu, of_simulation = of_both(machine_of, text, names, 500.0)
+    assert of_fmu == of_simulation

@@ -18,6 +18,7 @@ from rotor_fmu.runs.verify_run import CONFIRMED, NOT_CONFIRMED, SENSITIVE, compa
 from rotor_fmu.studies.runner import run_study
 
 from ..studies.functions import here, quiet
+from ..toml_text import table
 
 RAMP = ([0.0, 0.5], [220.0, 215.0])
 
@@ -142,29 +143,12 @@ def test_a_study_says_how_far_each_run_is_from_a_finer_one(tmp_path):
     assert list(data.status.values) == ["ok", "doubtful: too-coarse-in-contact, not-confirmed"]
 
 
-STILL = """
-name = "still"
-[material]
-young = 2.1e11
-density = 7800.0
-[shaft]
-nodes = [0.0, 0.5, 1.0]
-diameters = [0.05, 0.05]
-eta_v = 2e-4
-[[disc]]
-node = 2
-diameter = 0.3
-width = 0.05
-e = 1e-5
-[[support]]
-node = 1
-stiffness = 1e7
-damping = 1e4
-[[support]]
-node = 3
-stiffness = 1e7
-damping = 1e4
-"""
+STILL = (
+    table("material", young=2.1e11, density=7800.0)
+    + table("shaft", nodes=[0.0, 0.5, 1.0], diameters=[0.05, 0.05], eta_v=2e-4)
+    + table("[disc]", node=2, diameter=0.3, width=0.05, e=1e-5)
+    + "".join(table("[support]", node=n, stiffness=1e7, damping=1e4) for n in (1, 3))
+)
 
 
 def test_a_part_of_a_motion_that_is_none_does_not_make_a_run_of_a_study_doubtful(tmp_path):
