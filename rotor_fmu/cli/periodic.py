@@ -129,7 +129,7 @@ def response(
     result = _computed(machine, toml, options, out, current().of_si(unit))
     summary = dict(result.summary)
     write_response(result, machine.name, summary, out)  # kept where what follows is stopped
-    if not result.is_stopped:
+    if not result.is_stopped and (second is not None or check):
         if second is not None:
             summary["folds"] = _folds(result, *second, current().of_si(of[second[0]]), out)
         if check:

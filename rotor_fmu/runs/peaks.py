@@ -12,12 +12,14 @@ PEAKS_AFTER, _TURNS, _START_UP = 2.0, 125.0, 0.2
 # Relative to the highest speed, how far a constant one may vary: less than the half-power width of
 # any resonance whose amplification factor is below 100, so that no peak lies within.
 _CONSTANT = 0.01
+_ROUNDING = 1e-6  # of a speed: by which a constant one varies as it is recorded
 _EDGE = 0.01  # of a run's length at its ends, where an amplitude may still be growing
 
 
-def is_constant(w: np.ndarray) -> bool:
-    """Return whether a speed is one speed, so that nothing can be drawn against it."""
-    return len(w) == 0 or float(np.ptp(w)) <= _CONSTANT * float(np.abs(w).max())
+def is_constant(w: np.ndarray, share: float = _CONSTANT) -> bool:
+    """Return whether a speed is one speed, but for a share of it, so that nothing can be drawn
+    against it."""
+    return len(w) == 0 or float(np.ptp(w)) <= share * float(np.abs(w).max())
 
 
 def start_up(t: np.ndarray, w: np.ndarray) -> float:
@@ -51,7 +53,7 @@ def why_no_peak(t: np.ndarray, w: np.ndarray) -> str:
     """Return why a run, in which `peak_index` finds none, has no peak."""
     if not len(t) or not t[-1] > start_up(t, w):
         return "the run ends where it begins"
-    if np.ptp(w) <= 1e-6 * np.abs(w).max():  # a constant speed is recorded with rounding
+    if is_constant(w, _ROUNDING):
         return "the speed is constant"
     if is_constant(w):
         return f"the speed changes by at most {100 * _CONSTANT:g} %"
