@@ -28,6 +28,8 @@ _VERTICAL = 0.05  # a smaller component of the tangent along the parameter: a fo
 _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier
 _EVALUATIONS = 40  # evaluations of a test function at most
 _PRECISE = 1e-9  # of a step along the curve
+_CLOSE = 1e-5  # of a step: a test function changes little so close to its root
+_LITTLE = 1e-2  # of its larger value at the ends of the step
 
 
 class _Located(NamedTuple):
@@ -140,10 +142,13 @@ def _locate_root(
             known[s] = point, test(point)
         return known[s][1]
 
+    little = _LITTLE * max(abs(at_before), abs(at_after))
     try:
         options = {"xtol": _PRECISE * abs(end), "maxiter": _EVALUATIONS, "disp": False}
-        point, value = known[brentq(tested, 0.0, end, **options)]
+        root = brentq(tested, 0.0, end, **options)
+        point, _ = known[root]
+        # not at the root alone: within rounding of a corner a function has any value
+        beside = np.clip([root - _CLOSE * end, root + _CLOSE * end], *sorted((0.0, end)))
+        return point, all(abs(tested(float(s))) < little for s in beside)
     except NotConverged:
-        point, value = list(known.values())[-1]
-    whole = max(abs(at_before), abs(at_after))
-    return point, abs(value) < 1e-3 * whole
+        return list(known.values())[-1][0], False
