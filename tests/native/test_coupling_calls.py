@@ -12,8 +12,8 @@ from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import CouplingOptions, Simulation
 
+from ..fmu.instance import Machine
 from ..fmu.skins import Discarded, Extracted, Native, Refused
-from .machine import Machine
 
 H = 0.002
 NAMES = ("disc[3].x", "disc[3].y", "phi", "w", "tau", "bearing[2].fn")

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
+from ..fmu.instance import Machine
 from ..fmu.test_hosts import needs
-from .machine import Machine
 
 H, STEPS = 0.004, 50
 READ = ("phi", "tau", "disc[3].x", "disc[3].y")

@@ -17,7 +17,7 @@ from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.run_down import run_fmu
 
-from .machine import Machine, observed
+from ..fmu.instance import Machine, observed
 
 H = 0.004
 # A disc on linear supports and a stator without friction, which makes no whirl grow: other sizes of

@@ -6,7 +6,7 @@ import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.simulation import EquilibriumError, Simulation
 
-from .machine import Machine
+from ..fmu.instance import Machine
 
 BEARING = "[[linear_bearing]]\nkxx = 1e6\nkyy = 1e6\ncxx = 1.0\ncyy = 1.0\nnode = {}\n"
 STIFF = (
