@@ -363,11 +363,8 @@ def _with_film(**more):
         ),
     ],
 )
-def test_what_cannot_be_asked_is_refused(command, tmp_path, file, arguments, expected):
-    with pytest.raises(InputError) as refused:
-        command("bearing", str(file), *arguments)
-    assert expected in str(refused.value)
-    assert not list(tmp_path.iterdir())
+def test_what_cannot_be_asked_is_refused(refusal, file, arguments, expected):
+    assert expected in refusal("bearing", str(file), *arguments)
 
 
 def test_a_table_is_not_written_over_the_machine_nor_where_something_else_cannot(tmp_path):

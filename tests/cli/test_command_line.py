@@ -15,7 +15,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 import rotor_fmu as rf
 from rotor_fmu.api.simulate import plan
-from rotor_fmu.cli import COMMANDS, main
+from rotor_fmu.cli import COMMANDS
 
 
 def rotor_fmu(*arguments, cwd):
@@ -27,31 +27,6 @@ def rotor_fmu(*arguments, cwd):
         cwd=cwd,
         check=False,
     )
-
-
-@pytest.fixture
-def input_error(tmp_path, monkeypatch, capsys):
-    """The one line that a refused command prints; it must leave nothing behind."""
-    return input_error_by(main, tmp_path, monkeypatch, capsys)
-
-
-def input_error_by(main, tmp_path, monkeypatch, capsys):
-    """The same of the commands of another program, whose entry point is `main`."""
-
-    def refuse(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-        before = set(tmp_path.rglob("*"))
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert end.value.code == 2
-        assert set(tmp_path.rglob("*")) == before
-        lines = capsys.readouterr().err.strip().splitlines()
-        assert len(lines) == 1
-        assert lines[0].startswith("rotor-fmu: ")
-        return lines[0]
-
-    return refuse
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Derivatives of inputs, by FMI 2.0's functions: every continuous input takes the first one."""
 
 import math
-import zipfile
 from xml.etree.ElementTree import fromstring
 
 import fmpy
@@ -11,6 +10,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..parts.machines import FLEXIBLE
@@ -148,8 +148,7 @@ def test_a_state_holds_what_was_set_for_the_next_step(new):
 
 
 def can_interpolate(fmu):
-    with zipfile.ZipFile(fmu) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(fmu)["modelDescription.xml"])
     return root.find("CoSimulation").get("canInterpolateInputs")
 
 

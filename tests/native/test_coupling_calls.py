@@ -3,7 +3,6 @@ derivatives, steps that end early, parameters that change, energies of a step; a
 states after each of them."""
 
 from xml.etree.ElementTree import fromstring
-from zipfile import ZipFile
 
 import fmpy
 import numpy as np
@@ -11,6 +10,8 @@ import pytest
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import CouplingOptions, Simulation
+
+from rotor_fmu.fmi.packing.archive import contents_of
 
 from ..fmu.instance import Machine
 from ..fmu.skins import Discarded, Extracted, Native, Refused
@@ -74,8 +75,7 @@ def test_output_derivatives_are_the_simulations(extracted, fmu):
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_the_description_says_so(make, fmi):
-    with ZipFile(make(fmi=fmi)) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(make(fmi=fmi))["modelDescription.xml"])
     assert root.find("CoSimulation").get("maxOutputDerivativeOrder") == "2"
     variables = {v.get("name"): v for v in root.find("ModelVariables")}
     assert variables["bearing[1].clearance"].get("variability") == "tunable"

@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
-from zipfile import ZipFile
 
 import fmpy
 import pytest
@@ -18,6 +17,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..fmu.masters import COMPILER, NO_COMPILER
@@ -37,8 +37,7 @@ def _traces() -> bool:
 
 
 def described(fmu, name):
-    with ZipFile(fmu) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(fmu)["modelDescription.xml"])
     return root, {v.get("name"): v for v in root.find("ModelVariables")}[name]
 
 
