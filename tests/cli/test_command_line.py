@@ -17,16 +17,7 @@ import rotor_fmu as rf
 from rotor_fmu.api.simulate import plan
 from rotor_fmu.cli import COMMANDS
 
-
-def rotor_fmu(*arguments, cwd):
-    """The command in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-c", "from rotor_fmu.cli import main; main()", *arguments],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        check=False,
-    )
+from ..processes import run_anew
 
 
 @pytest.mark.parametrize(
@@ -131,7 +122,7 @@ def test_help_names_every_command_and_loads_none(tmp_path):
         "try: c.main()\n"
         "finally: print('loaded:', *{n.split('.')[0] for n in sys.modules})"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    done = run_anew(script)
     said, _, loaded = done.stdout.partition("loaded:")
     assert done.returncode == 0, done.stderr
     for panel in COMMANDS.values():

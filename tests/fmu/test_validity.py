@@ -2,9 +2,7 @@
 
 import ast
 import math
-import os
 import re
-import subprocess
 import sys
 import tomllib
 import zipfile
@@ -26,6 +24,8 @@ from rotor_fmu.fmi.packing.python_fmu import build, is_current
 from rotor_fmu.fmi.variables import Variable, unit
 from rotor_fmu.library.build import LibraryError
 from rotor_fmu.machine_file.loading import load_rotor
+
+from ..processes import run_anew
 
 ROOT = Path(__file__).parents[2]
 
@@ -263,15 +263,7 @@ def test_it_runs_where_nothing_of_this_project_can_be_imported(fmu, tmp_path):
         "r = fmpy.simulate_fmu(sys.argv[1], stop_time=0.2, output=['phi', 'disc[3].y'])\n"
         "print(r['phi'][-1], r['disc[3].y'][0])\n"
     )
-    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(fmu)],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env=environment,
-        check=False,
-    )
+    done = run_anew(script, fmu, cwd=tmp_path, PYTHONPATH="")
     assert done.returncode == 0, done.stderr
     phi, y = map(float, done.stdout.split()[-2:])
     assert phi == pytest.approx(80.0, rel=1e-9)

@@ -12,7 +12,6 @@ from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.quantities import QuantityError, quantities
 
 TEXT = rig_toml()
-NODES = "[0.0, 0.043, 0.063, 0.11475, 0.1865, 0.25825, 0.310, 0.330]"
 LISTED = r"[\s\S]*"  # from one [[bearing]] to the end of the file
 
 

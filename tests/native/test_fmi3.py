@@ -19,7 +19,6 @@ WARNING, DISCARD, ERROR = 1, 2, 3
 Log = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
 ZERO, H = ctypes.c_double(0.0), ctypes.c_double(0.004)
 ONE = ctypes.c_size_t(1)
-NOTHING = ctypes.c_void_p()
 # Those with nothing but the instance, and what is left of the standard where there is one variable.
 NOT_OFFERED = (
     *("EnterEventMode", "EnterStepMode", "EnterConfigurationMode", "ExitConfigurationMode"),
