@@ -5,11 +5,8 @@ the native library of the same FMU. Needs Node.js, jco and wasmtime.
 """
 
 import tempfile
-import time
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import fmpy
 from rotor_fmu.model.kernels.library import here
@@ -20,6 +17,7 @@ from rotor_fmu.library.platforms import COMPONENT, PLATFORMS
 from tests.native.component import Component
 
 from .native_master import children_cpu, median_ratio
+from .problem import timed
 
 REPETITIONS = 5
 # A run-down of 4 s, in which the rotor rubs.
@@ -37,12 +35,10 @@ def main() -> None:
         with zipfile.ZipFile(fmu) as archive:
             entries = {entry.filename.split("/")[1]: entry for entry in archive.infolist()[:2]}
         component, library = entries[COMPONENT.name], entries[PLATFORMS[platform].fmi3]
-        begin = time.process_time()
-        machine = Component(fmu)
-        compiling = time.process_time() - begin
+        compiling, machine = timed(Component, fmu)
         description = fmpy.read_model_description(str(fmu))
         native = fmpy.instantiate_fmu(fmpy.extract(str(fmu), str(folder / "fmu")), description)
-        runs = (lambda: _cpu(_in_wasmtime, machine), lambda: _cpu(_natively, native))
+        runs = (lambda: timed(_in_wasmtime, machine)[0], lambda: timed(_natively, native)[0])
         ratio = median_ratio(REPETITIONS, *runs)
     print("| | |\n| --- | ---: |")
     print(f"| the component | {component.file_size / 1e6:.1f} MB |")
@@ -51,12 +47,6 @@ def main() -> None:
     print(f"| to make it, once for a version | {taken:.0f} s of CPU |")
     print(f"| to compile it in wasmtime, for each load | {compiling:.1f} s of CPU |")
     print(f"| the rig's run-down in wasmtime, over the native library's time | {ratio:.2f} |")
-
-
-def _cpu(run: Callable[[Any], None], of: object) -> float:
-    begin = time.process_time()
-    run(of)
-    return time.process_time() - begin
 
 
 def _in_wasmtime(machine: Component) -> None:

@@ -1,14 +1,13 @@
 """What the FMU's face adds: the cost of a run through FMPy over the communication step."""
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from rotor_fmu.runs.job import Job, prepare
 from rotor_fmu.runs.run_down import run_direct, run_fmu
 
+from .problem import timed
 from .store import Store
 
 COMMUNICATION = (0.002, 0.01, 0.04, 0.1)  # [s]
@@ -37,12 +36,6 @@ def hosting(
         plan = replace(job, step=step)
         runs = {"fmpy_cpu_s": [], "direct_cpu_s": []}
         for _ in range(repetitions):
-            runs["fmpy_cpu_s"].append(_cpu(partial(run_fmu, fmu, plan)))
-            runs["direct_cpu_s"].append(_cpu(partial(run_direct, plan)))
+            runs["fmpy_cpu_s"].append(timed(run_fmu, fmu, plan)[0])
+            runs["direct_cpu_s"].append(timed(run_direct, plan)[0])
         store.keep("communication", name, {"step": step, **runs})
-
-
-def _cpu(call: Callable[[], object]) -> float:
-    begun = time.process_time()
-    call()
-    return time.process_time() - begun

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
@@ -132,8 +133,8 @@ def orbit(problem: Problem, times: np.ndarray, disc: np.ndarray, steps: int) -> 
     return Orbit(on_grid, steps, *peaks(times, disc))
 
 
-def timed(solve: Callable[[Problem], Orbit], problem: Problem) -> tuple[float, Orbit]:
-    """CPU seconds of this process for one run, and what it found."""
+def timed(call: Callable[..., Any], *arguments: Any) -> tuple[float, Any]:
+    """CPU seconds of this process for one call, such as a run, and what it returned."""
     begun = time.process_time()
-    result = solve(problem)
+    result = call(*arguments)
     return time.process_time() - begun, result

@@ -4,7 +4,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from functools import partial
 
@@ -15,7 +14,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from .growth import refined, with_bearings
-from .problem import RATE, SPEED, run_down
+from .problem import RATE, SPEED, run_down, timed
 from .store import Store, median
 
 FIRST = "first rf.simulate of a process, import to first step"
@@ -72,30 +71,24 @@ def _simulation(rotor: Rotor) -> Simulation:
     return Simulation(rotor, settings, speed=SPEED, rate=RATE, warn=lambda message: None)
 
 
-def _cpu(call: Callable[[], object]) -> float:
-    begun = time.process_time()
-    call()
-    return time.process_time() - begun
-
-
 def _begun(rotor: Rotor) -> float:
-    return _cpu(lambda: _simulation(rotor))
+    return timed(_simulation, rotor)[0]
 
 
 def _surveyed(rotor: Rotor) -> float:
     simulation = _simulation(rotor)
-    return _cpu(lambda: simulation._entry_points.survey(SPEED, True))
+    return timed(simulation._entry_points.survey, SPEED, True)[0]
 
 
 def _stepped(rotor: Rotor) -> float:
     simulation = _simulation(rotor)
     simulation.advance(STEPS * _H / 10, SPEED, rate=RATE)
     end = simulation.time + STEPS * _H
-    return _cpu(lambda: simulation.advance(end, SPEED, rate=RATE)) / STEPS
+    return timed(partial(simulation.advance, rate=RATE), end, SPEED)[0] / STEPS
 
 
 def _diagram(rotor: Rotor) -> float:
-    return _cpu(lambda: campbell(rotor, np.linspace(0.0, SPEED, 25)))
+    return timed(campbell, rotor, np.linspace(0.0, SPEED, 25))[0]
 
 
 def _first() -> float:

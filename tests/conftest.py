@@ -89,15 +89,45 @@ def process(tmp_path, monkeypatch, capfd):
 
 
 @pytest.fixture
-def refusal(command):
-    """The message of a command that is refused."""
+def refusal(command, tmp_path):
+    """The message of a command that is refused; it must leave nothing behind."""
 
     def run(*arguments):
+        before = set(tmp_path.rglob("*"))
         with pytest.raises((InputError, ValueError)) as refused:
             command(*arguments)
+        assert set(tmp_path.rglob("*")) == before
         return str(refused.value)
 
     return run
+
+
+@pytest.fixture
+def input_error_of(tmp_path, monkeypatch, capsys):
+    """`input_error` of another program, whose entry point it takes."""
+
+    def program(main):
+        def refuse(*arguments):
+            monkeypatch.chdir(tmp_path)
+            monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+            before = set(tmp_path.rglob("*"))
+            with pytest.raises(SystemExit) as end:
+                main()
+            assert end.value.code == 2
+            assert set(tmp_path.rglob("*")) == before
+            (line,) = capsys.readouterr().err.strip().splitlines()
+            assert line.startswith("rotor-fmu: ")
+            return line
+
+        return refuse
+
+    return program
+
+
+@pytest.fixture
+def input_error(input_error_of):
+    """The one line that a refused command prints; it must leave nothing behind."""
+    return input_error_of(main)
 
 
 @pytest.fixture

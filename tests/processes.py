@@ -1,15 +1,17 @@
 """Programs in processes of their own, forked from one that has imported FMPy, as most of them do.
 
 For what a process does and survives, as a host of an FMU. What depends on how a process is started,
-or on what it has imported, starts one by `subprocess`.
+or on what it has imported, starts one by `run_anew`.
 """
 
 import multiprocessing
 import os
 import sys
 from pathlib import Path
-from subprocess import CompletedProcess, TimeoutExpired
+from subprocess import CompletedProcess, TimeoutExpired, run
 from tempfile import TemporaryDirectory
+
+ROTOR_FMU = "from rotor_fmu.cli import main; main()"  # the program of the command
 
 _FORKS = "forkserver" in multiprocessing.get_all_start_methods()
 _CONTEXT = multiprocessing.get_context("forkserver" if _FORKS else "spawn")
@@ -18,6 +20,20 @@ if _FORKS:
 _STREAMS = ("stdin", "stdout", "stderr")
 # before any FMU has put what it carries, such as a pythonfmu without libraries, in front
 _SYS_PATH = sys.path.copy()
+
+
+def run_anew(program, *arguments, cwd=None, seconds=None, **environment):
+    """A program's text in a Python that is started for it, with these variables of the environment
+    beside those that there are: as `subprocess.run`."""
+    return run(
+        [sys.executable, "-c", program, *map(str, arguments)],
+        env={**os.environ, **environment},
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=seconds,
+    )
 
 
 def run_python(program, *arguments, cwd=None, given="", seconds=1200):

@@ -1,6 +1,18 @@
-"""Tables of machine and study files, as text."""
+"""Tables of machine and study files, as text, and what is said of a file that is refused."""
 
 import json
+
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.quantities import QuantityError
+
+
+def refusal_of(toml):
+    """The one line with which a machine file is refused."""
+    with pytest.raises(QuantityError) as refused:
+        parse_rotor(toml)
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
 
 
 def table(heading, **keys):

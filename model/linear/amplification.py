@@ -30,9 +30,9 @@ _UNDAMPED = 1e-8  # of a speed: a peak that is not as wide has no damping but ro
 _ABOVE = np.array([0.1, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
 _AROUND = np.concatenate([-_ABOVE[::-1], _ABOVE])
 _ROUNDING = 1e-10  # of the largest answer: what is smaller has no peaks
-_FLAT = 1e-5  # of a peak: what rises less is rounding beside an undamped mode that nothing drives
+_FLAT = 1e-4  # of a peak: what rises less is rounding beside an undamped mode that nothing drives
 # Damping ratio: a sharper peak is not looked at more closely. Ten times as close, the rounding of
-# some machines rises as much.
+# some machines rises by 1e-5.
 _SHARPEST = 1e-5 / (2 * math.pi)
 
 

@@ -151,41 +151,6 @@ def roots_at_infinity(scheme: Scheme) -> tuple[complex, complex, complex]:
     return (middle - root) / (2 * beta), (middle + root) / (2 * beta), complex(-af / (1 - af))
 
 
-def is_unconditionally_stable(scheme: Scheme) -> bool:
-    """Return whether no undamped oscillation grows at any step length.
-
-    Routh-Hurwitz for all w; with gamma = 1/2 - alpha_m + alpha_f it is paper A's (10),
-    alpha_m <= alpha_f <= 1/2 and beta >= 1/4 + (alpha_f - alpha_m) / 2, and for Newmark
-    2 beta >= gamma >= 1/2.
-    """
-    am, af, beta, gamma = scheme
-    m, f, g, b = 1 - 2 * am, 1 - 2 * af, 2 * gamma - 1, 4 * beta - 2 * gamma
-    conditions = (m, f * b, b + f * g, f + g, f + g - m, g * (b + f * f + f * g))
-    return all(condition >= -_ROUNDING for condition in conditions)
-
-
-def energy_momentum_beta(alpha_m: float, alpha_f: float) -> float:
-    """Return the beta that conserves energy and momentum in a frictionless impact [1] (paper B, eq.
-    12).
-
-    Raises `SchemeError` for alpha_m = 1.
-    """
-    if alpha_m == 1:
-        raise SchemeError("alpha_m = 1: must not be 1")
-    return (-2 * alpha_m**2 + alpha_m * (3 + 2 * alpha_f) - 2) / (alpha_m - 1) / 4
-
-
-def energy_momentum_alpha_f(alpha_m: float) -> float:
-    """Return the alpha_f for which eq. (12)'s beta is also eq. (8)'s [1] (paper B, eqs 13 and 14).
-
-    sqrt(2) - 1 for alpha_m = 0. Raises `SchemeError` unless alpha_m < 1.
-    """
-    if not alpha_m < 1:
-        raise SchemeError(f"alpha_m = {alpha_m:g}: must be below 1")
-    root = math.sqrt(2 * alpha_m**2 - 3 * alpha_m + 2)
-    return (alpha_m**2 - alpha_m + 1 - root) / (alpha_m - 1)
-
-
 def rebound(scheme: Scheme) -> float:
     """Return the speed of a free node after it touched a wall for one step, over its speed before
     [1].

@@ -202,13 +202,13 @@ def unbalance(
     highest = dict.fromkeys((float(max(speeds, key=abs)), *(ends or ())[1:]))
     for sentence in where_not_reached(machine, highest, contacts):
         typer.echo(sentence)
-    writable_folder(out)
-    _write_response(result, nodes, out / "unbalance.csv")
     if ends is None:
         top = float(np.abs(speeds).max())
         checked: Any = acceptance.critical_peaks(machine, top, nodes, **acting)
     else:
         checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)
+    writable_folder(out)
+    _write_response(result, nodes, out / "unbalance.csv")
     more = {"criticals" if ends is None else "check": checked}
     shown = result.table(nodes), result.figure(nodes, ends)
     return print_answer(result, out, "unbalance", *shown, more)

@@ -163,24 +163,16 @@ def resonances(
     amplitude that a peak, and its prominence, must reach to be reported. What is NaN is left
     out.
     """
+    from scipy.signal import find_peaks  # which takes longer than the rest of this package
+
     time = np.full(len(speed), np.nan) if t is None else np.asarray(t)
     known = np.flatnonzero(np.isfinite(amplitude))
     order = known[np.argsort(np.asarray(speed)[known], kind="stable")]
     n, a, time = np.asarray(speed)[order], np.asarray(amplitude)[order], time[order]
     floor = least * a.max(initial=0.0)
-    tops = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]))
-    at = [i for i in tops.tolist() if a[i] >= floor and _prominence(a, i) >= floor]
-    result = [_resonance(n, a, time, i) for i in at]
+    at, _ = find_peaks(a, height=floor, prominence=floor)
+    result = [_resonance(n, a, time, i) for i in at.tolist()]
     return sorted(result, key=lambda peak: -peak.amplitude)
-
-
-def _prominence(a: np.ndarray, peak: int) -> float:
-    """Return the prominence of a peak: how far the curve falls before it rises above the peak."""
-    lowest = []
-    for side in (a[:peak][::-1], a[peak + 1 :]):
-        higher = np.flatnonzero(side > a[peak])
-        lowest.append(side[: higher[0] if len(higher) else None].min())
-    return float(a[peak] - max(lowest))
 
 
 def _resonance(n: np.ndarray, a: np.ndarray, t: np.ndarray, peak: int) -> Resonance:

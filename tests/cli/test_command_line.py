@@ -15,43 +15,9 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 import rotor_fmu as rf
 from rotor_fmu.api.simulate import plan
-from rotor_fmu.cli import COMMANDS, main
+from rotor_fmu.cli import COMMANDS
 
-
-def rotor_fmu(*arguments, cwd):
-    """The command in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-c", "from rotor_fmu.cli import main; main()", *arguments],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        check=False,
-    )
-
-
-@pytest.fixture
-def input_error(tmp_path, monkeypatch, capsys):
-    """The one line that a refused command prints; it must leave nothing behind."""
-    return input_error_by(main, tmp_path, monkeypatch, capsys)
-
-
-def input_error_by(main, tmp_path, monkeypatch, capsys):
-    """The same of the commands of another program, whose entry point is `main`."""
-
-    def refuse(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-        before = set(tmp_path.rglob("*"))
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert end.value.code == 2
-        assert set(tmp_path.rglob("*")) == before
-        lines = capsys.readouterr().err.strip().splitlines()
-        assert len(lines) == 1
-        assert lines[0].startswith("rotor-fmu: ")
-        return lines[0]
-
-    return refuse
+from ..processes import run_anew
 
 
 @pytest.mark.parametrize(
@@ -156,7 +122,7 @@ def test_help_names_every_command_and_loads_none(tmp_path):
         "try: c.main()\n"
         "finally: print('loaded:', *{n.split('.')[0] for n in sys.modules})"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    done = run_anew(script)
     said, _, loaded = done.stdout.partition("loaded:")
     assert done.returncode == 0, done.stderr
     for panel in COMMANDS.values():

@@ -10,7 +10,6 @@ from rotor_fmu.model.machine.toml import rig
 
 from rotor_fmu.cli import api_617 as cli_api_617
 from rotor_fmu.cli import linear as cli_linear
-from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
@@ -171,11 +170,8 @@ def test_the_response_to_unbalance_begins_at_standstill_on_oil_films_too(command
         (["--speed", "slow"], "--speed slow: must be a number"),
     ],
 )
-def test_impossible_bearings_are_refused(command, tmp_path, arguments, expected):
-    with pytest.raises((InputError, ValueError)) as refused:
-        command("bearing", str(OIL_FILM), *arguments)
-    assert expected in str(refused.value)
-    assert not list(tmp_path.iterdir())
+def test_impossible_bearings_are_refused(refusal, arguments, expected):
+    assert expected in refusal("bearing", str(OIL_FILM), *arguments)
 
 
 def test_a_load_past_the_film_is_refused_with_what_it_carries(command, tmp_path):

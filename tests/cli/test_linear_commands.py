@@ -252,14 +252,10 @@ def test_the_threshold_of_stability_is_named_within_the_diagram(turbocharger, to
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(("top", "unstable"), [(0.9, 0), (1.1, 1)])
 def test_a_response_beyond_the_threshold_of_stability_is_said_not_to_be_reached(
-    turbocharger, tmp_path, capsys, top, unstable
+    turbocharger, command, top, unstable
 ):
     top *= turbocharger[1]
-    app(
-        ["unbalance", "--rotor", str(TURBOCHARGER), "--speed", f"100:{top}:3", "--out", tmp_path],
-        standalone_mode=False,
-    )
-    said = capsys.readouterr().out
+    said = command("unbalance", "--rotor", str(TURBOCHARGER), "--speed", f"100:{top}:3")
     assert said.count(f"unstable at {speed_with_unit(top)}, where its steady") == unstable
     assert said.count("unstable") == unstable
 

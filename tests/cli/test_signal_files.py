@@ -7,17 +7,8 @@ import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
 
-from rotor_fmu.cli import main
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.input_signals import read_signals
-
-from .test_command_line import input_error_by
-
-
-@pytest.fixture
-def input_error(tmp_path, monkeypatch, capsys):
-    """The one line that a refused command prints; it must leave nothing behind."""
-    return input_error_by(main, tmp_path, monkeypatch, capsys)
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,6 @@ the units: inch 25.4 mm, pound 0.45359237 kg, standard gravity 9.80665 m/s2."""
 
 import math
 import re
-import subprocess
-import sys
 import tomllib
 
 import jsonschema
@@ -19,6 +17,8 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.machine_file.loading import machine_text, si_text
 from rotor_fmu.machine_file.schema import schema
 from rotor_fmu.units import _MEASURED, in_si
+
+from ..processes import run_anew
 
 INCH, POUND, G = 0.0254, 0.45359237, 9.80665
 LBF = POUND * G
@@ -209,7 +209,7 @@ def test_plain_numbers_and_rpm_need_no_library():
         "try: in_si('--hold', '1 hour', 's')\n"
         "except rf.InputError as error: print(error)\n"
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    done = run_anew(script)
     assert done.returncode == 0, done.stderr
     first, second = done.stdout.splitlines()
     assert first == f"zigulic2003 {2 * math.pi}"

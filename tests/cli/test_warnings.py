@@ -1,8 +1,6 @@
 """A warning about a run is declared once: field, start and code in the library follow."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -13,6 +11,8 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.warnings import RUN_WARNINGS
 
 from rotor_fmu.library import entry_points
+
+from ..processes import run_anew
 
 # In a process of its own, with one more declaration before anything is made of them.
 DECLARED = """
@@ -73,7 +73,5 @@ def test_of_several_warnings_the_library_returns_the_one_that_began_last(sim):
 
 
 def test_a_warning_that_is_declared_has_its_field_and_is_shown():
-    command = [sys.executable, "-c", DECLARED]
-    environment = {"ROTOR_FMU_KERNELS": "python", "PATH": ""}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    done = run_anew(DECLARED, ROTOR_FMU_KERNELS="python")
     assert done.stdout == "far from the axis since t = 0.5 s\n", done.stderr

@@ -3,8 +3,6 @@
 import doctest
 import importlib
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +10,8 @@ import pytest
 from rotor_fmu.model.time_loop.recorder import recordable
 
 import rotor_fmu as rf
+
+from ..processes import run_anew
 
 MODULES = (
     "api.linear_analyses",
@@ -52,7 +52,7 @@ def test_every_public_name_is_documented_with_an_example_that_runs():
 
 def test_what_is_not_used_is_not_imported():
     script = "import sys, rotor_fmu; print(*{name.partition('.')[0] for name in sys.modules})"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    done = run_anew(script)
     assert done.returncode == 0, done.stderr
     heavy = {"numba", "numpy", "scipy", "matplotlib", "fmpy", "pandas", "xarray", "bokeh", "rich"}
     assert not heavy & set(done.stdout.split())

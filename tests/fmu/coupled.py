@@ -4,9 +4,8 @@ import csv
 import io
 from itertools import accumulate, pairwise
 
-import fmpy
-
 from ..processes import run_python
+from .instance import Machine
 
 H, STEPS = 0.002, 100
 # Begin and length of the steps: summed up, and as differences of times that count nanoseconds.
@@ -17,30 +16,15 @@ TRANSFER = {"rotor": ("tau", "motor", "tau"), "motor": ("w", "rotor", "speed")}
 SEEN = ("w", "phi", "tau", "disc[3].x", "disc[3].y")
 
 
-class Part:
-    """One of the two FMUs."""
+class Part(Machine):
+    """One of the two FMUs, with what it is given before each step."""
 
-    def __init__(self, fmu):
-        self.folder = fmpy.extract(str(fmu))
-        description = fmpy.read_model_description(self.folder)
-        self.refs = {v.name: v.valueReference for v in description.modelVariables}
-        self.fmu = fmpy.instantiate_fmu(self.folder, description, "CoSimulation")
-        self.inputs = {}
-
-    def start(self, **settings):
-        for name, value in settings.items():
-            self.fmu.setInteger([self.refs[name]], [value])
-        self.set()
-        self.fmu.setupExperiment(startTime=0.0)
-        self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
-
-    def set(self):
-        for name, value in self.inputs.items():
-            self.fmu.setReal([self.refs[name]], [value])
+    def __init__(self, fmu, **inputs):
+        super().__init__(fmu)
+        self.inputs = inputs
 
     def get(self, name):
-        return self.fmu.getReal([self.refs[name]])[0]
+        return self.read([name])[0]
 
 
 def march(
@@ -60,11 +44,9 @@ def march(
     steps: begin and length of each; settings: Integers of the rotor; is_told_at_start: outputs are
     passed on before the first step.
     """
-    parts = {"rotor": Part(rotor), "motor": Part(motor)}
-    parts["rotor"].inputs = {"speed": 150.0}
-    parts["motor"].inputs = {"tau": 0.0}
-    parts["motor"].start()
-    parts["rotor"].start(**(settings or {}))
+    parts = {"rotor": Part(rotor, speed=150.0), "motor": Part(motor, tau=0.0)}
+    for part, choices in ((parts["motor"], {}), (parts["rotor"], settings or {})):
+        part.start(choices, **part.inputs)
     if is_told_at_start:
         for name in order:
             transfer(parts, name, parts[name].get(TRANSFER[name][0]))
@@ -80,7 +62,7 @@ def march(
                     part.fmu.setFMUstate(states[name])
                 elif iterations > 1:
                     states[name] = part.fmu.getFMUstate()
-                part.set()
+                part.set(**part.inputs)
                 part.fmu.doStep(t, h)
                 outputs[name] = part.get(TRANSFER[name][0])
                 if algorithm == "gauss_seidel":

@@ -44,7 +44,27 @@ class Extracted:
         self.kinds = {v.name: v.type for v in self.description.modelVariables}
 
 
-class Native:
+class Skin:
+    """What goes alike with either: of the FMU `of`, what was `heard` of its instance."""
+
+    @property
+    def warnings(self):
+        return [read_message(text.encode()) for status, text in self.heard if status == WARNING]
+
+    def put(self, values):
+        """Set variables by their names."""
+        for name, value in values.items():
+            self.set(self.of.kinds[name], [self.of.refs[name]], [value])
+        return self
+
+    def initialize(self, **options):
+        self.setup(**options)
+        self.enter()
+        self.exit()
+        return self
+
+
+class Native(Skin):
     """An instance by the C functions of the native FMU."""
 
     def __init__(self, of):
@@ -71,10 +91,6 @@ class Native:
 
     def _hear(self, status, text):
         self.heard.append((status, text.decode()))
-
-    @property
-    def warnings(self):
-        return [read_message(text.encode()) for status, text in self.heard if status == WARNING]
 
     def _call(self, name, *arguments):
         status = getattr(self._c, f"fmi2{name}")(self._instance, *arguments)
@@ -157,7 +173,7 @@ class Native:
         self._call("FreeFMUstate", byref(state))
 
 
-class Python:
+class Python(Skin):
     """An instance by the class that pythonfmu's wrapper calls."""
 
     def __init__(self, of):
@@ -166,10 +182,6 @@ class Python:
         resources = str(of.folder / "resources")
         self._slave = self._module.RotorBearing(instance_name="python", resources=resources)
         self.heard = []
-
-    @property
-    def warnings(self):
-        return [read_message(text.encode()) for status, text in self.heard if status == WARNING]
 
     def _call(self, name, *arguments):
         try:

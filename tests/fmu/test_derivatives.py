@@ -1,7 +1,6 @@
 """Derivatives of inputs, by FMI 2.0's functions: every continuous input takes the first one."""
 
 import math
-import zipfile
 from xml.etree.ElementTree import fromstring
 
 import fmpy
@@ -11,6 +10,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..parts.machines import FLEXIBLE
@@ -36,15 +36,9 @@ def new(extracted):
     return make
 
 
-def start(fmu):
-    fmu.setup()
-    fmu.enter()
-    fmu.exit()
-
-
 def test_a_step_with_them_is_the_simulations_bit_for_bit(new, extracted):
     fmu, speed, fx, fy = new("speed", "disc[2].fx", "disc[2].fy")
-    start(fmu)
+    fmu.initialize()
     simulation = Simulation(rig(), choose(), speed=400.0)
     rates = np.zeros(len(PORTS), dtype=complex)
     for i in range(20):
@@ -63,7 +57,7 @@ def test_they_hold_for_the_next_step_alone(new):
     ends = []
     for is_told_again in (False, True):
         fmu, fx, seen = new("disc[2].fx", "disc[3].x")
-        start(fmu)
+        fmu.initialize()
         fmu.slopes([fx], [500.0])
         fmu.step(0.0, H)
         if is_told_again:
@@ -102,7 +96,7 @@ def test_the_motion_at_the_start_has_them(new, is_read_before):
 
 def test_after_the_end_they_are_refused(new):
     fmu, speed = new("speed")
-    start(fmu)
+    fmu.initialize()
     fmu.terminate()
     with pytest.raises(Refused, match=r"setRealInputDerivatives: the simulation was terminated"):
         fmu.slopes([speed], [1.0])
@@ -120,7 +114,7 @@ def test_after_the_end_they_are_refused(new):
 )
 def test_of_several_all_are_taken_or_none(new, name, order, value, sentence):
     fmu, speed, other = new("speed", name)
-    start(fmu)
+    fmu.initialize()
     before = fmu.state()
     with pytest.raises(Refused, match=f"^setRealInputDerivatives: {sentence}"):
         fmu.slopes([speed, other], [-1000.0, value], [1, order])
@@ -132,7 +126,7 @@ def test_of_several_all_are_taken_or_none(new, name, order, value, sentence):
 
 def test_a_state_holds_what_was_set_for_the_next_step(new):
     fmu, fx, seen = new("disc[2].fx", "disc[3].x")
-    start(fmu)
+    fmu.initialize()
     fmu.slopes([fx], [2e4])
     state = fmu.state()
     fmu.step(0.0, H)
@@ -148,8 +142,7 @@ def test_a_state_holds_what_was_set_for_the_next_step(new):
 
 
 def can_interpolate(fmu):
-    with zipfile.ZipFile(fmu) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(fmu)["modelDescription.xml"])
     return root.find("CoSimulation").get("canInterpolateInputs")
 
 
@@ -179,7 +172,7 @@ def test_a_base_and_a_torque_take_them_too(tmp_path, is_free):
     if is_free:
         instance.set("Real", [extracted.refs["w_start"]], [100.0])
     instance.set("Real", refs[:1], [0.0 if is_free else 100.0])
-    start(instance)
+    instance.initialize()
     options = {"drive_torque": 0.0} if is_free else {}
     rotor = parse_rotor(toml)
     simulation = Simulation(rotor, choose(), speed=100.0, **options)

@@ -14,6 +14,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.about import __version__
 from rotor_fmu.fmi.description import default_experiment, summary
 from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.fmi.terminals import terminals_of
@@ -28,8 +29,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 @pytest.fixture(scope="module")
 def contents(fmu):
-    with zipfile.ZipFile(fmu) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
+    return contents_of(fmu)
 
 
 class Links(HTMLParser):
@@ -102,8 +102,7 @@ def test_terminals_refer_to_variables_that_exist(fmu, contents):
 def test_the_terminals_members_are_the_motion_and_the_torque_of_the_shaft_and_of_bodies(
     contents, free_fmu
 ):
-    with zipfile.ZipFile(free_fmu) as archive:
-        free = archive.read("terminalsAndIcons/terminalsAndIcons.xml")
+    free = contents_of(free_fmu)["terminalsAndIcons/terminalsAndIcons.xml"]
     shafts = (
         {"w": "speed", "phi": "phi", "tau": "tau", "tau_load": "tau_load"},
         {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"},

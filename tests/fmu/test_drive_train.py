@@ -21,7 +21,6 @@ from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
-from ..cli.test_command_line import input_error_by
 from .coupled import last_row, through_libcosim
 
 FOLDER = example_folder("drive_train")
@@ -258,11 +257,8 @@ def test_the_script_leaves_pictures_and_a_summary(tmp_path, monkeypatch, capsys)
         (("--out", "/dev/null/x"), "--out /dev/null/x: cannot be written to"),
     ],
 )
-def test_what_the_script_cannot_do_it_says_in_one_line(
-    tmp_path, monkeypatch, capsys, arguments, message
-):
-    refuse = input_error_by(_EXAMPLE["main"], tmp_path, monkeypatch, capsys)
-    assert refuse(*arguments).startswith(f"rotor-fmu: {message}")
+def test_what_the_script_cannot_do_it_says_in_one_line(input_error_of, arguments, message):
+    assert input_error_of(_EXAMPLE["main"])(*arguments).startswith(f"rotor-fmu: {message}")
 
 
 @pytest.mark.slow

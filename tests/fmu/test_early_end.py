@@ -17,12 +17,8 @@ class Ramp:
     """The native FMU along a run-down of 100 rad/s2; sets: how its host sets the speed."""
 
     def __init__(self, of, sets="values", **values):
-        self.of, self.fmu, self.t, self.sets, self.ends = of, Native(of), 0.0, sets, 0
-        for name, value in {"speed_rate": RATE, **values}.items():
-            self.fmu.set(of.kinds[name], [of.refs[name]], [value])
-        self.fmu.setup()
-        self.fmu.enter()
-        self.fmu.exit()
+        self.of, self.t, self.sets, self.ends = of, 0.0, sets, 0
+        self.fmu = Native(of).put({"speed_rate": RATE, **values}).initialize()
 
     def speed(self):
         at = [self.of.refs["speed"]]

@@ -40,13 +40,6 @@ def new(skin, extracted):
     return SKINS[skin](extracted[skin]), extracted[skin].refs
 
 
-def initialize(fmu, **options):
-    fmu.setup(**options)
-    fmu.enter()
-    fmu.exit()
-    return fmu
-
-
 # --- the machine's table -------------------------------------------------------------------------
 
 FLIPS = """
@@ -193,12 +186,12 @@ def test_a_tolerance_below_the_floor_is_refused_as_a_parameter(new, tolerance):
     fmu, refs = new
     fmu.set("Real", [refs["solver.tolerance"]], [tolerance])
     with pytest.raises(Refused, match=r"solver\.tolerance = .*: must be at least 1e-09 and"):
-        initialize(fmu)
+        fmu.initialize()
 
 
 def test_of_the_experiment_the_floor_is_taken_with_a_warning(new):
     fmu, _ = new
-    initialize(fmu, tolerance=1e-300)
+    fmu.initialize(tolerance=1e-300)
     (said,) = fmu.warnings
     assert said == "setupExperiment: tolerance = 1e-300: 1e-09 is taken, the least that can be held"
 
@@ -207,7 +200,7 @@ def limited(new, count=60):
     """An instance whose steps end after so many iterations."""
     fmu, refs = new
     fmu.set("Integer", [refs["solver.max_iterations"]], [count])
-    return initialize(fmu), refs
+    return fmu.initialize(), refs
 
 
 def test_a_step_past_its_iterations_is_discarded_where_the_state_is_kept(new, skin):
@@ -295,7 +288,7 @@ def test_its_date_is_the_hosts(extracted):
     fmu, _ = limited((Native(extracted["native"]), extracted["native"].refs))
     other = Native(extracted["native"])
     other.set("Integer", [extracted["native"].refs["solver.max_iterations"]], [60])
-    initialize(other, start=1000.0)
+    other.initialize(start=1000.0)
     with pytest.raises(Discarded) as here:
         fmu.step(0.0, H)
     with pytest.raises(Discarded) as there:
@@ -312,7 +305,7 @@ def test_a_state_of_another_machine_is_refused_as_it_is_too(extracted, tmp_path)
     other = build_native(
         tmp_path, rig_toml().replace("diameter = 0.12", "diameter = 0.11"), platforms=["linux64"]
     )
-    mine, theirs = initialize(Native(extracted["native"])), initialize(Native(Extracted(other)))
+    mine, theirs = Native(extracted["native"]).initialize(), Native(Extracted(other)).initialize()
     state = ctypes.c_void_p()
     theirs._call("GetFMUstate", ctypes.byref(state))
     before = mine.state()

@@ -3,7 +3,6 @@ Integers that hosts have always set; and start values are chosen when an FMU is 
 
 import ctypes
 import re
-import zipfile
 from xml.etree.ElementTree import fromstring
 
 import fmpy
@@ -14,6 +13,7 @@ from rotor_fmu.model.settings import METHODS, PRESETS
 import rotor_fmu as rf
 from rotor_fmu.cli.fmus import build
 from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.archive import contents_of
 
 FORMS = {
     "python": {},
@@ -60,8 +60,7 @@ def test_the_description_names_the_values(fmu):
 
 
 def test_a_type_is_called_as_no_variable_is(fmu):
-    with zipfile.ZipFile(fmu) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(fmu)["modelDescription.xml"])
     types = [each.get("name") for each in root.find("TypeDefinitions")]
     names = {each.get("name") for each in root.find("ModelVariables")}
     assert len(set(types)) == len(types)

@@ -4,7 +4,6 @@ Everything that might crash runs in a process of its own, and a crash shows in i
 """
 
 import json
-import os
 import subprocess
 import sys
 import zipfile
@@ -16,7 +15,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.fmi.packing.python_fmu import build, package_name
 
-from ..processes import run_python
+from ..processes import run_anew, run_python
 
 PRELUDE = """
 import json, sys, fmpy, shutil
@@ -51,14 +50,8 @@ def show(**seen):
 
 def in_a_process(fmu, script, environment=None, seconds=1200, arguments=()):
     """What a script shows at last by `show`, as an object; fails on a crash or an error."""
-    done = subprocess.run(
-        [sys.executable, "-c", PRELUDE + script, str(fmu), *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=seconds,
-        env={**os.environ, **(environment or {})},
-    )
+    program = PRELUDE + script
+    done = run_anew(program, fmu, *arguments, seconds=seconds, **(environment or {}))
     assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"
     return SimpleNamespace(**json.loads(done.stdout.splitlines()[-1]))
 

@@ -18,7 +18,6 @@ from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.python_fmu import build
 
-from ..cli.test_command_line import input_error_by
 from .coupled import through_libcosim
 
 FOLDER = example_folder("magnetic_bearing")
@@ -273,8 +272,5 @@ def test_the_script_leaves_pictures_and_a_summary(tmp_path, monkeypatch):
         (("--out", "/dev/null/x"), "--out /dev/null/x: cannot be written to"),
     ],
 )
-def test_what_the_script_cannot_do_it_says_in_one_line(
-    tmp_path, monkeypatch, capsys, arguments, message
-):
-    refuse = input_error_by(_EXAMPLE["main"], tmp_path, monkeypatch, capsys)
-    assert refuse(*arguments).startswith(f"rotor-fmu: {message}")
+def test_what_the_script_cannot_do_it_says_in_one_line(input_error_of, arguments, message):
+    assert input_error_of(_EXAMPLE["main"])(*arguments).startswith(f"rotor-fmu: {message}")

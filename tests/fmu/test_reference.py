@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.documents import FOLDER
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.fmi.packing.reference import default_experiment
@@ -70,6 +71,5 @@ def test_another_rotor_does_not_carry_the_rigs_result(tmp_path):
 
 @pytest.mark.parametrize("attribute", ["author", "version", "license", "copyright", "description"])
 def test_the_description_says_whose_it_is(fmu, attribute):
-    with zipfile.ZipFile(fmu) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(fmu)["modelDescription.xml"])
     assert root.get(attribute)

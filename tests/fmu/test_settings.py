@@ -41,13 +41,9 @@ def in_python(start, values):
 
 def in_the_fmu(extracted, values):
     """The same of an instance that is initialized."""
-    fmu = Native(extracted)
-    for name, value in values.items():
-        fmu.set(extracted.kinds[name], [extracted.refs[name]], [value])
-    fmu.setup()
-    fmu.enter()
+    fmu = Native(extracted).put(values)
     try:
-        fmu.exit()
+        fmu.initialize()
     except Refused as refused:
         return str(refused), fmu
     return "", fmu

@@ -7,47 +7,36 @@ from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.fmi.packing.python_fmu import build
 
 from ..processes import run_python
+from .instance import Machine
 
 STEP = 0.004
+OTHER = rig_toml().replace("clearance = 50e-6", "clearance = 60e-6")
 
 
-class Instance:
-    """An instance of the FMU at work."""
-
-    def __init__(self, fmu):
-        self.folder = fmpy.extract(str(fmu))
-        self.description = fmpy.read_model_description(self.folder)
-        self.refs = {v.name: v.valueReference for v in self.description.modelVariables}
-        self.reals = [
-            v.valueReference
-            for v in self.description.modelVariables
-            if v.type == "Real" and v.causality in ("output", "local")
-        ]
-        self.fmu = fmpy.instantiate_fmu(self.folder, self.description, "CoSimulation")
-        self.t = 0.0
-
-    def start(self, **parameters):
-        self.fmu.setupExperiment(startTime=0.0)
-        self.fmu.enterInitializationMode()
-        for name, value in parameters.items():
-            self.fmu.setReal([self.refs[name]], [value])
-        self.fmu.exitInitializationMode()
-        return self
+class Instance(Machine):
+    """An instance that runs down, step by step."""
 
     def run(self, steps):
         """All real results of every step."""
         results = []
         for _ in range(steps):
-            self.fmu.setReal([self.refs["speed"]], [400 - 10 * self.t])
-            self.fmu.doStep(self.t, STEP)
-            self.t += STEP
-            results.append(self.fmu.getReal(self.reals))
+            self.set(speed=400 - 10 * self.t)
+            self.step(STEP)
+            results.append(self.read().tolist())
         return results
 
 
 @pytest.fixture
 def instance(fmu):
-    return Instance(fmu).start()
+    instance = Instance(fmu).start()
+    yield instance
+    instance.close()
+
+
+@pytest.fixture
+def other(tmp_path):
+    """The FMU of another machine."""
+    return build(tmp_path, OTHER)
 
 
 def test_it_says_that_it_can(fmu):
@@ -111,23 +100,26 @@ def test_a_reset_restores_the_start(instance):
     assert instance.run(10) == first
 
 
-@pytest.mark.parametrize("damage", ["truncated", "corrupted", "empty", "another build"])
-def test_what_is_no_state_of_this_fmu_is_refused_with_a_reason(
-    instance, fmu, tmp_path, capfd, damage
-):
-    state = bytearray(instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()))
-    if damage == "truncated":
-        state = state[:-7]
-    elif damage == "corrupted":
-        state[len(state) // 2] ^= 1
-    elif damage == "empty":
-        state = bytearray(1)
-    else:
-        other = build(tmp_path, rig_toml().replace("clearance = 50e-6", "clearance = 60e-6"))
-        stranger = Instance(other).start()
-        state = bytearray(stranger.fmu.serializeFMUstate(stranger.fmu.getFMUstate()))
+DAMAGED = {
+    "truncated": lambda state: state[:-7],
+    "corrupted": lambda state: state[:99] + bytes([state[99] ^ 1]) + state[100:],
+    "empty": lambda state: bytes(1),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGED)
+def test_a_damaged_state_is_refused_with_a_reason(instance, capfd, damage):
+    state = instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
+    refuses(instance, DAMAGED[damage](state), "truncated or corrupted", capfd)
+
+
+def test_a_state_of_another_build_is_refused_with_a_reason(instance, other, capfd):
+    stranger = Instance(other).start()
+    state = stranger.fmu.serializeFMUstate(stranger.fmu.getFMUstate())
+    refuses(instance, state, "another build", capfd)
+
+
+def refuses(instance, state, reason, capfd):
     with pytest.raises(fmpy.fmi1.FMICallException):
-        instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(bytes(state)))
-    reason = "another build" if damage == "another build" else "truncated or corrupted"
+        instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(state))
     assert reason in capfd.readouterr().err
-    instance.fmu.freeInstance()

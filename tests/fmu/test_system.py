@@ -9,6 +9,7 @@ from lxml import etree
 
 from rotor_fmu.cli.systems import ssp
 from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.archive import contents_of
 
 from .test_hosts import LIBCOSIM, needs, run
 from .test_schemas import EXAMPLES, FMI3, SSP, mistakes, osp_schema
@@ -57,8 +58,7 @@ def test_the_package_is_valid_with_units_connectors_and_parameters(folder):
 
 def test_the_terminals_of_both_ends_are_matched_by_what_is_connected(folder):
     """In the form of FMI 3.0, whose schema they follow."""
-    with zipfile.ZipFile(folder / "System.ssp") as archive:
-        root = etree.fromstring(archive.read("SystemStructure.ssd"))
+    root = etree.fromstring(contents_of(folder / "System.ssp")["SystemStructure.ssd"])
     space = {"ssd": root.nsmap["ssd"], "ssc": root.nsmap["ssc"]}
     shafts, known = {}, {}
     for component in root.iterfind(".//ssd:Component", space):

@@ -2,9 +2,7 @@
 
 import ast
 import math
-import os
 import re
-import subprocess
 import sys
 import tomllib
 import zipfile
@@ -21,10 +19,13 @@ from rotor_fmu.model.quantities import SPEED
 
 from rotor_fmu.fmi.description import reached_by
 from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.python_fmu import build, is_current
 from rotor_fmu.fmi.variables import Variable, unit
 from rotor_fmu.library.build import LibraryError
 from rotor_fmu.machine_file.loading import load_rotor
+
+from ..processes import run_anew
 
 ROOT = Path(__file__).parents[2]
 
@@ -53,8 +54,7 @@ def remade(fmu, target, **changes):
 
 
 def test_an_fmu_is_current_only_with_all_that_it_would_hold_now(fmu, tmp_path):
-    with zipfile.ZipFile(fmu) as archive:
-        contents = {name: archive.read(name) for name in archive.namelist()}
+    contents = contents_of(fmu)
     assert is_current(remade(fmu, tmp_path / "same.fmu"))
     ours = [n for n in contents if not n.startswith(("binaries/", "resources/pythonfmu/"))]
     # of each folder one, since they are treated alike
@@ -71,8 +71,7 @@ def test_an_fmu_is_current_only_with_all_that_it_would_hold_now(fmu, tmp_path):
 
 
 def test_an_fmu_of_another_version_of_pythonfmu_is_not_current(fmu, tmp_path):
-    with zipfile.ZipFile(fmu) as archive:
-        description = archive.read("modelDescription.xml")
+    description = contents_of(fmu)["modelDescription.xml"]
     by_another = description.replace(b"PythonFMU ", b"PythonFMU 1")
     older = remade(fmu, tmp_path / "tool.fmu", **{"modelDescription.xml": by_another})
     assert not is_current(older)
@@ -141,8 +140,7 @@ def test_every_variable_of_the_table_is_described(fmu):
 
 
 def test_limits_nominal_values_and_unknowns_are_those_of_the_table(fmu):
-    with zipfile.ZipFile(fmu) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(fmu)["modelDescription.xml"])
     table = interface(rig())
     variables = root.findall("ModelVariables/ScalarVariable")
     for variable, output in zip(table, variables, strict=True):
@@ -204,8 +202,7 @@ def test_a_derivative_by_the_drive_has_its_unit_over_that_of_the_drive(is_free):
 
 def dependencies(fmu):
     """Names of the inputs that each output depends on, as the description has it."""
-    with zipfile.ZipFile(fmu) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(fmu)["modelDescription.xml"])
     names = [variable.get("name") for variable in root.iterfind("ModelVariables/ScalarVariable")]
     return {
         names[int(unknown.get("index")) - 1]: {
@@ -266,15 +263,7 @@ def test_it_runs_where_nothing_of_this_project_can_be_imported(fmu, tmp_path):
         "r = fmpy.simulate_fmu(sys.argv[1], stop_time=0.2, output=['phi', 'disc[3].y'])\n"
         "print(r['phi'][-1], r['disc[3].y'][0])\n"
     )
-    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(fmu)],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env=environment,
-        check=False,
-    )
+    done = run_anew(script, fmu, cwd=tmp_path, PYTHONPATH="")
     assert done.returncode == 0, done.stderr
     phi, y = map(float, done.stdout.split()[-2:])
     assert phi == pytest.approx(80.0, rel=1e-9)

@@ -16,7 +16,6 @@ from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER
 
 from rotor_fmu.balancing.trial_runs import balance
-from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
 from rotor_fmu.vibration.influence_coefficients import correction
@@ -158,15 +157,11 @@ def test_a_contact_that_closes_is_said():
 
 
 @pytest.mark.usefixtures("few_turns")
-def test_the_command_tells_the_corrections(tmp_path, capsys):
-    app(
-        ["balance", "--speed", "150", "--plane", "5", "--out", str(tmp_path)],
-        standalone_mode=False,
-    )
-    assert "plane at node 5 [g.mm]" in capsys.readouterr().out
-    data = json.loads((tmp_path / "balance.json").read_text())
+def test_the_command_tells_the_corrections(tmp_path, command):
+    assert "plane at node 5 [g.mm]" in command("balance", "--speed", "150", "--plane", "5")
+    data = json.loads((tmp_path / "out" / "balance.json").read_text())
     assert data["planes"][0]["node"] == 5
-    assert (tmp_path / "balance.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "out" / "balance.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_planes_that_the_vibration_cannot_tell_apart_get_the_smallest_unbalances():
@@ -237,11 +232,8 @@ def test_what_cannot_be_balanced_is_refused_before_any_run(arguments, expected):
         (["--speed", "150", "--plane", "4", "--trial", "0"], "trial unbalance = 0"),
     ],
 )
-def test_impossible_wishes_are_refused(tmp_path, arguments, expected):
-    with pytest.raises(InputError) as refused:
-        app(["balance", *arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
-    assert expected in str(refused.value)
-    assert not list(tmp_path.iterdir())
+def test_impossible_wishes_are_refused(refusal, arguments, expected):
+    assert expected in refusal("balance", *arguments)
 
 
 def test_a_machine_without_unbalance_is_not_balanced():

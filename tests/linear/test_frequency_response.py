@@ -18,8 +18,6 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.body import Body
 from rotor_fmu.model.parts.shaft import Material, Section
 
-from rotor_fmu.cli import app
-from rotor_fmu.errors import InputError
 from rotor_fmu.linear.frequency_answers import place_of, read_loops
 from rotor_fmu.machine_report.rub_check import rub_check
 from tests.validation.test_ross import machine
@@ -156,22 +154,18 @@ def loops(tmp_path):
     return file
 
 
-def test_the_command_tells_the_zone_of_each_loop(tmp_path, loops, capsys):
-    app(
-        [
-            *("frequency-response", "--rotor", str(MAGNETS), "--loop", str(loops)),
-            *("--zones", "2:3:4", "--frequency", "1:1000Hz:201", "--out", str(tmp_path)),
-        ],
-        standalone_mode=False,
+def test_the_command_tells_the_zone_of_each_loop(tmp_path, loops, command):
+    said = command(
+        *("frequency-response", "--rotor", str(MAGNETS), "--loop", str(loops)),
+        *("--zones", "2:3:4", "--frequency", "1:1000Hz:201"),
     )
-    said = capsys.readouterr().out
     assert "UNSTABLE" not in said
     assert [line.split()[-1] for line in said.splitlines() if line.startswith((" left", "right"))]
-    data = json.loads((tmp_path / "frequency_response.json").read_text())
+    data = json.loads((tmp_path / "out" / "frequency_response.json").read_text())
     assert data["is_stable"] is True
     largest = max(math.hypot(*value[0]) for value in data["sensitivity"])
     assert ("B" if largest > 2 else "A") in said.split()
-    assert (tmp_path / "frequency_response.png").read_bytes().startswith(PNG)
+    assert (tmp_path / "out" / "frequency_response.png").read_bytes().startswith(PNG)
 
 
 def test_a_few_frequencies_show_the_sensitivity_of_a_flexible_rotor_as_many_do(loops):
@@ -185,7 +179,9 @@ def test_a_few_frequencies_show_the_sensitivity_of_a_flexible_rotor_as_many_do(l
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("damping", [0.2, 2e-5])
-def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(tmp_path, damping):
+def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(
+    tmp_path, command, damping
+):
     """One degree of freedom, 1000 Hz: 1 / (2 zeta k sqrt(1 - zeta^2)) at its peak."""
     stiffness = (2000.0 * math.pi) ** 2
     text = JEFFCOTT_TEXT.replace("9800.0", str(0.98 * stiffness)).replace(
@@ -194,44 +190,30 @@ def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(tm
     text = text.replace("19.6", str(98 * damping)).replace("2.1e10", "2.1e15")
     file = tmp_path / "fast.toml"
     file.write_text(text)
-    app(
-        ["frequency-response", "--rotor", str(file), "--force", "disc", "--out", str(tmp_path)],
-        standalone_mode=False,
-    )
-    data = json.loads((tmp_path / "frequency_response.json").read_text())
+    command("frequency-response", "--rotor", str(file), "--force", "disc")
+    data = json.loads((tmp_path / "out" / "frequency_response.json").read_text())
     largest = max(math.hypot(*value[0][0][0]) for value in data["receptance"])
     zeta = 100 * damping / (2 * math.sqrt(stiffness))
     expected = 1 / (2 * zeta * stiffness * math.sqrt(1 - zeta**2))
     assert largest == pytest.approx(expected, rel=1e-6)
 
 
-def test_the_peaks_of_a_free_rotor_are_its_modes_and_none_of_rounding(tmp_path, capsys):
+def test_the_peaks_of_a_free_rotor_are_its_modes_and_none_of_rounding(tmp_path, command):
     drop = ROOT / "examples" / "drop" / "compressor.toml"
-    app(
-        [
-            *("frequency-response", "--rotor", str(drop), "--force", "2"),
-            *("--contacts", "open", "--out", str(tmp_path)),
-        ],
-        standalone_mode=False,
-    )
-    rows = [line.split() for line in capsys.readouterr().out.splitlines() if " by " in line]
+    said = command("frequency-response", "--rotor", str(drop), "--force", "2", "--contacts", "open")
+    rows = [line.split() for line in said.splitlines() if " by " in line]
     found = np.array([float(row[4]) for row in rows])
     natural = modes(parse_rotor(drop.read_text()), contacts="open").natural / (2 * math.pi)
     bending = np.unique(np.round(natural[natural > 510.0], 3))  # below: of the housings alone
     assert found == pytest.approx([*bending, *bending], rel=1e-3)
-    data = json.loads((tmp_path / "frequency_response.json").read_text())
+    data = json.loads((tmp_path / "out" / "frequency_response.json").read_text())
     assert data["frequencies"][0] == pytest.approx(2 * math.pi)
 
 
-def test_the_command_tells_the_peaks_of_a_port(tmp_path, capsys):
-    app(
-        [
-            *("frequency-response", "--rotor", str(ROOT / "examples/jeffcott_rub/jeffcott.toml")),
-            *("--force", "disc", "--frequency", "1:50Hz", "--out", str(tmp_path)),
-        ],
-        standalone_mode=False,
-    )
-    assert "x by x  15." in capsys.readouterr().out
+def test_the_command_tells_the_peaks_of_a_port(command):
+    jeffcott = str(ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml")
+    asked = "--rotor", jeffcott, "--force", "disc", "--frequency", "1:50Hz"
+    assert "x by x  15." in command("frequency-response", *asked)
 
 
 @pytest.mark.parametrize(
@@ -247,18 +229,9 @@ def test_the_command_tells_the_peaks_of_a_port(tmp_path, capsys):
         (["--loop", "LOOPS", "--zones", "5:4:3"], "three ascending numbers"),
     ],
 )
-def test_impossible_wishes_are_refused(tmp_path, loops, arguments, expected):
+def test_impossible_wishes_are_refused(refusal, loops, arguments, expected):
     given = [str(loops) if text == "LOOPS" else text for text in arguments]
-    with pytest.raises(InputError) as refused:
-        app(
-            [
-                *("frequency-response", "--rotor", str(MAGNETS), *given),
-                *("--out", str(tmp_path / "out")),
-            ],
-            standalone_mode=False,
-        )
-    assert expected in str(refused.value)
-    assert not (tmp_path / "out").exists()
+    assert expected in refusal("frequency-response", "--rotor", str(MAGNETS), *given)
 
 
 @pytest.mark.parametrize(
@@ -273,14 +246,10 @@ def test_impossible_wishes_are_refused(tmp_path, loops, arguments, expected):
         ("[[loop]]", "[[loop", "loops.toml"),
     ],
 )
-def test_a_bad_file_of_loops_is_refused(loops, before, after, expected):
+def test_a_bad_file_of_loops_is_refused(refusal, loops, before, after, expected):
     loops.write_text(loops.read_text().replace(before, after))
-    with pytest.raises(InputError) as refused:
-        app(
-            ["frequency-response", "--rotor", str(MAGNETS), "--loop", str(loops)],
-            standalone_mode=False,
-        )
-    assert expected in str(refused.value)
+    said = refusal("frequency-response", "--rotor", str(MAGNETS), "--loop", str(loops))
+    assert expected in said
 
 
 def test_a_loop_whose_force_grows_without_bounds_is_refused():
@@ -316,7 +285,7 @@ offset = 0.08
 """
 
 
-def test_a_force_on_a_part_acts_beyond_its_node_where_the_part_lies(tmp_path, capsys):
+def test_a_force_on_a_part_acts_beyond_its_node_where_the_part_lies(tmp_path, command):
     """As on a node at the end of a massless, rigid piece of shaft that is as long."""
     given = parse_rotor(OVERHUNG)
     rigid = Section.cylinder(0.08, 0.04, Material(young=1e17, density=1e-6))
@@ -331,11 +300,8 @@ def test_a_force_on_a_part_acts_beyond_its_node_where_the_part_lies(tmp_path, ca
     np.testing.assert_allclose(found.receptance, expected.receptance, atol=1e-6 * largest)
     file = tmp_path / "overhung.toml"
     file.write_text(OVERHUNG)
-    app(
-        ["frequency-response", "--rotor", str(file), "--force", "body[1]", "--out", str(tmp_path)],
-        standalone_mode=False,
-    )
-    assert "a force on node 5 +80 mm" in capsys.readouterr().out
+    said = command("frequency-response", "--rotor", str(file), "--force", "body[1]")
+    assert "a force on node 5 +80 mm" in said
 
 
 def test_a_report_shows_the_linear_response_beside_a_rub_where_the_part_lies():

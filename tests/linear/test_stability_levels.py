@@ -6,14 +6,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import Stage, campbell, first_forward, level_1, level_2, modes
+from rotor_fmu.model.linear import Stage, first_forward, level_1, level_2, modes
 from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.linear import answers, stability_answers
 from tests.dense import dense_matrices
 from tests.linear.api_617 import CLOSE, ROOT, ROSS, RPM, SHAFT, support
 from tests.validation.test_ross import machine
@@ -317,74 +316,6 @@ def test_a_heavily_damped_lowest_mode_does_not_hide_one_that_is_nearly_unstable(
             assert log_dec == pytest.approx(expected, rel=1e-6, abs=1e-7)
         assert with_all.is_met == (share < 0.9)
         assert with_all.cases[-1].first_log_dec > 1.0
-
-
-PULLING = "[[{kind}]]\nnode = {node}\nkxx = {k}\nkyy = {ky}\ncxx = 2e3\ncyy = 2e3\n"
-
-
-def pulled(kind="linear_bearing", node=4, k=-5e6):
-    """A rotor on bearings of 10 kN/mm, and in x alone a stiffness at one node beside them."""
-    held = "".join(PULLING.format(kind="linear_bearing", node=n, k=1e7, ky=1e7) for n in (1, 7))
-    return parse_rotor(SHAFT + held + PULLING.format(kind=kind, node=node, k=k, ky=0.0))
-
-
-def all_roots(rotor, speed):
-    """All eigenvalues of the dense matrices [1/s]."""
-    linear = LinearMachine(rotor).at(speed)
-    inverse = np.linalg.inv(linear.M.toarray())
-    none, one = np.zeros_like(inverse), np.eye(len(inverse))
-    stiff, damped = inverse @ linear.K.toarray(), inverse @ linear.D.toarray()
-    return np.linalg.eigvals(np.block([[none, one], [-stiff, -damped]]))
-
-
-@pytest.mark.parametrize("k", [-1e6, -2.5e6, -3e6, -5e6])
-def test_what_grows_without_oscillating_is_not_stable(k):
-    """A bearing that pulls the shaft to one side, more strongly than it is stiff or less."""
-    rotor, speed = pulled(k=k), 300.0
-    largest = max(all_roots(rotor, speed), key=lambda root: root.real)
-    grows = largest.real > 0.0
-    if grows:
-        assert largest.imag == 0.0
-        assert modes(rotor, speed).growing == pytest.approx([largest.real], rel=1e-6)
-    one, two = level_1(rotor, speed, node=4, anticipated=1e3), level_2(rotor, speed)
-    assert (one.threshold == 0.0) == (one.log_dec_alone == -math.inf) == grows
-    assert one.is_level_2_required or not grows
-    assert (two.cases[0].log_dec == -math.inf) == grows
-    assert two.is_met != grows
-    assert (campbell(rotor, [100.0, speed]).threshold is not None) == grows
-
-
-def test_a_rotor_that_nothing_holds_does_not_grow_by_rounding():
-    free = parse_rotor((ROOT / "examples" / "drop" / "compressor.toml").read_text())
-    for rotor in (free, parse_rotor(SHAFT)):
-        for speed in (0.0, 300.0):
-            assert len(modes(rotor, speed, contacts="open").growing) == 0
-    assert campbell(free, [0.0, 100.0], contacts="open").threshold is None
-
-
-def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
-    cases = level_2(pulled("seal"), 300.0).cases
-    assert [case.log_dec == -math.inf for case in cases] == [False, True]
-
-
-def test_the_tables_name_growth_without_oscillation_and_a_missing_stage():
-    rotor = pulled()
-    tables = (
-        answers.modes(rotor, 300.0).table(),
-        stability_answers.level_1(rotor, 300.0, node=4).table(),
-        stability_answers.level_2(rotor, 300.0).table(),
-    )
-    for table in tables:
-        assert "UNSTABLE: a motion grows without oscillating" in table.title
-    assert "no stage and no cross coupling was given: QA is 0" in tables[1].title
-    for result in (
-        stability_answers.level_1(rotor, 300.0, node=4),
-        stability_answers.level_2(rotor, 300.0),
-    ):
-        result.figure().canvas.draw()
-    given = stability_answers.level_1(pulled(k=-1e6), 300.0, node=4, anticipated=1e3).table().title
-    assert "UNSTABLE" not in given
-    assert "no stage" not in given
 
 
 def test_a_mode_that_whirls_backward_but_for_some_nodes_is_not_the_first_forward_one():

@@ -8,7 +8,6 @@ import pytest
 from rotor_fmu.model.linear import critical_peaks, response_with_peaks, unbalance_check
 from rotor_fmu.model.machine.toml import parse_rotor
 
-from rotor_fmu.cli import app
 from rotor_fmu.linear import acceptance
 from rotor_fmu.machine_report.rub_check import rub_check
 
@@ -72,16 +71,14 @@ def test_of_a_rotor_that_turns_backward_too():
     assert found.major[:, 3].max() == pytest.approx(mirrored.major[:, 3].max(), rel=1e-6)
 
 
-def test_the_command_shows_one_peak_in_its_table_its_file_and_its_check(tmp_path):
+def test_the_command_shows_one_peak_in_its_table_its_file_and_its_check(tmp_path, command):
     file = tmp_path / "light.toml"
     file.write_text(LIGHT)
-    out = ["--out", str(tmp_path), "--quiet"]
-    arguments = ["--rotor", str(file), "--range", "100:200", "--node", "4"]
-    app(["unbalance", *arguments, *out], standalone_mode=False)
-    data = json.loads((tmp_path / "unbalance.json").read_text())
+    command("unbalance", "--rotor", str(file), "--range", "100:200", "--node", "4")
+    data = json.loads((tmp_path / "out" / "unbalance.json").read_text())
     peak = max(critical["peak"]["amplitude"] for critical in data["check"]["criticals"])
     assert np.max(data["major"], axis=0)[3] == pytest.approx(peak, rel=1e-6)
-    table = np.genfromtxt(tmp_path / "unbalance.csv", delimiter=",", names=True)
+    table = np.genfromtxt(tmp_path / "out" / "unbalance.csv", delimiter=",", names=True)
     assert table["node4major_m"].max() == pytest.approx(peak, rel=1e-6)
 
 

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
-from rotor_fmu.model.quantities import QuantityError
 
 import rotor_fmu as rf
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.run_down import usual
 
 from ..parts.machines import shaft
-from ..toml_text import table
+from ..toml_text import refusal_of, table
 
 SUPPORTS = "".join(table("[support]", node=node, stiffness=1e7) for node in (1, 3))
 SIMPLE = "gravity = 0.0\n" + shaft(0.0, 0.3, 0.9, diameter=0.03) + SUPPORTS
@@ -52,9 +51,7 @@ def test_a_name_that_cannot_be_is_one_line(names, expected):
     toml = rig_toml()
     for name in names:
         toml += f'\n[[disc]]\nname = "{name}"\nz = 0.2\ndiameter = 0.1\nwidth = 0.02\n'
-    with pytest.raises(QuantityError) as error:
-        parse_rotor(toml)
-    assert expected in str(error.value)
+    assert expected in refusal_of(toml)
 
 
 def test_a_part_between_two_nodes_splits_the_mesh():
@@ -108,9 +105,7 @@ def test_a_hollow_tapered_section_with_a_sleeve_keeps_its_inertia_where_it_is_sp
     ],
 )
 def test_a_place_where_no_node_can_be_is_one_line(z, expected):
-    with pytest.raises(QuantityError) as error:
-        parse_rotor(SIMPLE + f"[[sensor]]\nz = {z}\n")
-    assert expected in str(error.value)
+    assert expected in refusal_of(SIMPLE + f"[[sensor]]\nz = {z}\n")
 
 
 def test_probes_bodies_and_linear_bearings_are_recorded_and_the_one_that_moves_most_is_drawn():

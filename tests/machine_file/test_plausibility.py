@@ -79,16 +79,12 @@ def test_what_was_probably_meant_is_said(old, new, expected):
     assert any(expected in warning for warning in warnings)
 
 
-def test_a_command_says_it_and_goes_on_and_python_warns(tmp_path, capsys):
-    from rotor_fmu.cli import app
-
+def test_a_command_says_it_and_goes_on_and_python_warns(tmp_path, process):
     file = tmp_path / "rig.toml"
     file.write_text(rig_toml().replace("density = 7800.0", "density = 7.8"))
-    out = ["--out", str(tmp_path / "out")]
-    app(["show", "--rotor", str(file), *out], standalone_mode=False)
-    said = capsys.readouterr()
-    assert f"rotor-fmu: warning: {file}: material.density = 7.8 kg/m3: is that" in said.err
-    assert "disc[1]" in said.out
+    said = process("show", "--rotor", str(file))
+    assert f"rotor-fmu: warning: {file}: material.density = 7.8 kg/m3: is that" in said.stderr
+    assert "disc[1]" in said.stdout
     with pytest.warns(RotorWarning, match=r"7\.8 g/cm3\?"):
         rf.load(file)
     with warnings.catch_warnings():

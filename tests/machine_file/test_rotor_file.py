@@ -11,8 +11,9 @@ from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.quantities import QuantityError, quantities
 
+from ..toml_text import refusal_of
+
 TEXT = rig_toml()
-NODES = "[0.0, 0.043, 0.063, 0.11475, 0.1865, 0.25825, 0.310, 0.330]"
 LISTED = r"[\s\S]*"  # from one [[bearing]] to the end of the file
 
 
@@ -21,13 +22,6 @@ def edited(old, new):
     text, count = re.subn(old, lambda _: new, TEXT, count=1)
     assert count == 1
     return text
-
-
-def input_error(text):
-    """The message of the error that the text must raise."""
-    with pytest.raises(QuantityError) as error:
-        parse_rotor(text)
-    return str(error.value)
 
 
 def test_the_rig_is_that_of_the_paper():
@@ -123,7 +117,7 @@ WRONG = [
     ("old", "new", "named"), WRONG, ids=[f"{old[:20]} to {new[:20]}" for old, new, _ in WRONG]
 )
 def test_a_wrong_file_is_refused_in_one_line_that_names_it(old, new, named):
-    message = input_error(edited(old, new))
+    message = refusal_of(edited(old, new))
     assert "\n" not in message
     for part in named:
         assert part in message
@@ -152,7 +146,7 @@ WRONG_PARTS = [
 
 @pytest.mark.parametrize(("part", "named"), WRONG_PARTS)
 def test_a_wrong_part_is_refused_in_one_line_that_names_it(part, named):
-    message = input_error(f"{TEXT}\n{part}\n")
+    message = refusal_of(f"{TEXT}\n{part}\n")
     assert "\n" not in message
     for words in named:
         assert words in message
@@ -180,7 +174,7 @@ def test_a_rotor_may_have_none_of_a_kind(kind):
 
 @pytest.mark.parametrize("text", ["", "\n\n", "# nothing"])
 def test_an_empty_file_says_what_is_missing_first(text):
-    assert "[material] is missing" in input_error(text)
+    assert "[material] is missing" in refusal_of(text)
 
 
 JUNK = [

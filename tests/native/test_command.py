@@ -1,25 +1,16 @@
 """`rotor-fmu build --native` and `rotor-fmu library` on the command line."""
 
-import subprocess
-import sys
-
 import pytest
 
-
-def run(*arguments):
-    script = "from rotor_fmu.cli import main; main()"
-    return subprocess.run(
-        [sys.executable, "-c", script, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+from ..processes import ROTOR_FMU, run_anew
 
 
 def test_a_build_says_where_the_fmu_is_and_takes_no_compiler_once_the_library_is_there(
     fmu, tmp_path
 ):
-    done = run("build", "--native", "--free", "--platform", "linux64", "--out", tmp_path)
+    done = run_anew(
+        ROTOR_FMU, "build", "--native", "--free", "--platform", "linux64", "--out", tmp_path
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.strip() == str(tmp_path / "RotorBearingFreeNative.fmu")
 
@@ -38,7 +29,7 @@ def test_a_build_says_where_the_fmu_is_and_takes_no_compiler_once_the_library_is
     ],
 )
 def test_what_cannot_be_built_is_refused_in_one_line(arguments, sentence):
-    done = run(*arguments)
+    done = run_anew(ROTOR_FMU, *arguments)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
     assert sentence in done.stderr
@@ -55,8 +46,6 @@ def test_without_the_linker_it_says_what_to_install(tmp_path, monkeypatch):
         "u.find_spec = lambda name, *a: None if name == 'ziglang' else find(name, *a)\n"
         "from rotor_fmu.cli import main; sys.argv = ['rotor-fmu', 'library']; main()"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=False
-    )
+    done = run_anew(script)
     assert done.returncode == 1
     assert "ziglang is not installed: pip install 'rotor-fmu[build]'" in done.stderr

@@ -20,12 +20,13 @@ from rotor_fmu.library.build import LibraryError
 from rotor_fmu.library.platforms import COMPONENT, DRAFT, PLATFORMS
 from rotor_fmu.library.wasm_memory import with_data
 
+from ..processes import ROTOR_FMU, run_anew
+
 wasmtime = pytest.importorskip("wasmtime", reason="wasmtime is not installed")
 from .component import BINARY, CO_SIMULATION, JCO, NEEDED, RESOURCE, Component, table_of  # noqa: E402
 
 MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
 INTERFACES = Path(making.__file__).parents[1] / "fmi" / "c_component" / "fmi3.wit"
-ROTOR_FMU = [sys.executable, "-c", "from rotor_fmu.cli import main; main()"]
 
 
 @pytest.fixture(scope="module")
@@ -115,17 +116,10 @@ def test_data_of_any_size_leave_a_valid_component(bare, size):
 
 def refused(*arguments, path=None, cache=None):
     """The one sentence of a build that fails, and nothing is written."""
-    environment = os.environ | ({"PATH": path} if path else {})
+    environment = {"PATH": path} if path else {}
     environment |= {"ROTOR_FMU_CACHE": str(cache)} if cache else {}
     out = Path(arguments[-1])
-    done = subprocess.run(
-        [*ROTOR_FMU, "build", *map(str, arguments)],
-        env=environment,
-        cwd="/",
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_anew(ROTOR_FMU, "build", *arguments, cwd="/", **environment)
     assert done.returncode == 2
     assert not out.exists() or not list(out.iterdir())
     (sentence,) = done.stderr.splitlines()

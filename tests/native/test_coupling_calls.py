@@ -3,7 +3,6 @@ derivatives, steps that end early, parameters that change, energies of a step; a
 states after each of them."""
 
 from xml.etree.ElementTree import fromstring
-from zipfile import ZipFile
 
 import fmpy
 import numpy as np
@@ -12,8 +11,10 @@ from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import CouplingOptions, Simulation
 
+from rotor_fmu.fmi.packing.archive import contents_of
+
+from ..fmu.instance import Machine
 from ..fmu.skins import Discarded, Extracted, Native, Refused
-from .machine import Machine
 
 H = 0.002
 NAMES = ("disc[3].x", "disc[3].y", "phi", "w", "tau", "bearing[2].fn")
@@ -28,15 +29,11 @@ class Host:
     """An instance with its variables by name."""
 
     def __init__(self, extracted, values):
-        self.of, self.fmu, self.t = extracted, Native(extracted), 0.0
-        self.put(values)
-        self.fmu.setup()
-        self.fmu.enter()
-        self.fmu.exit()
+        self.of, self.t = extracted, 0.0
+        self.fmu = Native(extracted).put(values).initialize()
 
     def put(self, values):
-        for name, value in values.items():
-            self.fmu.set(self.of.kinds[name], [self.of.refs[name]], [value])
+        self.fmu.put(values)
 
     def get(self, *names):
         return self.fmu.get("Real", [self.of.refs[name] for name in names])
@@ -74,8 +71,7 @@ def test_output_derivatives_are_the_simulations(extracted, fmu):
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_the_description_says_so(make, fmi):
-    with ZipFile(make(fmi=fmi)) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(make(fmi=fmi))["modelDescription.xml"])
     assert root.find("CoSimulation").get("maxOutputDerivativeOrder") == "2"
     variables = {v.get("name"): v for v in root.find("ModelVariables")}
     assert variables["bearing[1].clearance"].get("variability") == "tunable"
@@ -201,23 +197,15 @@ def test_a_limit_discards_a_step_at_the_last_successful_time(extracted, name):
     ],
 )
 def test_an_impossible_limit_is_refused(extracted, values, sentence):
-    fmu = Native(extracted)
-    for name, value in values.items():
-        fmu.set("Real", [extracted.refs[name]], [value])
-    fmu.setup()
-    fmu.enter()
+    fmu = Native(extracted).put(values)
     with pytest.raises(Refused, match=sentence):
-        fmu.exit()
+        fmu.initialize()
 
 
 def test_an_impedance_below_zero_is_refused(make):
-    extracted = Extracted(make(is_free=True))
-    fmu = Native(extracted)
-    fmu.set("Real", [extracted.refs["tau_impedance"]], [-0.5])
-    fmu.setup()
-    fmu.enter()
+    fmu = Native(Extracted(make(is_free=True))).put({"tau_impedance": -0.5})
     with pytest.raises(Refused, match=r"tau_impedance = -0\.5 N\.m\.s/rad: must be >= 0"):
-        fmu.exit()
+        fmu.initialize()
 
 
 DROPPED = rig_toml() + "[start]\nx = 0.0\ny = 0.0\n"

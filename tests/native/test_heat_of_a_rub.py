@@ -10,7 +10,7 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.loading import load_rotor
 
-from .machine import Machine, observed
+from ..fmu.instance import Machine, observed
 
 NEWKIRK = files("rotor_fmu.examples") / "newkirk" / "rotor.toml"
 SPEED, H = 130.0, 0.02

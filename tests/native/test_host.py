@@ -17,11 +17,11 @@ from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.fmi.log import with_code
 
+from ..fmu.instance import Machine
 from ..fmu.masters import NEEDS_COMPILER
 from ..fmu.skins import LOGGER
 from ..parts.films import film
 from ..parts.test_linear_bearing import FLEXIBLE, TABLE
-from .machine import Machine
 
 H = 0.004
 ERROR = 3
@@ -114,35 +114,6 @@ def test_null_is_refused_wherever_it_is_given(library):
         assert call() == ERROR
     c.fmi2FreeInstance(None)
     c.fmi2FreeInstance(m)
-
-
-def test_wrong_references_and_types_are_refused(library, capfd):
-    m, c = library.ready(), library.c
-    value, size = (ctypes.c_double * 1)(7.0), ctypes.c_size_t(1)
-    for reference in (111111, 2**32 - 1):
-        vr = (ctypes.c_uint * 1)(reference)
-        for call in (c.fmi2GetReal, c.fmi2SetReal, c.fmi2GetString, c.fmi2SetInteger):
-            assert call(m, vr, size, value) == ERROR
-        assert f"value reference {reference}: there is none" in capfd.readouterr().err
-    assert c.fmi2SetBoolean(m, (ctypes.c_uint * 1)(0), size, value) == ERROR
-    assert "speed: is of type Real" in capfd.readouterr().err
-    c.fmi2FreeInstance(m)
-
-
-def test_of_values_that_are_set_together_all_are_taken_or_none(fmu):
-    machine = Machine(fmu).start(speed=300.0)
-    with pytest.raises(fmpy.fmi1.FMICallException):
-        machine.fmu.setReal([machine.refs["speed"], machine.refs["disc[1].fx"]], [200.0, math.nan])
-    assert machine.read(["speed"])[0] == 300.0
-    machine.close()
-
-
-def test_integers_can_be_read_as_reals(fmu):
-    machine = Machine(fmu).start()
-    machine.step(H)
-    steps = machine.fmu.getInteger([machine.refs["solver.steps"]])[0]
-    assert machine.read(["solver.steps"])[0] == steps > 0
-    machine.close()
 
 
 @pytest.mark.parametrize("speed", [300.0, -300.0])

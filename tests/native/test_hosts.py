@@ -1,13 +1,11 @@
 """Hosts beside FMPy that need nothing but the FMU: bit for bit the same numbers. Each in a process
 of its own."""
 
-import subprocess
-import sys
-
 import pytest
 
+from ..fmu.instance import Machine
 from ..fmu.test_hosts import needs
-from .machine import Machine
+from ..processes import run_anew
 
 H, STEPS = 0.004, 50
 READ = ("phi", "tau", "disc[3].x", "disc[3].y")
@@ -83,11 +81,6 @@ def _by_fmpy(fmu):
 )
 def test_another_host_computes_the_same_bits(versions, host, fmi):
     fmu, expected = versions[fmi]
-    done = subprocess.run(
-        [sys.executable, "-c", HOSTS[host], str(fmu), str(H), str(STEPS), *READ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_anew(HOSTS[host], fmu, H, STEPS, *READ)
     assert done.returncode == 0, done.stderr[-2000:]
     assert done.stdout.split()[-len(READ) :] == expected

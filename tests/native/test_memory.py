@@ -4,7 +4,6 @@ of the whole C interface leave the host alive."""
 import shutil
 import subprocess
 
-import fmpy
 import pytest
 
 from rotor_fmu.library.build import C_SOURCES, fmi_headers, kernels, objects, sources_digest
@@ -96,12 +95,3 @@ def test_twenty_thousand_random_calls_leave_the_host_alive(fmu, seed):
     statuses = survive(fmu, seed, 5000, seconds=3000)
     assert "0: " in statuses
     assert "4: " not in statuses
-
-
-@pytest.mark.parametrize("fmi", [2, 3])
-def test_an_fmu_that_is_taken_apart_tells_what_it_misses(make, tmp_path, capfd, fmi):
-    folder = fmpy.extract(str(make(fmi=fmi)), str(tmp_path))
-    (tmp_path / "resources" / "machine.table").unlink()
-    with pytest.raises(Exception, match=r"[Ii]nstantiate"):
-        fmpy.instantiate_fmu(folder, fmpy.read_model_description(folder), "CoSimulation")
-    assert "machine.table: cannot be read" in capfd.readouterr().err

@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
-from zipfile import ZipFile
 
 import fmpy
 import pytest
@@ -18,11 +17,12 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..fmu.masters import COMPILER, NO_COMPILER
+from ..processes import ROTOR_FMU, run_anew
 
-ROTOR_FMU = [sys.executable, "-c", "from rotor_fmu.cli import main; main()"]
 STEP = 1e-4
 # through the contact of the rig, slower by 1 rad/s a step's hundredth of a second
 STEPS, SPEED, RATE = 2000, 190.0, -0.01
@@ -37,8 +37,7 @@ def _traces() -> bool:
 
 
 def described(fmu, name):
-    with ZipFile(fmu) as archive:
-        root = fromstring(archive.read("modelDescription.xml"))
+    root = fromstring(contents_of(fmu)["modelDescription.xml"])
     return root, {v.get("name"): v for v in root.find("ModelVariables")}[name]
 
 
@@ -127,8 +126,9 @@ def test_the_fmu_steps_as_declared_and_a_host_may_change_it(fmu):
 
 
 def test_the_command_takes_the_step_with_its_unit(tmp_path):
-    command = [*ROTOR_FMU, "build", "--native", "--fmi", "3", "--platform", "here"]
-    subprocess.run([*command, "--realtime", "0.05ms", "--out", tmp_path], check=True)
+    options = "--native", "--fmi", "3", "--platform", "here", "--realtime", "0.05ms"
+    done = run_anew(ROTOR_FMU, "build", *options, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
     root, _ = described(tmp_path / "RotorBearingNative.fmu", "solver.h")
     assert root.find("CoSimulation").get("fixedInternalStepSize") == "5e-05"
 
@@ -143,8 +143,7 @@ def test_the_command_takes_the_step_with_its_unit(tmp_path):
     ],
 )
 def test_a_step_that_cannot_be_is_one_sentence(tmp_path, options, said):
-    command = [*ROTOR_FMU, "build", *options, "--out", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run_anew(ROTOR_FMU, "build", *options, "--out", tmp_path)
     assert done.returncode == 2
     assert said in done.stderr
     assert len(done.stderr.splitlines()) == 1

@@ -17,7 +17,7 @@ from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.run_down import run_fmu
 
-from .machine import Machine, observed
+from ..fmu.instance import Machine, observed
 
 H = 0.004
 # A disc on linear supports and a stator without friction, which makes no whirl grow: other sizes of
@@ -135,15 +135,6 @@ def test_so_it_does_in_stages(make, file):
     assert simulation.read("solver.newton") > 0
 
 
-def test_so_it_does_in_stages_driven_by_a_torque(make):
-    machine = Machine(make(is_free=True)).start(RADAU, w_start=200.0, tau_drive=0.1)
-    simulation = Simulation(rig(), choose(method="radau5"), speed=200.0, drive_torque=0.1)
-    for _ in range(20):
-        machine.step(H)
-        simulation.advance(machine.t, 0.1)
-        assert (machine.read() == observed(simulation, machine.computed)).all()
-
-
 def test_so_it_does_with_every_parameter_changed(fmu):
     """Slightly, all at once, the rest under loads and the damping that turns included."""
     rotor = rig()
@@ -168,9 +159,10 @@ def test_so_it_does_with_every_parameter_changed(fmu):
         assert (machine.read() == observed(simulation, machine.computed)).all()
 
 
-def test_so_it_does_driven_by_a_torque(make):
-    machine = Machine(make(is_free=True)).start(w_start=200.0, tau_drive=0.1)
-    simulation = Simulation(rig(), speed=200.0, drive_torque=0.1)
+@pytest.mark.parametrize(("choices", "settings"), [({}, {}), (RADAU, {"method": "radau5"})])
+def test_so_it_does_driven_by_a_torque(make, choices, settings):
+    machine = Machine(make(is_free=True)).start(choices, w_start=200.0, tau_drive=0.1)
+    simulation = Simulation(rig(), choose(**settings), speed=200.0, drive_torque=0.1)
     for _ in range(20):
         machine.step(H)
         simulation.advance(machine.t, 0.1)

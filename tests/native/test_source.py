@@ -19,6 +19,7 @@ from rotor_fmu.fmi.packing.native_fmu import build_source
 from rotor_fmu.library import c_source
 from rotor_fmu.library.platforms import PLATFORMS
 
+from ..processes import ROTOR_FMU, run_anew
 from .emulated import QEMU, bits_of, need
 from .wasm import Native, rows_of
 
@@ -26,7 +27,6 @@ CC, TOOL = shutil.which("cc"), shutil.which("wasm2c")
 NEEDED = pytest.mark.skipif(not (CC and TOOL), reason="needs cc and wasm2c")
 # what cc is given beside the sources, as the page says it
 COMPILE = ("-O1", "-shared", "-fPIC")
-ROTOR_FMU = [sys.executable, "-c", "from rotor_fmu.cli import main; main()"]
 
 
 def unpacked(folder, fmi):
@@ -187,14 +187,8 @@ def test_a_tool_that_is_missing_or_another_is_one_sentence(tmp_path, script, sai
     folder, out = tmp_path / "bin", tmp_path / "out"
     folder.mkdir()
     path = tool(folder, script) if script else str(folder)
-    environment = os.environ | {"PATH": path, "ROTOR_FMU_CACHE": str(tmp_path / "cache")}
-    done = subprocess.run(
-        [*ROTOR_FMU, "build", "--source", "--out", out],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    environment = {"PATH": path, "ROTOR_FMU_CACHE": str(tmp_path / "cache")}
+    done = run_anew(ROTOR_FMU, "build", "--source", "--out", out, **environment)
     assert done.returncode == 2
     assert done.stderr.startswith("rotor-fmu: --source: ")
     assert said in done.stderr
@@ -213,12 +207,7 @@ def test_zig_that_is_missing_is_named(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("beside", [["--native"], ["--platform", "here"]])
 def test_a_source_fmu_has_no_libraries(beside, tmp_path):
-    done = subprocess.run(
-        [*ROTOR_FMU, "build", "--source", *beside, "--out", tmp_path],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_anew(ROTOR_FMU, "build", "--source", *beside, "--out", tmp_path)
     assert done.returncode == 2
     assert "leave out --native and --platform" in done.stderr
     assert not list(tmp_path.iterdir())

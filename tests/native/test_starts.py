@@ -6,23 +6,16 @@ import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.simulation import EquilibriumError, Simulation
 
-from .machine import Machine
+from ..fmu.instance import Machine
+from ..physics.test_equilibrium import TOO_STIFF
 
-BEARING = "[[linear_bearing]]\nkxx = 1e6\nkyy = 1e6\ncxx = 1.0\ncyy = 1.0\nnode = {}\n"
-STIFF = (
-    "[material]\nyoung = 2e18\ndensity = 1e-3\n[[section]]\nlength = 1.0\nouter = 0.3\n"
-    "elements = 60\n[[point_mass]]\nnode = 31\nmass = 10.0\n"
-)
 MACHINES = {
     "beyond": (f"{rig_toml()}[start]\ny = -0.05\n", "[start]: node 1 lies 0.05 m from the axis"),
     "hump": (
         rig_toml().replace("[[bearing]]", "[[bearing]]\nwear = 0.3\nwear_angle = 1.5707963"),
         "a journal rests on the ridge of its worn bore",
     ),
-    "stiff": (
-        STIFF + BEARING.format(1) + BEARING.format(61),
-        "rounding hides that of its supports, 2e+06 N/m",
-    ),
+    "stiff": (TOO_STIFF, "rounding hides that of its supports, 2e+06 N/m"),
 }
 
 

@@ -18,10 +18,10 @@ from rotor_fmu.model.stability.eigenvalues import eigenvalues
 from rotor_fmu.fmi.log import with_code
 from rotor_fmu.machine_file.loading import machine_text
 
+from ..fmu.instance import Machine, observed
 from ..growing_whirls import found_last
 from ..parts.test_linear_bearing import FLEXIBLE
 from ..validation.whip import OVERHUNG
-from .machine import Machine, observed
 
 H = 0.004
 PRESETS = ["robust", "paper", "paper-adaptive", "moderate", "controlled"]

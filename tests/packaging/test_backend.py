@@ -1,9 +1,6 @@
 """The library made ahead, numba and plain Python carry out the same kernels to the same numbers."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +8,8 @@ import pytest
 from rotor_fmu.model.kernels import library
 
 import rotor_fmu
+
+from ..processes import run_anew
 
 ROOT = Path(rotor_fmu.__file__).parents[1]
 MISSING = "no library was made of these kernels (rotor-fmu library --platform here)"
@@ -96,13 +95,7 @@ print(json.dumps([backend.selected_backend().value, "numba" in sys.modules, seen
 
 
 def run(script, *arguments, **environment):
-    done = subprocess.run(
-        [sys.executable, "-c", script, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_anew(script, *arguments, PYTHONPATH=str(ROOT), **environment)
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout
 

@@ -1,6 +1,5 @@
 """The examples of the pages in docs/development, added to a copy of the package as they stand."""
 
-import os
 import re
 import subprocess
 import sys
@@ -12,6 +11,7 @@ from rotor_fmu.model.parts.law import Kinematics, Weights
 
 from tools.checkout import ROOT
 
+from ..processes import run_anew
 from .test_new_part import copied
 
 PAGES = ROOT / "docs" / "development"
@@ -72,14 +72,7 @@ def extended(tmp_path):
 
     def run(*arguments, program=COMMAND_LINE):
         environment = {"PYTHONPATH": str(tmp_path), "ROTOR_FMU_KERNELS": "python"}
-        done = subprocess.run(
-            [sys.executable, "-c", program, *arguments],
-            env={**os.environ, **environment},
-            capture_output=True,
-            text=True,
-            check=False,
-            cwd=tmp_path,
-        )
+        done = run_anew(program, *arguments, cwd=tmp_path, **environment)
         assert done.returncode == 0, done.stderr
         return done.stdout + done.stderr
 

@@ -2,7 +2,6 @@
 
 import ast
 import re
-import subprocess
 import sys
 import tomllib
 
@@ -10,6 +9,8 @@ import pytest
 
 from rotor_fmu.errors import InputError, optional
 from tools.checkout import ROOT, names
+
+from ..processes import run_anew
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 INTERNAL = {"rotor_fmu", "rotor_fmu_slave", "rotor_fmu_wrapper"}
@@ -105,9 +106,7 @@ def without(module, *arguments):
         f"sys.argv = ['rotor-fmu', *{[str(a) for a in arguments]!r}]\n"
         "from rotor_fmu.cli import main; main()"
     )
-    return subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=False
-    )
+    return run_anew(script)
 
 
 def test_a_study_names_its_extra(tmp_path):

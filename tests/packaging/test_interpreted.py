@@ -1,14 +1,13 @@
 """Without the compiler the same code gives the same numbers."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 
 import rotor_fmu
+
+from ..processes import ROTOR_FMU, run_anew
 
 STEPS = """
 import json
@@ -33,14 +32,7 @@ print(json.dumps([said, seen]))
 
 def numbers_of(**environment):
     path = str(Path(rotor_fmu.__file__).parents[1])
-    run = subprocess.run(
-        [sys.executable, "-c", STEPS],
-        env={**os.environ, "PYTHONPATH": path, **environment},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return json.loads(run.stdout)
+    return json.loads(run_anew(STEPS, PYTHONPATH=path, **environment).stdout)
 
 
 def test_the_interpreted_run_has_the_numbers_of_the_compiled_one():
@@ -53,13 +45,7 @@ def test_the_interpreted_run_has_the_numbers_of_the_compiled_one():
 
 
 def test_a_command_says_that_its_run_is_interpreted_and_why(tmp_path):
-    program = "from rotor_fmu.cli import main; main()"
-    run = subprocess.run(
-        [sys.executable, "-c", program, "run-down", "--direct", "--stop", "0.001"],
-        env={**os.environ, "ROTOR_FMU_KERNELS": "python"},
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    short = "run-down", "--direct", "--stop", "0.001"
+    run = run_anew(ROTOR_FMU, *short, cwd=tmp_path, ROTOR_FMU_KERNELS="python")
+    assert run.returncode == 0, run.stderr
     assert "note: ROTOR_FMU_KERNELS = python: the solver runs interpreted" in run.stderr

@@ -1,11 +1,10 @@
 """A process imports what it uses: a run no pictures, the help no numbers."""
 
 import json
-import os
-import subprocess
-import sys
 
 import pytest
+
+from ..processes import run_anew
 
 LOADED = "import json, sys; print(json.dumps(sorted(sys.modules)))"
 RUN = """
@@ -43,13 +42,7 @@ assert "run-down" in text.getvalue(), text.getvalue()
 
 
 def run(script, **environment):
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_anew(script, **environment)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

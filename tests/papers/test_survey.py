@@ -26,17 +26,15 @@ from papers.integrators.survey.grid import (
 from papers.integrators.survey.sources import closure
 from rotor_fmu.errors import run
 
-from ..cli.test_command_line import input_error_by
-
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "docs" / "data" / "integrators.csv.gz"
 SCHEMES = {"newmark": newmark(), "chung-hulbert=0.2": chung_hulbert(0.2)}
 
 
 @pytest.fixture
-def input_error(tmp_path, monkeypatch, capsys):
+def input_error(input_error_of):
     """The one line that a refused command prints."""
-    return input_error_by(lambda: run(app), tmp_path, monkeypatch, capsys)
+    return input_error_of(lambda: run(app))
 
 
 def counted(scheme, h, case, folder):

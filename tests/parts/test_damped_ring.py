@@ -13,14 +13,13 @@ import numpy as np
 import pytest
 from rotor_fmu.model.linear import modes, static, unbalance_response
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import CouplingOptions, Simulation
 
 import rotor_fmu as rf
 
 from ..integrators.test_sensitivities import Differences, within
-from ..toml_text import table
+from ..toml_text import refusal_of, table
 from .films import DAMPER
 from .machines import shaft
 
@@ -195,10 +194,7 @@ def test_a_ring_that_cannot_be_is_refused(change, message):
     old = table("[squeeze_film_damper]", **_film(ring="left"))
     assert old in text
     changed = table("[squeeze_film_damper]", **_film(**{"ring": "left", **change}))
-    with pytest.raises(QuantityError) as refused:
-        parse_rotor(text.replace(old, changed))
-    assert str(refused.value).startswith(f"squeeze_film_damper[1]{message}")
-    assert "\n" not in str(refused.value)
+    assert refusal_of(text.replace(old, changed)).startswith(f"squeeze_film_damper[1]{message}")
 
 
 def _film(**more):

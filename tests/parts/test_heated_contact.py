@@ -10,7 +10,7 @@ from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.heated_contact import HEATED_CONTACT, HeatedContact
 from rotor_fmu.model.parts.law import Kinematics, Weights
-from rotor_fmu.model.quantities import QuantityError, quantities
+from rotor_fmu.model.quantities import quantities
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import CouplingOptions, Simulation
 from rotor_fmu.model.structure.assembly import assemble
@@ -19,6 +19,7 @@ from rotor_fmu.model.structure.bow import bow_shape
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
 
+from ..toml_text import refusal_of
 from .heated import SPEED, bow, run
 
 # A disc on a flexible shaft that rubs in a hard ring beside it, under gravity.
@@ -233,10 +234,7 @@ def test_the_states_meet_their_equations_at_the_end_of_a_step():
 )
 def test_what_cannot_be_is_said_in_a_line(change, words):
     assert change[0] in _HOT
-    with pytest.raises(QuantityError) as error:
-        parse_rotor(_HOT.replace(*change))
-    assert words in str(error.value)
-    assert "\n" not in str(error.value)
+    assert words in refusal_of(_HOT.replace(*change))
 
 
 def test_its_numbers_take_units():

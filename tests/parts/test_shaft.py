@@ -11,6 +11,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
+from ..toml_text import refusal_of
 from .machines import (
     HELD,
     HUB,
@@ -147,10 +148,7 @@ WRONG = [
 @pytest.mark.parametrize(("old", "new", "named"), WRONG)
 def test_a_wrong_shaft_is_refused_by_name(old, new, named):
     text = STEEL + sections(0.2, 0.2, 0.2, outer=0.03) + HELD + HUB
-    with pytest.raises(QuantityError) as refused:
-        parse_rotor(text.replace(old, new, 1))
-    assert named in str(refused.value)
-    assert "\n" not in str(refused.value)
+    assert named in refusal_of(text.replace(old, new, 1))
 
 
 def test_layers_that_overlap_are_refused():

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from rotor_fmu.machine_file.loading import load_rotor
 
 from ..known import EXAMPLES
 from ..machines import METHODS, balanced, overhung, unbalance_vector
+from .test_energy import falls_with_the_square
 
 
 def free(rotor, settings, duration, *, speed, torque, stops=50):
@@ -87,19 +89,7 @@ def test_the_coupled_equations_are_solved_with_second_order():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_without_contact_the_residual_falls_with_the_square_of_the_step(method):
-    residuals = [
-        free(
-            overhung(),
-            choose("robust", **METHODS[method], h=h),
-            0.04,
-            speed=100.0,
-            torque=30.0,
-            stops=40,
-        ).read("energy.residual")
-        for h in (2e-5, 1e-5, 5e-6)
-    ]
-    orders = np.log2(np.abs(residuals[:-1]) / np.abs(residuals[1:]))
-    np.testing.assert_allclose(orders, 2, atol=0.3)
+    falls_with_the_square(method, partial(free, torque=30.0))
 
 
 def test_the_torque_that_the_motion_needs_is_that_of_the_drive():

@@ -6,11 +6,12 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import unbalance_response
+from rotor_fmu.model.machine.toml import parse_rotor
 from scipy.integrate import solve_ivp
 
 from rotor_fmu import vibration
 
-from ..linear.test_linear_steady import NODES, machine
+from ..linear.test_linear_steady import MACHINE
 
 TURN = 2 * math.pi
 
@@ -231,9 +232,9 @@ def test_what_is_not_finite_is_left_out():
 
 @pytest.mark.parametrize("speed", [220.0, -220.0])
 def test_phases_of_a_steady_whirl_are_those_of_the_harmonic_problem(speed):
-    rotor = machine()
+    rotor = parse_rotor(MACHINE)
     result = unbalance_response(rotor, [speed])
-    x, y = (part[0, NODES[1] - 1] for part in (result.x, result.y))
+    x, y = (part[0, 1] for part in (result.x, result.y))
     t = np.linspace(0, 0.5, 5000)
     whirl = np.exp(1j * speed * t)
     z = (x * whirl).real + 1j * (y * whirl).real

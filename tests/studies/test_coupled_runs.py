@@ -1,6 +1,5 @@
 """Rows that come through two FMUs: the rotor's and the drive train's."""
 
-import sys
 from functools import partial
 from pathlib import Path
 
@@ -10,7 +9,6 @@ from rotor_fmu.examples.drive_train.study import COUPLING, NUMBERS, fmus
 from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu import studies
-from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.runs.recording import load_recording
@@ -90,13 +88,9 @@ def test_a_run_after_the_first_loads_no_library_anew(coupled):
     assert loaded() == before
 
 
-def test_a_selected_coupled_run_ends_as_its_row_and_has_both_fmus_signals(coupled, monkeypatch):
+def test_a_selected_coupled_run_ends_as_its_row_and_has_both_fmus_signals(coupled, process):
     path, out, data = coupled
-    arguments = ["study", str(path), "--out", str(out), "--select", "1"]
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 0
+    assert process("study", str(path), "--out", str(out), "--select", "1").returncode == 0
     recording = load_recording(out / "runs" / str(data.id.values[1]) / "recording.npz")
     assert recording.columns["w"][-1] == data.w.values[1]
     assert recording.columns["drive.work_out"][-1] == data.work.values[1]

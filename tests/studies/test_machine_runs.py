@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ from rotor_fmu.model.machine.toml import rig_toml
 from scipy.signal import lsim
 
 from rotor_fmu import studies
-from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.machine_studies.metric import Metric
@@ -87,14 +85,10 @@ def test_columns_say_what_they_are_with_the_options_they_have(rig):
     assert (data.at_190.units, data.loss_1.units, data.clearance.units) == ("m", "J", "m")
 
 
-def test_a_selected_run_is_the_run_of_its_row_with_all_its_signals(rig, monkeypatch):
+def test_a_selected_run_is_the_run_of_its_row_with_all_its_signals(rig, process):
     path, out, data = rig
     run_id = str(data.id.values[1])
-    arguments = ["study", str(path), "--out", str(out), "--select", run_id]
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 0
+    assert process("study", str(path), "--out", str(out), "--select", run_id).returncode == 0
     recording = load_recording(out / "runs" / run_id / "recording.npz")
     touching = np.trapezoid(recording.columns["bearing[1].contact"], recording.t)
     assert touching == data.touching.values[1]
@@ -105,20 +99,17 @@ def test_a_selected_run_is_the_run_of_its_row_with_all_its_signals(rig, monkeypa
     assert summary["status"] == "ok"
 
 
-def test_a_run_is_not_selected_into_the_folder_of_another_study(rig, monkeypatch, capsys):
+def test_a_run_is_not_selected_into_the_folder_of_another_study(rig, process):
     path, out, data = rig
     other = path.with_name("other.toml")
     other.write_text(RIG.replace("rate = 25", "rate = 26"))
-    arguments = ["study", str(other), "--out", str(out), "--select", "1"]
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 2
-    assert "holds another study" in capsys.readouterr().err
+    done = process("study", str(other), "--out", str(out), "--select", "1")
+    assert done.returncode == 2
+    assert "holds another study" in done.stderr
     assert {folder.name for folder in out.glob("runs/*")} <= set(data.id.values)
 
 
-def test_a_folder_holds_a_run_or_a_study(rig, monkeypatch, capsys, tmp_path):
+def test_a_folder_holds_a_run_or_a_study(rig, process, tmp_path):
     path, out, _ = rig
     (tmp_path / "recording.npz").touch()
     for arguments, kind in (
@@ -126,28 +117,20 @@ def test_a_folder_holds_a_run_or_a_study(rig, monkeypatch, capsys, tmp_path):
         (["run-down", "--direct", "--stop", "0.01", "--out", str(out)], "study"),
     ):
         before = {file: file.stat().st_mtime_ns for file in Path(arguments[-1]).rglob("*")}
-        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert end.value.code == 2
-        said = f"--out {arguments[-1]}: holds a {kind}, beside which"
-        assert said in capsys.readouterr().err
+        done = process(*arguments)
+        assert done.returncode == 2
+        assert f"--out {arguments[-1]}: holds a {kind}, beside which" in done.stderr
         after = {file: file.stat().st_mtime_ns for file in Path(arguments[-1]).rglob("*")}
         assert after == before
 
 
-def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, monkeypatch):
+def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, input_error):
     path = tmp_path / "study.toml"
     law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
     path.write_text(
         RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
     )
-    arguments = ["study", str(path), "--out", str(tmp_path / "out"), "--select", "0"]
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 2
-    assert list(tmp_path.iterdir()) == [path]
+    input_error("study", str(path), "--out", str(tmp_path / "out"), "--select", "0")
 
 
 def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):

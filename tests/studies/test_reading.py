@@ -1,11 +1,8 @@
 """STUDY.toml: what it may say, and the one line where it says something else."""
 
-import sys
-
 import numpy as np
 import pytest
 
-from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.design import Axis, Design, Distribution
@@ -192,18 +189,11 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
     ],
 )
 def test_a_study_misread_is_refused_in_one_line_and_writes_nothing(
-    tmp_path, monkeypatch, capsys, old, new, expected
+    tmp_path, input_error, old, new, expected
 ):
     assert old in STUDY
-    file = tmp_path / "study.toml"
-    file.write_text(STUDY.replace(old, new, 1))
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", "study", "study.toml", "--out", "out"])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 2
-    assert list(tmp_path.iterdir()) == [file]
-    (line,) = capsys.readouterr().err.strip().splitlines()
+    (tmp_path / "study.toml").write_text(STUDY.replace(old, new, 1))
+    line = input_error("study", "study.toml", "--out", "out")
     assert line.startswith("rotor-fmu: study.toml: ")
     assert expected in line
 
@@ -217,34 +207,21 @@ def test_a_study_misread_is_refused_in_one_line_and_writes_nothing(
         (["--select", "99"], "--select 99: no run of this study has that id; numbers go to 5"),
     ],
 )
-def test_options_that_cannot_be_are_refused(tmp_path, monkeypatch, capsys, arguments, expected):
-    file = tmp_path / "study.toml"
-    file.write_text(STUDY)
-    monkeypatch.setattr(
-        sys, "argv", ["rotor-fmu", "study", str(file), "--out", str(tmp_path / "out"), *arguments]
-    )
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 2
-    assert list(tmp_path.iterdir()) == [file]
-    assert expected in capsys.readouterr().err
+def test_options_that_cannot_be_are_refused(tmp_path, input_error, arguments, expected):
+    (tmp_path / "study.toml").write_text(STUDY)
+    assert expected in input_error("study", "study.toml", "--out", "out", *arguments)
 
 
 @pytest.mark.slow
-def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(
-    tmp_path, monkeypatch, capsys
-):
+def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(tmp_path, process):
     file = tmp_path / "study.toml"
     file.write_text(STUDY)
     address = "tcp://127.0.0.1:9"
-    arguments = ["study", str(file), "--out", str(tmp_path / "out"), "--scheduler", address]
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 2
+    done = process("study", "study.toml", "--out", "out", "--scheduler", address)
+    assert done.returncode == 2
     assert list(tmp_path.iterdir()) == [file]
-    said = capsys.readouterr().err.strip()
-    assert said.endswith(f"rotor-fmu: --scheduler {address}: no scheduler answers within 10 s")
+    said = f"rotor-fmu: --scheduler {address}: no scheduler answers within 10 s"
+    assert done.stderr.strip().endswith(said)
 
 
 def test_a_distance_that_a_part_does_not_have_is_not_suggested(tmp_path):

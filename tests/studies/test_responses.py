@@ -1,13 +1,11 @@
 """Studies whose runs are periodic responses, and diagrams with these under their sections."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
 
 from rotor_fmu import studies
-from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.machine_studies.diagram import diagrams
 from rotor_fmu.machine_studies.machine_tables import read_study
@@ -173,9 +171,7 @@ def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
         assert titles == ["rising", "falling", "periodic, stable", "periodic, unstable"]
 
 
-def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(
-    tmp_path, monkeypatch, capsys
-):
+def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_path, process):
     study = read(
         tmp_path,
         "kind = 'steps'\nfrom = -130\nto = -140\ncount = 2\nsettle = 0.1\nturns = 1",
@@ -184,10 +180,8 @@ def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(
     )
     path, out = str(tmp_path / "study.toml"), tmp_path / "out"
     run_study(study, out, here, quiet)
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", "study", path, "--out", str(out), "--diagram"])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 0, capsys.readouterr().err
+    done = process("study", path, "--out", str(out), "--diagram")
+    assert done.returncode == 0, done.stderr
     assert (out / "diagram_x_y.png").exists()
     (axes,) = diagrams(study, open_dataset(out), lambda said: None)["x/y"].axes
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["falling"]

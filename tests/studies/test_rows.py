@@ -23,6 +23,7 @@ from rotor_fmu.studies.executors import Engine, ExecutorConfig, engine
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.store import Store
 
+from ..processes import run_anew
 from .functions import Ishigami, here, ishigami_study, one_by_one, quiet, study_text
 
 
@@ -365,12 +366,7 @@ print(next(x for x in open("/proc/self/status") if x.startswith("VmHWM")).split(
 """
     if not Path("/proc/self/status").exists():
         pytest.skip("memory is read from /proc")
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(tmp_path)],
-        capture_output=True,
-        text=True,
-        check=True,
-        cwd=Path(__file__).parents[2],
-    )
+    done = run_anew(script, tmp_path, cwd=Path(__file__).parents[2])
+    assert done.returncode == 0, done.stderr
     assert int(done.stdout.split()[-1]) < 500 * 1024
     assert studies.open(tmp_path / "out").sizes["run"] == 100_000

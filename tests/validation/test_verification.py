@@ -11,7 +11,6 @@ from rotor_fmu.model.simulation import RotorWarning
 
 import rotor_fmu as rf
 from rotor_fmu import studies
-from rotor_fmu.cli import app
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.verify_run import CONFIRMED, NOT_CONFIRMED, SENSITIVE, compare
@@ -78,37 +77,29 @@ def test_a_part_that_hardly_moves_is_confirmed():
     assert compare(one, other, choose(), LENGTH).conclusion == CONFIRMED
 
 
-def test_the_command_tells_it_in_words_and_in_the_summary(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    options = ["run-down", "--direct", "--verify", "--stop", "0.2", "--out", "."]
-    app([*options], standalone_mode=False)
-    words = capsys.readouterr().out
-    figures = json.loads((tmp_path / "summary.json").read_text())["verification"]
+def test_the_command_tells_it_in_words_and_in_the_summary(tmp_path, command):
+    words = command("run-down", "--direct", "--verify", "--stop", "0.2")
+    figures = json.loads((tmp_path / "out" / "summary.json").read_text())["verification"]
     assert f"{figures['conclusion']}, by the same run with solver.tolerance = 0.0001: ok" in words
     assert "disc[3].x_amp, largest" in words
-    assert "finer run" in (tmp_path / "report.html").read_text()
+    assert "finer run" in (tmp_path / "out" / "report.html").read_text()
 
 
-def test_it_is_told_in_the_units_chosen(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    options = ["run-down", "--direct", "--verify", "--units", "mil", "--stop", "0.2", "--out", "."]
-    app([*options], standalone_mode=False)
-    figures = json.loads((tmp_path / "summary.json").read_text())["verification"]
+def test_it_is_told_in_the_units_chosen(tmp_path, command):
+    words = command("run-down", "--direct", "--verify", "--units", "mil", "--stop", "0.2")
+    figures = json.loads((tmp_path / "out" / "summary.json").read_text())["verification"]
     largest = figures["peaks"][0]
     mils = [f"{largest[of] / 25.4e-6:.5g}" for of in ("value", "finer")]
-    row = re.search(rf"{re.escape(largest['name'])}, largest (.*)", capsys.readouterr().out)[1]
+    row = re.search(rf"{re.escape(largest['name'])}, largest (.*)", words)[1]
     assert row.split()[:4] == [mils[0], "mil", mils[1], "mil"]
-    page = (tmp_path / "report.html").read_text()
+    page = (tmp_path / "out" / "report.html").read_text()
     assert '<th scope="col">finer run [mil]</th>' in page
     assert f">{largest['name']}, largest</td><td>{mils[0]}</td><td>{mils[1]}</td>" in page
 
 
-def test_a_tolerance_that_has_no_tenth_is_refused_before_anything_is_run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    options = ["run-down", "--verify", "--set", "solver.tolerance=2e-9", "--stop", "1"]
-    with pytest.raises(rf.InputError, match=r"a finer run .*: solver.tolerance = 2e-10: must be"):
-        app(options, standalone_mode=False)
-    assert not any(tmp_path.iterdir())
+def test_a_tolerance_that_has_no_tenth_is_refused_before_anything_is_run(refusal):
+    said = refusal("run-down", "--verify", "--set", "solver.tolerance=2e-9", "--stop", "1")
+    assert re.search(r"a finer run .*: solver.tolerance = 2e-10: must be", said)
 
 
 def test_so_does_the_python_interface(monkeypatch):

@@ -1,4 +1,5 @@
-"""A native FMU at work, FMI 2.0 or 3.0, beside the `Simulation` that it must equal bit for bit."""
+"""An FMU at work through FMPy, FMI 2.0 or 3.0, beside the `Simulation` that it must equal bit for
+bit."""
 
 import fmpy
 import numpy as np
