@@ -168,7 +168,7 @@ class Whole(NamedTuple):
 
 
 def run_down(own: Simulation) -> Whole:
-    """Run a machine down as a study does, told its speed every 0.04 s."""
+    """Run a machine down as a study does, given its speed every 0.04 s."""
     states, recordings, used = [], [own.drain()], 0.0
     for k in range(1, 1001):
         if len(states) < len(SPEEDS) and own.read("w") <= SPEEDS[len(states)]:

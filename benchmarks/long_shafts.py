@@ -1,6 +1,6 @@
 """What a step costs over the length of the shaft: python -m benchmarks.long_shafts
 
-CPU time of a step of 0.1 ms of machines with 15 to 240 elements, two bearings told by tables and
+CPU time of a step of 0.1 ms of machines with 15 to 240 elements, two bearings given by tables and
 two touchdown bearings in which they lie and slide, the speed changing with every step; least of
 several stretches.
 """

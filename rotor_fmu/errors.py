@@ -88,8 +88,8 @@ def _typed() -> dict[str, list[str]]:
 
 
 def _as_typed(message: str) -> str:
-    """Return a refusal with the option that was typed in the place of the argument of Python that
-    it became: `--contacts x: ...` of `contacts = x: ...`, `--load: ...` of `loads: ...`."""
+    """Return an error message with the option that was typed for the argument of Python in it:
+    `--contacts x: ...` of `contacts = x: ...`, `--load: ...` of `loads: ...`."""
     if match := re.match(r"(\w+)(?: (=) |: )", message):
         name, equals = match.groups()
         for option in (f"--{name.replace('_', '-')}", f"--{name.removesuffix('s')}"):

@@ -32,6 +32,6 @@ def on_numbers(messages: Iterable[str], codes: Iterable[str]) -> list[str]:
 
 
 def messages_and_codes(messages: Iterable[Message]) -> dict[str, list[str]]:
-    """Return the messages of a run and their codes, as a file or a page tells them."""
+    """Return the messages of a run and their codes, as a file or a page gives them."""
     listed = [*messages]
     return {"messages": [str(m) for m in listed], "codes": [m.code for m in listed]}

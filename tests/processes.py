@@ -45,8 +45,8 @@ def run_python(program, *arguments, cwd=None, given="", seconds=1200):
         for stream in streams:
             stream.write_text(given if stream.name == "stdin" else "")
         has_file = isinstance(program, Path)
-        told = (command, has_file, str(cwd or Path.cwd()), dict(os.environ), streams, _SYS_PATH)
-        process = _CONTEXT.Process(target=_run, args=told)
+        passed = (command, has_file, str(cwd or Path.cwd()), dict(os.environ), streams, _SYS_PATH)
+        process = _CONTEXT.Process(target=_run, args=passed)
         process.start()
         process.join(seconds)
         if process.is_alive():

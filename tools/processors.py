@@ -1,6 +1,6 @@
 """The tests as other processors would run them, and on loaded cores: make test-processors.
 
-OpenBLAS and numba are told to take another processor for this one. Each setting has a cache of its
+OpenBLAS and numba are made to take another processor for this one. Each setting has a cache of its
 own. Arguments go to pytest. Stopped with Ctrl-C it goes on from there: settings that this very tree
 has passed are not run again. The exit status is the number of settings under which a test failed.
 """
@@ -50,7 +50,7 @@ def passed(of_tree):
 
 
 def passes(name, arguments):
-    """Whether all tests pass under a setting, which is told with what it took."""
+    """Whether all tests pass under a setting, and print that with what it took."""
     print(f"== {name}", flush=True)
     begun = time.perf_counter()
     others = [subprocess.Popen(BUSY) for _ in range(os.cpu_count() if name == "loaded" else 0)]

@@ -89,7 +89,7 @@ class CoupledRuns(MachineRuns):
     def check_metric(self, metric: Metric, how: Excitation) -> None:
         """Raise `InputError` for a metric that does not suit the runs."""
         if metric.kind.is_fine:
-            raise metric.refusal(
+            raise metric.error(
                 f"{metric.kind.name} needs the solver's own steps, which are not available through "
                 "an FMU"
             )

@@ -148,7 +148,7 @@ def _locate_root(
         root = brentq(tested, 0.0, end, **options)
         point, _ = known[root]
         # not at the root alone: within rounding of a corner a function has any value
-        beside = np.clip([root - _CLOSE * end, root + _CLOSE * end], *sorted((0.0, end)))
+        beside = np.clip([root - _CLOSE * end, root + _CLOSE * end], min(0.0, end), max(0.0, end))
         return point, all(abs(tested(float(s))) < little for s in beside)
     except NotConverged:
         return list(known.values())[-1][0], False

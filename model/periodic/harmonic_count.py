@@ -78,7 +78,7 @@ def transferred(
     scale: float,
 ) -> CurvePoint:
     """Return a point as one of other equations, near x and with nearly this tangent, on the same
-    side of a fold: that a step passes a fold is told by the signs of lambda's component at its
+    side of a fold: that a step passes a fold is seen by the signs of lambda's component at its
     ends. Raises `NotConverged`."""
     result = near = arclength.correct(other, x, point.value, tangent, scale)
     length = -abs(near.tangent_value)  # of the size of the distance of the fold

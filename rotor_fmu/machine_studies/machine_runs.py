@@ -104,9 +104,7 @@ class MachineRuns:
             check_parts(self.machine.rotor)
         for output in metric.kind.samples(metric.of):
             if output not in self.units:
-                raise metric.refusal(
-                    f"{metric.of}: unknown name; {self._suggestion(metric, output)}"
-                )
+                raise metric.error(f"{metric.of}: unknown name; {self._suggestion(metric, output)}")
 
     def _suggestion(self, metric: Metric, output: str) -> str:
         """Return a suggestion for the name of an unknown quantity or part."""

@@ -280,15 +280,15 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
         for metric in runs.metrics:
             runs.check_metric(metric, how)
     # settings that never suit one another fail here, those that sometimes do not run by run
-    refusal = None
+    first_error = None
     for point in _points(axes, PREFIX):
         try:
             settings_of({**runs.machine.start, **runs.values, **point})
             return
         except SettingsError as error:
-            refusal = refusal or error
-    if refusal is not None:
-        raise refusal
+            first_error = first_error or error
+    if first_error is not None:
+        raise first_error
 
 
 def _points(axes: Iterable[Axis], prefix: str) -> Iterable[dict[str, float]]:

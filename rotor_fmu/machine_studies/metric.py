@@ -99,7 +99,7 @@ class Metric:
         text = self.kind.text.format(**options)
         return Column(self.name, self.kind.unit or unit, text, *(axis or ()))
 
-    def refusal(self, reason: str) -> InputError:
+    def error(self, reason: str) -> InputError:
         """Return the error that says why the metric cannot be."""
         return InputError(f"keep {self.name}: {reason}")
 

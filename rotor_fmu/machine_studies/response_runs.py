@@ -102,16 +102,16 @@ class ResponseRuns(MachineRuns):
         kind = metric.kind.name
         if kind == "bifurcation" and metric.of not in BIFURCATIONS:
             listed = ", ".join(BIFURCATIONS)
-            raise metric.refusal(f"bifurcation = {metric.of!r}: must be one of {listed}")
+            raise metric.error(f"bifurcation = {metric.of!r}: must be one of {listed}")
         if kind != "curve" and metric.of in (PARAMETER, STABLE, BRANCH):
-            raise metric.refusal(f"{metric.of}: only of a curve")
+            raise metric.error(f"{metric.of}: only of a curve")
         which = metric.option("which")
         if which is not None and which not in _WHICH:
-            raise metric.refusal(f"which = {which!r}: must be one of {', '.join(_WHICH)}")
+            raise metric.error(f"which = {which!r}: must be one of {', '.join(_WHICH)}")
         low, high, at = how.numbers["from"], how.numbers["to"], metric.option("at")
         if at is not None and not low <= at <= high:
             limit = Shown(1.0, how.abscissa_unit).text(high)
-            raise metric.refusal(f"at = {at:g}: must be from {low:g} to {limit}")
+            raise metric.error(f"at = {at:g}: must be from {low:g} to {limit}")
         for quantity in metric.kind.samples(metric.of):
             known_name(f"keep {metric.name}:", quantity, self.units)
 

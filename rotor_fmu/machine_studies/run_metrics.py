@@ -47,11 +47,11 @@ def check(metric: Metric, how: Excitation) -> None:
     """Raise `InputError` for a metric that does not suit the excitation of the runs."""
     kind = metric.kind
     if kind.held and (how.kind.name not in kind.held or how.numbers["measure"]):
-        raise metric.refusal(f"{kind.name} needs runs at constant speed in whole turns")
+        raise metric.error(f"{kind.name} needs runs at constant speed in whole turns")
     if kind.varying and how.kind.holds_speeds:
-        raise metric.refusal(f"{kind.name} needs runs whose speed varies continuously")
+        raise metric.error(f"{kind.name} needs runs whose speed varies continuously")
     if (after := metric.option("after")) and after < 0:
-        raise metric.refusal(f"after = {after:g} s: must be >= 0")
+        raise metric.error(f"after = {after:g} s: must be >= 0")
     if kind.check is not None:
         kind.check(metric, how)
 
@@ -158,7 +158,7 @@ def _check_resolved(metric: Metric, option: str, how: Excitation) -> None:
     """Raise `InputError` for an order that the samples of a turn do not resolve."""
     order, per_turn = metric.option(option), how.numbers["per_turn"]
     if not 0 < order < per_turn / 2:
-        raise metric.refusal(
+        raise metric.error(
             f"{option} = {order:g}: must be > 0 and below half of run.per_turn = {per_turn:g}"
         )
 
@@ -167,7 +167,7 @@ def _check_order(metric: Metric, how: Excitation) -> None:
     _check_resolved(metric, "order", how)
     order, turns = metric.option("order"), how.numbers["turns"]
     if not _is_whole(order * turns):
-        raise metric.refusal(f"order = {order:g}: must make whole periods in run.turns = {turns:g}")
+        raise metric.error(f"order = {order:g}: must make whole periods in run.turns = {turns:g}")
 
 
 @_kind(
@@ -186,7 +186,7 @@ def _order(metric: Metric, window: Window) -> float:
 def _check_passing(metric: Metric, how: Excitation) -> None:
     order = metric.option("order")
     if not 0 < order < _MOST_PASSED or not _is_whole(2 * order):
-        raise metric.refusal(
+        raise metric.error(
             f"order = {order:g}: must be a multiple of 0.5 from 0.5 to {_MOST_PASSED - 0.5:g}"
         )
 
@@ -220,10 +220,10 @@ def _passing(metric: Metric, window: Window) -> float:
 
 def _check_lyapunov(metric: Metric, how: Excitation) -> None:
     if metric.of != _LARGEST:
-        raise metric.refusal(f"lyapunov = {metric.of!r}: must be {_LARGEST!r}")
+        raise metric.error(f"lyapunov = {metric.of!r}: must be {_LARGEST!r}")
     turns = how.numbers["turns"]
     if turns < LEAST_TURNS:
-        raise metric.refusal(f"lyapunov needs run.turns >= {LEAST_TURNS}, not {turns:g}")
+        raise metric.error(f"lyapunov needs run.turns >= {LEAST_TURNS}, not {turns:g}")
 
 
 @_kind(
@@ -316,7 +316,7 @@ def _whirl(metric: Metric, window: Window) -> float:
 
 def _check_jump(metric: Metric, how: Excitation) -> None:
     if how.kind.name != STEPS.name or len(how.speeds) < 2:
-        raise metric.refusal("jump needs runs in steps of the speed, two at least")
+        raise metric.error("jump needs runs in steps of the speed, two at least")
 
 
 @_kind(

@@ -97,8 +97,8 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
     recorder = None
     begun = time.perf_counter()
 
-    def log(*told: Any) -> None:
-        *_, status, _, text = told  # FMI 2.0 has the instance's name before them
+    def log(*logged: Any) -> None:
+        *_, status, _, text = logged  # FMI 2.0 has the instance's name before them
         if status != fmpy.fmi2.fmi2OK:
             messages.append(read_message(text))
 

@@ -163,6 +163,6 @@ def _state(figures: Mapping[str, Any], page: Path) -> str:
     if status.startswith(FAILED):
         return f"The run stopped before its end; open {page} for what came before."
     codes = status.removeprefix(DOUBTFUL).split(", ")
-    told = zip(figures.get("messages", ()), figures.get("codes", ()), strict=True)
-    reasons = [f": {message}" for message, code in told if code in codes]
+    logged = zip(figures.get("messages", ()), figures.get("codes", ()), strict=True)
+    reasons = [f": {message}" for message, code in logged if code in codes]
     return f"The run is {status}{reasons[0] if reasons else ''}; open {page}."

@@ -7,7 +7,7 @@ import numpy as np
 from ..short_repr import ShortRepr
 from .turns import TURN, Synchronous, check_count, hann, summed, synchronous
 
-_FEWEST = 3  # turns by which a whirl is told
+_FEWEST = 3  # turns by which a whirl is recognized
 _NOTHING = 1e-12  # share of a mean square that rounding may leave of nothing
 
 

@@ -319,7 +319,7 @@ def test_every_page_is_silent_and_fits_its_width(silent, pages, name, width, dar
     ground = page.run("return CHARTS[0].plot.background_fill_color")
     assert ground == ("#14181d" if dark else "#ffffff")
     assert page.run("return performance.getEntriesByType('resource')") == []
-    # what cannot be seen is told
+    # what cannot be seen is said in words
     untold = page.run(
         "return [...document.querySelectorAll('[role=img], img')].filter((each) =>"
         "each.offsetParent && !(each.getAttribute('aria-label') ?? each.alt)).length"

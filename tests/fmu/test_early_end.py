@@ -1,5 +1,5 @@
 """After a step that ended early: who goes on goes on, whatever of the inputs is set anew, and who
-comes there again by an earlier state is told of a limit once."""
+comes there again by an earlier state is warned of a limit once."""
 
 import pytest
 
@@ -108,7 +108,7 @@ def test_a_master_that_rolls_back_passes_a_limit_that_it_was_told_of(extracted, 
         seen = {"limit.displacement": moved, "limit.force": force}
         largest = {key: max(size, seen[key]) for key, size in largest.items()}
     host = Ramp(extracted, **{name: 0.8 * largest[name]})
-    told = 0
+    warned = 0
     while host.t < 0.3:
         host.speed()
         state, size = host.fmu.state(), H
@@ -117,11 +117,11 @@ def test_a_master_that_rolls_back_passes_a_limit_that_it_was_told_of(extracted, 
                 host.fmu.step(host.t, size)
                 break
             except Discarded:
-                told += 1
+                warned += 1
                 reached = host.fmu.last_successful_time
                 host.fmu.restore(state)
                 if reached > host.t:
                     size = reached - host.t
         host.t += size
-        assert told < 100
-    assert told > 0
+        assert warned < 100
+    assert warned > 0

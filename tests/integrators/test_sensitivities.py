@@ -177,10 +177,10 @@ def test_they_change_no_bit_of_a_run_and_come_back_with_a_state(preset, torque):
         for run in runs:
             run.advance((i + 1) * H, drive)
     off, on = runs
-    told = np.array(["_ddrive" in name or "_df" in name for name in on.names])
-    assert told.any()
-    assert (off.observed[~told] == on.observed[~told]).all()
-    assert (off.observed[told] == 0.0).all()
+    named = np.array(["_ddrive" in name or "_df" in name for name in on.names])
+    assert named.any()
+    assert (off.observed[~named] == on.observed[~named]).all()
+    assert (off.observed[named] == 0.0).all()
     snapshot, before = on.snapshot(), on.observed.copy()
     rows = [on.sensitivities(row) for row in range(3)]
     on.advance(31 * H, 1.01 * drive)

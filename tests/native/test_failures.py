@@ -1,4 +1,4 @@
-"""What goes wrong is told, and whatever is called then survives: the tests of the FMU in Python."""
+"""What goes wrong is logged, and whatever is called then survives: tests of the FMU in Python."""
 
 import pytest
 

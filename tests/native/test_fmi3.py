@@ -36,7 +36,7 @@ def fmu(make):
 
 
 class Library:
-    """The C functions, and what the FMU told its host."""
+    """The C functions, and what the FMU logged."""
 
     def __init__(self, folder):
         file = folder / "binaries" / "x86_64-linux" / "RotorBearingNative.so"

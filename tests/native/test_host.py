@@ -202,7 +202,7 @@ def test_a_category_that_is_unknown_is_named(library, capfd):
 
 def test_the_host_keeps_its_callbacks_no_longer_than_the_call(library):
     heard = []
-    logger = LOGGER(lambda *told: heard.append(told[-1].decode()))
+    logger = LOGGER(lambda *logged: heard.append(logged[-1].decode()))
     callbacks = (ctypes.c_void_p * 5)(ctypes.cast(logger, ctypes.c_void_p).value)
     m = library.instantiate(callbacks=callbacks)
     callbacks[0] = None

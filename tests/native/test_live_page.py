@@ -285,9 +285,9 @@ def test_the_page_of_a_recorded_run_begins_with_its_settings(silent, tmp_path):
 def test_the_picture_of_a_run_at_one_speed_is_over_time_and_says_so(silent, rig):
     page = LivePage(silent, rig, "#course.to=400&course.hold=0.2").ended()
     caption = "return document.querySelector('#amplitude figcaption').textContent"
-    told = "return document.querySelector('#amplitude svg').getAttribute('aria-label')"
+    label = "return document.querySelector('#amplitude svg').getAttribute('aria-label')"
     assert page.run(caption) == "Amplitude over time"
-    assert page.run(told).startswith(
+    assert page.run(label).startswith(
         "Amplitude over time. Amplitude, disc 1 [µm 0-p] over Time [s]"
     )
     page = LivePage(silent, rig).ended()

@@ -182,7 +182,7 @@ def test_a_step_made_again_is_bit_for_bit_the_same_with_all_that_masters_may_ask
             host.put({"bearing[1].clearance": 45e-6})
         state = host.fmu.state()
         reached = step(H)
-        if reached == host.t:  # at the limit from the start on: told once, and then it goes on
+        if reached == host.t:  # at the limit from the start on: warned once, and then it goes on
             ended += 1
             continue
         read = all_read()

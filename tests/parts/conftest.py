@@ -1,4 +1,4 @@
-"""FMUs of machines told in TOML, each built once."""
+"""FMUs of machines described in TOML, each built once."""
 
 import pytest
 from rotor_fmu.model.kernels.library import here

@@ -1,4 +1,4 @@
-"""A drop into two touchdown bearings, with a bearing told by tables, and what CVODE makes of it."""
+"""A drop into two touchdown bearings, with a bearing given by tables, and CVODE's solution."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Machines told in TOML: some that stand for textbook ones, one with all that may bend and drop."""
+"""Machines in TOML: some that stand for textbook ones, one with all that may bend and drop."""
 
 import numpy as np
 from rotor_fmu.model.machine.toml import parse_rotor

@@ -173,9 +173,9 @@ def test_growing_whirls_are_found():
         text += table("[linear_bearing]", node=2, **CROSS, kxy=cross, kyx=-cross)
         rotor = parse_rotor(text)
         assert (modes(rotor, SPEED).eigenvalues.real.max() > 0.0) == grows
-        told = []
-        Simulation(rotor, choose("robust"), speed=SPEED, warn=told.append)
-        assert any(m.code == "unstable" for m in told) == grows
+        warnings = []
+        Simulation(rotor, choose("robust"), speed=SPEED, warn=warnings.append)
+        assert any(m.code == "unstable" for m in warnings) == grows
 
 
 CROSS = {"kxx": 1.0, "kyy": 1.0, "cxx": 0.0, "cyy": 0.0}

@@ -1,5 +1,5 @@
 """Gravity, base, housings, starts, ports, component modes, each against what it must be equal to;
-what an FMU tells of a machine."""
+what an FMU says of a machine."""
 
 import math
 

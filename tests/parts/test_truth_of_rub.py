@@ -1,4 +1,4 @@
-"""Rub and touchdown against closed forms, through the FMUs of machines told in TOML.
+"""Rub and touchdown against closed forms, through the FMUs of machines described in TOML.
 
 The closed forms are of a rigid disc; what stands for it here, `machines.rigid`, is one to 1e-6 of
 its stiffness. Lengths in clearances, times in 1 / OMEGA, as the closed forms have them; the FMU

@@ -169,7 +169,7 @@ def test_a_shaft_that_rounding_makes_loose_is_said_to_be_too_stiff():
 
 @pytest.mark.parametrize(("young", "elements"), [(2e13, 60), (2e15, 60), (2e16, 20)])
 def test_a_textbooks_rigid_shaft_rests_on_its_bearings(young, elements):
-    """Steps in which rounding no longer shrinks are told from those that lead on."""
+    """Steps in which rounding no longer shrinks are distinguished from those that lead on."""
     q = rest(parse_rotor(stiff(young, 1.0, 0.1, elements)))
     weight = (10.0 + math.pi / 4 * 0.1**2) * 9.81
     np.testing.assert_allclose(q[[0, 2 * elements]].imag, -weight / 2e6, rtol=1e-5)

@@ -116,7 +116,7 @@ AMPLITUDES = ("x_amp", "y_amp", "r_amp", "x_1x", "y_1x")
 
 
 def test_what_is_of_the_last_revolution_is_nothing_minutes_after_the_shaft_stands():
-    """Stopped at once from 130 rad/s and left alone: what vibrates on dies away, and is told."""
+    """Stopped at once from 130 rad/s and left alone: vibration dies away, and is reported."""
     settings = choose("controlled", tolerance=1e-4)
     sim = Simulation(overhung(eta_v=1e-3), settings, speed=130.0, continues_speed=False)
     still = rest(sim.rotor)

@@ -58,7 +58,7 @@ def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):
             of_partner=["work_out"],
             of_rotor=["disc[3].x_amp"],
         )
-        # between two communication points the rotor goes on with the speed that it was told
+        # between two communication points the rotor goes on with the speed that it was given
         assert data.w.values[i] == pytest.approx(run.partner["w"][-1], abs=0.01)
         assert data.work.values[i] == run.partner["work_out"][-1]
         assert data.X.values[i] == np.abs(run.rotor["disc[3].x_amp"]).max()

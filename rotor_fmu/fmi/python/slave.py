@@ -292,7 +292,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> bytes:
-        # checked when it is set: here the host could not be told
+        # checked when it is set: here the host could not be informed
         return state
 
     # --- values ------------------------------------------------------------------------------

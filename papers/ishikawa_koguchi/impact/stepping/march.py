@@ -78,7 +78,7 @@ def march(
     """Run from `start` to t_end [s] in increments of dt [s].
 
     impact: one of `IMPACTS`; observe: what is to be kept of each increment; cap: increments after
-    which the run is given up; progress: told the time reached [s].
+    which the run is given up; progress: called with the time reached [s].
     A run that is given up, or that diverged (its energy past a million times the system's), says
     so in its status. Raises `ImpactError` for what cannot be.
     """
