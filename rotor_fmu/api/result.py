@@ -178,7 +178,8 @@ class Result(RecordedSignals):
         place : str, optional
             Name of the part. By default the disc that moves most.
         speed : float, optional
-            Speed of an orbit or a spectrum [rad/s]. By default that of the largest 1x.
+            Speed of an orbit or a spectrum [rad/s]. By default that of the largest 1x
+            after the start-up.
         is_pp : bool
             Whether amplitudes are peak-to-peak rather than 0-p.
 
