@@ -4,7 +4,7 @@ import math
 import os
 import reprlib
 from collections.abc import Collection, Hashable, Mapping
-from numbers import Real
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,13 @@ def number(name: str, value: Any) -> float:
     if isinstance(given, bool) or not isinstance(given, Real):
         raise InputError(f"{shown_value(name, value)}: must be a number")
     return float(given)
+
+
+def is_integer(value: object, lowest: int, highest: float = math.inf) -> bool:
+    """Return whether an argument of any type is an integer of Python or numpy within bounds, as no
+    bool is."""
+    is_whole = isinstance(value, Integral) and not isinstance(value, bool)
+    return is_whole and lowest <= value <= highest  # type: ignore[operator]
 
 
 def check_positive(

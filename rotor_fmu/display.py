@@ -1,15 +1,17 @@
 """The units in which tables, pictures and pages show speeds and displacements, chosen once."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import wraps
+from typing import Any, NamedTuple, TypeVar, cast
 
 from .errors import InputError
 from .model.near_names import near_names
 
+Method = TypeVar("Method", bound=Callable[..., Any])
 INCH, POUND, LBF = 0.0254, 0.45359237, 0.45359237 * 9.80665
 OUNCE = POUND / 16
 
@@ -141,12 +143,12 @@ _WORDS: dict[str, dict[str, object]] = {
     "pp": {"is_pp": True},
 }
 _SYSTEMS = ("si", "us")  # of which the other words change a part, wherever they stand
-_current: ContextVar[Display] = ContextVar("display", default=Display())  # noqa: B039
+_current: ContextVar[Display | None] = ContextVar("display", default=None)
 
 
 def current() -> Display:
     """Return the units that are shown now."""
-    return _current.get()
+    return _current.get() or Display()
 
 
 def display_of(shown: str, text: str) -> Display:
@@ -194,6 +196,20 @@ def restored() -> Iterator[None]:
         yield
     finally:
         _current.reset(token)
+
+
+def in_its_units(show: Method) -> Method:
+    """A method that shows the units of `shown_units`, those of a machine's file, unless others were
+    chosen."""
+
+    @wraps(show)
+    def in_units(self: Any, *arguments: Any, **options: Any) -> Any:
+        with restored():
+            if _current.get() is None:
+                choose(None, self.shown_units)
+            return show(self, *arguments, **options)
+
+    return cast(Method, in_units)
 
 
 def choose(option: str | None, of_file: str = "", file: object = "") -> None:

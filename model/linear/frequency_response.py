@@ -19,7 +19,7 @@ import scipy.linalg
 import scipy.signal
 import scipy.sparse as sp
 
-from ..arguments import listed, numbers
+from ..arguments import listed, number, numbers, shown_value
 from ..machine.rotor import Rotor
 from .amplification import with_peaks
 from .linear_machine import LinearError, LinearMachine
@@ -209,7 +209,11 @@ def sensitivity(
 
 
 def _place(of: AnyPlace) -> Place:
-    return Place(*of) if isinstance(of, tuple) else Place(of)
+    if not isinstance(of, tuple):
+        return Place(of)
+    if len(of) != 2:
+        raise LinearError(f"{shown_value('place', of)}: must be a node, or a node and an offset")
+    return Place(of[0], number("offset", of[1]))
 
 
 def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:

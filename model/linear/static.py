@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import rows
+from ..arguments import is_integer, rows, shown_value
 from ..machine.rotor import Rotor
 from .linear_machine import LinearError, LinearMachine
 from .modes import check_speed
@@ -120,8 +120,8 @@ def speeds_and_loads(
 def check_node(machine: LinearMachine | Rotor, node: int) -> int:
     """Return the node if the machine has it; raises `LinearError` otherwise."""
     highest = len(machine.nodes)
-    if not (isinstance(node, (int, np.integer)) and 1 <= node <= highest):
-        raise LinearError(f"node = {node!r}: must be an integer from 1 to {highest}")
+    if not is_integer(node, 1, highest):
+        raise LinearError(f"{shown_value('node', node)}: must be an integer from 1 to {highest}")
     return node
 
 

@@ -154,6 +154,7 @@ def critical_peaks(
     speed, with their amplification factors; see `unbalance_check` for the rest."""
     check_positive("highest speed", top, "rad/s", LinearError)
     response = _Response(rotor, contacts, unbalances, {})
+    nodes = listed("nodes", nodes, "nodes")
     return tuple(_criticals(response, nodes, _speeds(rotor, top, contacts)))
 
 

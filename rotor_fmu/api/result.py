@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..display import in_its_units
 from ..errors import InputError, check_one_of, path_of
 from ..plotting.notebook import png, shown
 from ..runs import PLOTS_CHANGED
@@ -160,6 +161,7 @@ class Result(RecordedSignals):
 
         return vibration.order_track(*self._signal(place), orders, turns=turns)
 
+    @in_its_units
     def plot(
         self,
         kind: str = "bode",
@@ -178,7 +180,8 @@ class Result(RecordedSignals):
         place : str, optional
             Name of the part. By default the disc that moves most.
         speed : float, optional
-            Speed of an orbit or a spectrum [rad/s]. By default that of the largest 1x.
+            Speed of an orbit or a spectrum [rad/s]. By default that of the largest 1x
+            after the start-up.
         is_pp : bool
             Whether amplitudes are peak-to-peak rather than 0-p.
 
@@ -208,6 +211,11 @@ class Result(RecordedSignals):
     def _signal(self, place: str | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return self.t, self.recording.phi, self.recording.place(place).z
 
+    @property
+    def shown_units(self) -> str:
+        """The units that pictures show, of the machine's file if the recording holds it."""
+        return self.recording.rotor.units if self.recording.rotor else ""
+
     def _or_last(self, speed: float | None) -> float:
         return float(self.speed[-1]) if speed is None else speed
 
@@ -236,6 +244,7 @@ class Result(RecordedSignals):
         )
         return f"<table>{rows}</table>{self._picture()}"
 
+    @in_its_units
     def _picture(self) -> str:
         from ..run_pictures.run_folder import motion
 

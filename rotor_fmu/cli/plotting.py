@@ -44,7 +44,7 @@ def plot(
         str | None,
         typer.Option(
             help="Speed of an orbit or a spectrum, such as 1800rpm or 30Hz, or in rad/s; default: "
-            "the 1x peak."
+            "the 1x peak after the start-up."
         ),
     ] = None,
     pp: Annotated[

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -31,6 +32,7 @@ _FMI = _HERE.parent / "fmi"
 C_SOURCES = _FMI / "c"
 # The table that the instance reads.
 _TABLE = _FMI / "machine_table.py"
+_LEFT = 86400.0  # after which no build goes on in an unfinished folder [s]
 _KEPT_VERSIONS = 8
 # Python's alone: no FMU gives linear answers or computes periodic motions.
 _OF_ANALYSES = tuple(f"rotor_{name}" for name in ANALYSES)
@@ -179,8 +181,13 @@ def kernels() -> Path:
 @contextlib.contextmanager
 def unfinished_folder(target: Path) -> Iterator[Path]:
     """A folder that is moved to its place when all in it is done; an `OSError` that names no file,
-    as of a full disk, is raised with the name of the place."""
+    as of a full disk, is raised with the name of the place. What killed builds left is
+    taken away."""
     target.parent.mkdir(parents=True, exist_ok=True)
+    for left in target.parent.glob("part-*"):
+        with contextlib.suppress(OSError):  # as where another process takes it away
+            if time.time() - left.stat().st_mtime > _LEFT:
+                shutil.rmtree(left)
     with named(target):
         work = Path(tempfile.mkdtemp(prefix="part-", dir=target.parent))
         try:

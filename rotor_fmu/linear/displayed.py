@@ -8,6 +8,7 @@ from typing import Any, ClassVar, TypeVar
 
 from matplotlib.figure import Figure
 
+from ..display import in_its_units
 from ..errors import InputError, shown_value
 from ..machine_file.loading import load_rotor
 from ..model.machine.rotor import Rotor
@@ -23,10 +24,15 @@ Answer = TypeVar("Answer")
 
 class Displayed(ABC):
     """Something with a table and a picture, of a machine of this name, whose elements have these
-    ratios of shear to bending [1]."""
+    ratios of shear to bending [1], in the units of its file."""
 
     machine_name: ClassVar[str] = ""
     shear: ClassVar[tuple[float, ...]] = ()
+    shown_units: ClassVar[str] = ""
+
+    def __init_subclass__(cls) -> None:
+        for name in {"table", "figure"} & vars(cls).keys():
+            setattr(cls, name, in_its_units(vars(cls)[name]))
 
     @abstractmethod
     def table(self) -> Table:
@@ -80,8 +86,9 @@ def displayed(
 
 
 def of_machine(shown: Any, rotor: Rotor) -> Any:
-    """Return an answer, which takes its machine's name and shear."""
+    """Return an answer, which takes its machine's name, shear and units."""
     object.__setattr__(shown, "machine_name", rotor.name)
+    object.__setattr__(shown, "shown_units", rotor.units)
     object.__setattr__(shown, "shear", tuple(map(_shear, rotor.sections)))
     return shown
 

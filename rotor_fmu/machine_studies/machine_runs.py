@@ -154,22 +154,22 @@ class MachineRuns:
     def run(self, values: Mapping[str, float]) -> Result:
         """Make one run; a failure in it, impossible values included, is its status. A verified one
         has the largest difference of its metrics from the same run, solved more finely."""
-        result, settings = self._run(values)
+        result, settings, least = self._run(values)
         if not self.is_verified or settings is None or result.status.startswith(FAILED):
             return result
-        finer_result, _ = self._run({**values, **finer(settings)})
+        finer_result, *_ = self._run({**values, **finer(settings)})
         if finer_result.status.startswith(FAILED):
             return Result(not_confirmed(result.status), result.cells)
-        still = STILL * self.machine.rotor.length
-        lengths = {column.name for column in self.columns if column.unit == "m"}
-        least = {name: still if name in lengths else 0.0 for name in result.cells}
         difference = _difference(result.cells, finer_result.cells, least)
         is_near = difference <= allowed(settings)
         status = result.status if is_near else not_confirmed(result.status)
         return Result(status, {**result.cells, VERIFICATION: difference})
 
-    def _run(self, values: Mapping[str, float]) -> tuple[Result, Settings | None]:
-        """Make one run; return it and its settings, None if it could not begin."""
+    def _run(
+        self, values: Mapping[str, float]
+    ) -> tuple[Result, Settings | None, Mapping[str, float]]:
+        """Make one run; return it, its settings, None if it could not begin, and the least sizes of
+        its cells, to which their differences are relative."""
         settings = None
         try:
             messages: list[Message] = []
@@ -181,8 +181,10 @@ class MachineRuns:
             )
             windows = list(excite(simulation, how, monitor))
         except (InputError, StepFailure) as error:
-            return Result(f"{FAILED}{error}", {}), settings
-        return Result(status_of(messages), self.cells_of(windows, how)), settings
+            return Result(f"{FAILED}{error}", {}), settings, {}
+        still, units = STILL * self.machine.rotor.length, {c.name: c.unit for c in self.columns}
+        least = {m.name: m.least_size(windows, units[m.name], still) for m in self.metrics}
+        return Result(status_of(messages), self.cells_of(windows, how)), settings, least
 
     def cells_of(self, windows: list[Window], how: Excitation) -> dict[str, Cell]:
         """Return the cells of a finished run by the names of their columns."""

@@ -3,7 +3,7 @@
 A quantity is an output by its name, or PART.r, the distance of PART.x and PART.y from zero.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -30,7 +30,8 @@ class MetricKind:
     text: its meaning, to be filled in with the options and `of`; make: returns the cell, or what a
     window adds to it; needed, optional: names of its options, the optional ones with defaults;
     unit: of its values, empty where they have that of the quantity; axis: of its lists; check:
-    raises `InputError` for options that do not suit the runs.
+    raises `InputError` for options that do not suit the runs; least: of a window, the size to which
+    differences of its values are relative at least, of a kind whose value may be 0 by its nature.
 
     Of runs in time: outputs: those of the part that is its quantity, None where nothing is sampled;
     also: further outputs; held: kinds of runs of whose whole turns at constant speed it is made,
@@ -46,6 +47,7 @@ class MetricKind:
     unit: str = ""
     axis: "Callable[[Metric, Excitation], ListAxis] | None" = None
     check: "Callable[[Metric, Excitation], None] | None" = None
+    least: "Callable[[Any], float] | None" = None
     outputs: tuple[str, ...] | None = ()
     also: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
@@ -98,6 +100,13 @@ class Metric:
         options = {**self.kind.optional, **dict(self.options), "of": self.of, **shown}
         text = self.kind.text.format(**options)
         return Column(self.name, self.kind.unit or unit, text, *(axis or ()))
+
+    def least_size(self, windows: Sequence[Any], unit: str, still: float) -> float:
+        """Return the size to which differences of its cells are relative at least, in its unit: of
+        a displacement that of a motion that is none, `still` [m]."""
+        if self.kind.least is not None:
+            return max(map(self.kind.least, windows))
+        return still if unit == "m" else 0.0
 
     def error(self, reason: str) -> InputError:
         """Return the error that says why the metric cannot be."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..display import in_its_units
 from ..errors import InputError, nearest
 from ..linear.linear_tables import Table
 from ..model.message_templates import Message
@@ -98,12 +99,19 @@ class ResponseResult(ResponseCurves):
                 rows.append(row)
         return pd.DataFrame(rows)
 
+    @property
+    def shown_units(self) -> str:
+        """The units that table and pictures show, of the machine's file."""
+        return self._response.rotor.units
+
+    @in_its_units
     def figure(self, names: Sequence[str] | None = None) -> "Figure":
         """Amplitudes over the parameter: stable full, unstable dashed, bifurcations marked."""
         from .response_plots import response_figure
 
         return response_figure(self, names)
 
+    @in_its_units
     def fold_figure(self, name: str, folds: FoldCurve) -> "Figure":
         """The map of jumps: the parameter at the fold over another one, `name`."""
         from .response_plots import fold_figure
@@ -111,6 +119,7 @@ class ResponseResult(ResponseCurves):
         unit = self._response.rotor.parameters()[name].quantity.unit
         return fold_figure(self, name, unit, folds)
 
+    @in_its_units
     def table(self) -> Table:
         """A row a bifurcation, and the ends of the branches."""
         axis, rows = self.axis, list[tuple[object, ...]]()

@@ -14,6 +14,7 @@ from ..display import Display, current
 from ..errors import InputError, number
 from ..plotting.figure_style import entitle, new_panels
 from ..runs.measuring_points import MeasuringPoint
+from ..runs.peaks import start_up
 from ..runs.recording import Recording
 
 # Positions of a contact angle and their labels.
@@ -39,9 +40,9 @@ class View:
     """The view that a picture shows.
 
     run: the recording; name: of a place or contact, None for the one that moves most, or is pressed
-    most; chosen_speed [rad/s]: None for that of the largest 1x; time [s]: in the place of a speed;
-    wants_pp: whether amplitudes are peak-to-peak whatever the units in which they are shown;
-    heading: what titles begin with, by default the machine's name.
+    most; chosen_speed [rad/s]: None for that of the largest 1x after the start-up; time [s]: in the
+    place of a speed; wants_pp: whether amplitudes are peak-to-peak whatever the units in which they
+    are shown; heading: what titles begin with, by default the machine's name.
     """
 
     run: Recording
@@ -75,7 +76,9 @@ class View:
                 raise InputError(f"speed = {chosen:g} rad/s: the run turns at {had} rad/s")
             return chosen
         track = vibration.order_track(*self.signal, (1.0,))
-        return float(track.speed[np.nanargmax(track.major())])
+        late = track.t > start_up(self.run.t, self.run.w)
+        amplitude = np.where(late | ~late.any(), track.major(), np.nan)
+        return float(track.speed[np.nanargmax(amplitude)])
 
     def turns(self, count: int) -> TurnsShown:
         """Return consecutive turns about the time, or else nearest to the speed; fewer where the

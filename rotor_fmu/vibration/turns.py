@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _LEAST, _MOST = 64, 1024  # samples a turn
 _SHORT = 0.1  # share of the steps that may be shorter than those that decide how fine to resample
 _ROUNDING = 1e-9  # of a turn, that may be missing at a mark
+_CONSTANT = 1e-6  # of a speed, by which a constant one differs from turn to turn as it is recorded
 TURN = 2 * math.pi
 _BACK = TURN / _LEAST  # by which the angle must go back for the shaft to turn back
 # Rows recorded in a cycle below which the spline through them is another motion: an order takes so
@@ -121,12 +122,14 @@ class Turns(ShortRepr):
         return rows >= least
 
     def nearest(self, speed: float, turns: int) -> int:
-        """Return the first turn of the block whose mean speed is nearest to `speed` [rad/s]."""
+        """Return the first turn of the block whose mean speed is nearest to `speed` [rad/s], the
+        last of those that are equally near: at constant speed the motion has settled there."""
         self.needs(turns)
         if not math.isfinite(number("speed", speed)):
             raise InputError(f"speed = {speed} rad/s: must be finite")
         first = self.blocks(turns)
-        return int(first[np.argmin(np.abs(self.speed_of(first, turns) - speed))])
+        away = np.abs(self.speed_of(first, turns) - speed)
+        return int(first[away <= away.min() + _CONSTANT * abs(speed)][-1])
 
     def nearest_in_time(self, t: float, turns: int) -> int:
         """Return the first turn of the block whose middle is nearest to a time [s]."""

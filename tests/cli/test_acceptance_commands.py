@@ -126,7 +126,10 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
             ["unbalance", "--range", "10:50Hz", "--mode", "1", "--unbalance", "3:1e-5"],
             "only one of both",
         ),
-        (["unbalance", "--range", "10:50Hz", "--mode", "99"], "mode = 99: must be from 1"),
+        (
+            ["unbalance", "--range", "10:50Hz", "--mode", "99"],
+            "mode = 99: must be an integer from 1",
+        ),
     ],
 )
 def test_impossible_wishes_are_refused(refusal, tmp_path, arguments, expected):

@@ -14,6 +14,8 @@ from rotor_fmu.model.linear.frequency_response import ControlLoop
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
+from rotor_fmu import parse
+from rotor_fmu.api.result import Result
 from rotor_fmu.balancing.result import Balancing, CorrectionPlane, ResidualUnbalance, Vibration
 from rotor_fmu.display import (
     choose,
@@ -187,6 +189,21 @@ def test_pictures_are_in_the_units_that_were_chosen():
     assert response[0].get_ylabel() == "Amplitude [mil pp]"
     assert response[0].get_title("left").startswith("zigulic2003: Steady response")
     assert response[0].get_xlim()[1] > 2000
+
+
+def test_a_machine_s_own_units_are_shown_in_python_unless_others_are_chosen():
+    """A file that says rpm and mil, in the pictures and tables of the Python interface."""
+    text = 'units = "rpm, mil, pp"\n' + rig_toml()
+    of_run = Result(recorded(toml=text))
+    response = parse(text).unbalance_response([10.0, 20.0], contacts="pinned")
+    assert response.figure().axes[0].get_ylabel() == "Amplitude [mil pp]"
+    assert "[mil pp]" in response._repr_html_()
+    assert of_run.plot("bode").axes[0].get_ylabel() == "Amplitude [mil pp]"
+    with restored():
+        choose("Hz")
+        assert response.figure().axes[0].get_ylabel() == "Amplitude [µm 0-p]"
+        assert of_run.plot("bode").axes[0].get_ylabel() == "Amplitude [µm 0-p]"
+    assert current() == display_of("", "")
 
 
 def test_pictures_of_contacts_and_spectra_are_in_the_units_chosen_under_the_machine_s_name():

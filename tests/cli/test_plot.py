@@ -10,6 +10,7 @@ from rotor_fmu.run_pictures.signal_plots import KINDS, orbit
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.saved_results import read_run
+from rotor_fmu.vibration import full_spectrum
 
 from ..recordings import recorded
 
@@ -90,6 +91,20 @@ def test_a_place_that_the_recording_has_not_is_told_its_nearest(folder):
     said = str(plot("bode", folder, "--place", "disk[2]").exception)
     # the end of the command puts the option in the place of the argument of Python
     assert said == "place = disk[2]: the recording has no such place; did you mean disc[2]?"
+
+
+@pytest.mark.parametrize("rate", [0.0, -20.0])
+def test_what_a_run_begins_with_is_not_its_largest_1x(rate):
+    """100 times the steady 1x at the start, which has decayed by a billion at the end."""
+    run = recorded(rate=rate)
+    swells = 1 + 100 * np.exp(-10 * run.t) + 3 * np.exp(-((run.t - 3) ** 2)) * (rate != 0)
+    for axis in "xy":
+        run.columns[f"disc[2].{axis}"] *= swells
+    view = View(run, "disc[2]")
+    assert view.speed == pytest.approx(300 + 3 * rate, abs=2)
+    assert view.turns(4).end == pytest.approx(6 if rate == 0 else 3, abs=0.1)
+    amplitude = full_spectrum(*view.signal, view.speed).amplitude.max()
+    assert amplitude == pytest.approx(80e-6 if rate == 0 else 4 * 80e-6, rel=0.01)
 
 
 @pytest.mark.parametrize("kind", ["orbit", "spectrum"])

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from rotor_fmu.model.linear.unbalance_placement import placed_unbalances
 
 import rotor_fmu as rf
+from rotor_fmu.linear.acceptance import critical_peaks
 
 RIG = rf.load()
 NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
@@ -52,6 +54,35 @@ def test_what_cannot_be_is_refused_in_one_line(arguments, expected):
     with pytest.raises(rf.InputError, match=expected) as refused:
         rf.simulate(RIG, **{"speed": 100.0, **arguments})
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (
+            lambda: placed_unbalances(RIG.rotor, 1.5, 100.0),
+            "^mode = 1.5: must be an integer from 1 ",
+        ),
+        (
+            lambda: placed_unbalances(RIG.rotor, "1", 100.0),
+            "^mode = '1': must be an integer from 1 ",
+        ),
+        (lambda: critical_peaks(RIG.rotor, 300.0, 4), "^nodes = 4: must be a list of nodes"),
+        (
+            lambda: RIG.frequency_response([9.0], True, [1]),
+            "^node = True: must be an integer from 1 ",
+        ),
+        (
+            lambda: RIG.frequency_response([9.0], (1, 2, 3), [1]),
+            r"^place = \(1, 2, 3\): must be a node",
+        ),
+        (lambda: RIG.frequency_response([9.0], 1, [(1, "2")]), "^offset = '2': must be a number"),
+        (lambda: RIG.modes(9.0, count=True), "^count = True: must be an integer, at least 1"),
+    ],
+)
+def test_a_node_a_mode_or_a_count_of_another_kind_is_refused_in_one_line(ask, expected):
+    with pytest.raises(rf.InputError, match=expected):
+        ask()
 
 
 @pytest.mark.parametrize(

@@ -234,7 +234,7 @@ def test_a_critical_speed_just_within_the_largest_margin_is_seen():
 @pytest.mark.parametrize(
     ("ask", "expected"),
     [
-        (lambda: placed_unbalances(rig(), 99, 100.0), "mode = 99: must be from 1"),
+        (lambda: placed_unbalances(rig(), 99, 100.0), "mode = 99: must be an integer from 1"),
         (lambda: placed_unbalances(rig(), 1, 0.0), "maximum continuous speed = 0"),
         (lambda: unbalance_check(rig(), 200.0, 100.0, [1]), "operating range = 200 to 100"),
         (lambda: unbalance_check(rig(), 100.0, 200.0, [99]), "node = 99"),

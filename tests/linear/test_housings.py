@@ -40,7 +40,7 @@ def test_modes_of_housings_alone_are_none_that_unbalances_could_excite():
     with_seals, without = overhung(others=seals), overhung()
     for mode in range(1, 7):
         assert placed_unbalances(with_seals, mode, 300.0) == placed_unbalances(without, mode, 300.0)
-    with pytest.raises(LinearError, match="mode = 7: must be from 1 to 6"):
+    with pytest.raises(LinearError, match="mode = 7: must be an integer from 1 to 6"):
         placed_unbalances(with_seals, 7, 300.0)
 
 

@@ -143,6 +143,16 @@ def test_a_full_cache_is_named_and_nothing_is_left_in_it(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_what_a_killed_build_left_in_the_cache_is_taken_away_a_day_later(tmp_path):
+    left, begun = tmp_path / "part-old", tmp_path / "part-new"
+    for folder in (left, begun):
+        folder.mkdir()
+    os.utime(left, (0, 0))
+    with build.unfinished_folder(tmp_path / "kernels-1"):
+        assert begun.is_dir()
+    assert {folder.name for folder in tmp_path.iterdir()} == {"part-new", "kernels-1"}
+
+
 def test_two_processes_may_put_the_same_library_at_once(tmp_path, monkeypatch):
     write = Path.write_bytes
 

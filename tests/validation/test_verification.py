@@ -160,11 +160,13 @@ per_turn = 64
 [keep]
 whole = { order = 1, of = "disc[1].x" }
 half = { order = 0.5, of = "disc[1].x" }
+turned = { whirl = "disc[1]" }
 """
     )
     run_study(read_study(path), tmp_path / "out", here, quiet)
     data = studies.open(tmp_path / "out")
     assert 0 < data.half.values[0] < 1e-8 < 1e-6 < data.whole.values[0]
+    assert 0 < abs(data.turned.values[0]) < 1e-2  # of an orbit beside the axis; the shaft's is 100
     assert list(data.status.values) == ["ok"]
 
 
