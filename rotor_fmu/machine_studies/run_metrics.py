@@ -226,15 +226,11 @@ def _check_lyapunov(metric: Metric, how: Excitation) -> None:
         raise metric.error(f"lyapunov needs run.turns >= {LEAST_TURNS}, not {turns:g}")
 
 
-def _turns_a_second(window: Window) -> float:
-    return abs(window.speed) / math.tau
-
-
 @_kind(
     "largest Lyapunov exponent",
     unit="1/s",
     check=_check_lyapunov,
-    least=_turns_a_second,
+    least=lambda window: abs(window.speed) / math.tau,
     outputs=None,
     held=_ANY_LEVEL,
 )
@@ -310,14 +306,10 @@ def _slid(metric: Metric, window: Window) -> float:
     return float(np.trapezoid(force * speed, window.steps.t))
 
 
-def _speed_of_rotation(window: Window) -> float:
-    return float(np.abs(window.steps.columns["w"]).max())
-
-
 @_kind(
     "mean rate at which {of} turns about zero in x and y",
     unit="rad/s",
-    least=_speed_of_rotation,
+    least=lambda window: float(np.abs(window.steps.columns["w"]).max()),
     outputs=("x", "y"),
     also=("w",),
     is_fine=True,
