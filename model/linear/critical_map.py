@@ -53,7 +53,7 @@ class CriticalMap:
     where there are fewer; where pedestals differ in x and y each line is followed by its shape, and
     is NaN where it clearly whirls backward (see `forward_branches`); bearings: names of what the
     stiffness replaces; own: the stiffness of these bearings; crossings: where that meets a line;
-    rigid: the first critical speed on rigid bearings [rad/s].
+    rigid: the first critical speed on rigid supports, housings included [rad/s].
     """
 
     stiffness: np.ndarray
@@ -105,7 +105,7 @@ def critical_map(
 
 
 def first_rigid_critical(rotor: Rotor, contacts: str | None = None) -> float:
-    """Return the first forward critical speed of the undamped rotor on rigid bearings [rad/s]; NaN
+    """Return the first forward critical speed of the undamped rotor on rigid supports [rad/s]; NaN
     where there is none."""
     machine = UndampedMachine(rotor, contacts, rigid_pedestals=True)
     speeds = machine.forward_criticals(machine.rigid_stiffness)
@@ -139,7 +139,7 @@ class _Lines:
 
 def mean_stiffness(rotor: Rotor, contacts: str | None = None) -> float:
     """Return the geometric mean of the direct stiffnesses of the bearings [N/m], at standstill; of
-    those that hold the machine only as it turns, at the first critical speed on rigid bearings."""
+    those that hold the machine only as it turns, at the first critical speed on rigid supports."""
     machine = UndampedMachine(rotor, contacts, rigid_pedestals=False)
     for speed in (0.0, first_rigid_critical(rotor, contacts)):
         values = machine.own_stiffness(speed)

@@ -65,7 +65,7 @@ class StabilityLevel1:
     first_alone, first_anticipated: alike, of the first forward mode;
     sensitivity: of the logarithmic decrement to the cross coupling, at none [m/N], NaN where that
     is minus infinity, as it is of a motion that grows without oscillating;
-    critical_speed_ratio: the speed over the first undamped critical speed on rigid bearings [1].
+    critical_speed_ratio: the speed over the first undamped critical speed on rigid supports [1].
     """
 
     speed: float

@@ -48,7 +48,7 @@ class CriticalMap(Displayed, linear.CriticalMap):
         if not self.synchronous:
             what = "Natural frequencies at standstill"
         title = (
-            f"{what} where a bearing has the stiffness that all have; first one on rigid bearings "
+            f"{what} where a bearing has the stiffness that all have; first one on rigid supports "
             f"{speed_with_unit(self.rigid)}"
         )
         if not self.crossings:
