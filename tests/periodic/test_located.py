@@ -2,6 +2,7 @@
 bifurcations that are located by these."""
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import scipy.optimize
 from rotor_fmu.model.periodic import arclength
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.floquet import multipliers
-from rotor_fmu.model.periodic.force_corners import SampledOrbit
+from rotor_fmu.model.periodic.force_corners import SampledOrbit, crossings
 from rotor_fmu.model.periodic.fourier import derivative
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
@@ -50,6 +51,25 @@ def test_coefficients_of_a_force_with_corners_are_its_integrals(offset, c):
         )
         expected = -(1 / np.pi) * whole * (k % 2) * np.exp(-1j * k * phase)
         assert abs(seen[k] - expected) < 2e-7 * STIFFNESS * amplitude
+
+
+def test_a_corner_lies_where_its_gap_is_zero_although_the_samples_are_few():
+    """To a share of the interval well below that beside a corner at which a step looks."""
+    n, orders = 96, np.arange(1, 24)
+
+    def gap(t):
+        return np.sin(np.multiply.outer(t, orders) + orders**2) @ orders**-0.7
+
+    def gap_at(cell, share):
+        return gap(2 * np.pi / n * (cell + share))[:, None]
+
+    cell, share, _ = crossings(
+        SimpleNamespace(corner_owner=np.zeros(1, int)), gap_at(np.arange(-1, n + 2), 0.0), gap_at
+    )
+    at = cell + share
+    rates = gap(2 * np.pi / n * (at + 1e-6)) - gap(2 * np.pi / n * (at - 1e-6))
+    assert len(at) > 10
+    assert np.abs(gap_at(cell, share)[:, 0] / rates * 2e-6).max() < 1e-9
 
 
 def test_multipliers_do_not_depend_on_the_steps_although_a_contact_opens_and_closes(doubled):
