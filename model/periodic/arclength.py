@@ -23,6 +23,7 @@ _LEAST_DAMPING_AHEAD = 0.05  # of a damped correction after a predictor, which a
 _SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is predicted, with a margin
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _LEAST_COSINE = 0.9  # least cosine of two tangents one after another
+_SAME_PIECE = 1e-4  # difference of cosines within which two tangents may be of one smooth piece
 _GROW, _SHRINK = 1.5, 0.5
 _LARGE = 10.0  # in the units of x: size of a motion from which on steps grow with it
 _LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
@@ -334,7 +335,10 @@ def _beyond_corner(
             except NotConverged:
                 continue
             chord = np.append(result.x - point.x, (result.value - point.value) / scale)
-            if chord @ plane > 0.05 * np.linalg.norm(chord) > 0:
+            # where lambda turns, the curve may double back: by its tangent it is another piece
+            by_beyond, by_plane = (abs(result.direction @ each) for each in (beyond, plane))
+            is_ahead = chord @ plane > 0.05 * np.linalg.norm(chord)
+            if (is_ahead or by_beyond > by_plane + _SAME_PIECE) and chord.any():
                 return result
     return None
 

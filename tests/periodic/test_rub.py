@@ -12,7 +12,7 @@ from rotor_fmu.model.periodic.queries import folds_over
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
 
-from .machines import CLEARANCE, OMEGA, RADIUS, growth, jeffcott, rolling, rub
+from .machines import CLEARANCE, OMEGA, RADIUS, ZETA, E, growth, jeffcott, rolling, rub
 
 WHOLE = 2 * ("end of the range",)  # how both ends of a curve of folds are said
 
@@ -173,3 +173,14 @@ def test_the_integrator_stays_on_stable_motions_and_leaves_others(curve, turns):
     assert curve.check(stable, turns).distance < 1e-5
     assert curve.check(free, turns).distance < 1e-5
     assert not curve.check(unstable, turns).stays
+
+
+@pytest.mark.parametrize("width", [3.0, 30.0])
+def test_a_curve_doubles_back_where_a_contact_begins_however_narrow_the_range(width):
+    """At 138.45 rad/s, in the narrow range nearly the way it came."""
+    found = rf.response(jeffcott(), speed=(138.0, 138.0 + width), step=1.0)
+    assert {branch.ends for branch in found.branches} == {("start", "end of the range")}
+    omega = 1.4
+    r = [found.amplitude(p, "disc") / CLEARANCE for p in found.at(omega * OMEGA)]
+    whirl = E * omega**2 / abs(1 - omega**2 + 2j * ZETA * omega)
+    assert sorted(r) == pytest.approx([whirl, rub(omega, sign=-1), rub(omega)], rel=1e-6)
