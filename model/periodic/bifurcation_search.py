@@ -30,6 +30,7 @@ _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double 
 _EVALUATIONS = 40  # evaluations of a test function at most
 _PRECISE = 1e-9  # of a step along the curve
 _ROUGH = 1e-3  # error of a multiplier where few harmonics, or steps that change, give it
+_FARTHEST = 2.0  # of its length: how far from its begin a point of a piece may be
 _HALVINGS = 10  # of a step with more than one bifurcation, at most
 
 
@@ -88,10 +89,14 @@ class _Piece(NamedTuple):
         return int(change.sum()) <= 1
 
     def between(self, problem: PeriodicEquations, share: float) -> CurvePoint:
-        """Return the point at a share of its length along the tangent; raises `NotConverged`."""
-        a, b = self.before, self.after
+        """Return the point at a share of its length along the tangent; raises `NotConverged`, also
+        where Newton's method leads far away."""
+        a, b, scale = self.before, self.after, problem.parameter.scale
         x, value = a.x + share * (b.x - a.x), a.value + share * (b.value - a.value)
-        return arclength.correct(problem, x, value, a.direction, problem.parameter.scale)
+        point = arclength.correct(problem, x, value, a.direction, scale)
+        if distance(a, point, scale) > _FARTHEST * distance(a, b, scale):  # another branch
+            raise NotConverged()
+        return point
 
 
 def _outside(multipliers: np.ndarray) -> np.ndarray:

@@ -172,6 +172,22 @@ def test_multipliers_that_jump_past_the_circle_are_a_grazing_of_any_kind(monkeyp
     assert seen.point.value == pytest.approx(0.3, abs=1e-8)
 
 
+def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(monkeypatch):
+    """As beside a corner, where another branch is near."""
+
+    def multipliers_at(_, point):
+        return np.array([point.value - 0.5 + 1.0])
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    far = CurvePoint(np.full(1, 3.0), 0.5 + 1e-6, np.zeros(1), 1.0)
+    monkeypatch.setattr(arclength, "correct", lambda *_: far)
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [SimpleNamespace(multipliers=multipliers_at(None, end)) for end in ends]
+    (seen,) = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
+    assert seen.point.x == 0.0
+
+
 @pytest.mark.slow
 def test_with_more_harmonics_a_folds_multiplier_is_nearer_to_one():
     options = {"speed": (240.0, 400.0), "branches": True, "harmonics": 60}
