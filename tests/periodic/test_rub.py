@@ -49,6 +49,14 @@ def test_the_curve_has_the_radii_of_the_closed_form(curve, omega, radius, unstab
         assert result[2][1]
 
 
+def test_at_the_value_of_a_point_of_the_curve_its_motion_is_given_once(curve):
+    """Such as at a seed, from which a branch goes both ways."""
+    for point in curve.points[5:40:17]:
+        found = radii(curve, point.value / OMEGA)
+        again = radii(curve, (point.value + 1e-6) / OMEGA)
+        assert [r for r, _ in found] == pytest.approx([r for r, _ in again], rel=1e-4)
+
+
 def test_it_jumps_up_and_down_where_the_closed_form_does(curve):
     fold, grazing = curve.bifurcations
     assert (fold.kind, grazing.kind) == ("fold", "grazing")
