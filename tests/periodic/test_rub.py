@@ -192,3 +192,12 @@ def test_a_curve_doubles_back_where_a_contact_begins_however_narrow_the_range(wi
     r = [found.amplitude(p, "disc") / CLEARANCE for p in found.at(omega * OMEGA)]
     whirl = E * omega**2 / abs(1 - omega**2 + 2j * ZETA * omega)
     assert sorted(r) == pytest.approx([whirl, rub(omega, sign=-1), rub(omega)], rel=1e-6)
+
+
+@pytest.mark.slow
+def test_nor_does_a_curve_go_back_upon_itself_from_a_corner():
+    """Over the clearance the tangent beside the corner is a difference across it."""
+    over = ("contact[1].clearance", 3e-4, 3e-3)
+    found = rf.response(jeffcott(), speed=190.0, over=over, step=0.3)
+    for branch in found.branches:
+        assert [b.kind for b in branch.bifurcations].count("fold") <= 1
