@@ -23,6 +23,7 @@ _LEAST_DAMPING_AHEAD = 0.05  # of a damped correction after a predictor, which a
 _SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is predicted, with a margin
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _LEAST_COSINE = 0.9  # least cosine of two tangents one after another
+_SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
 _GROW, _SHRINK = 1.5, 0.5
 _LARGE = 10.0  # in the units of x: size of a motion from which on steps grow with it
 _LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
@@ -259,7 +260,7 @@ def trace(
     A pair (equations, point) that is sent in replaces the equations and the last point, so that the
     number of harmonics can change on the way.
     """
-    point, length = start, steps.initial
+    point, length, way = start, steps.initial, np.zeros(len(start.x) + 1)
     for _ in range(steps.max_points):
         try:
             ahead = point.value + length * scale * point.tangent_value
@@ -288,7 +289,7 @@ def trace(
             length *= _SHRINK
             if length >= steps.shortest:
                 continue
-            corner = _beyond_corner(equations, point, steps, scale)
+            corner = _beyond_corner(equations, point, way, steps, scale)
             if corner is None:
                 raise NotConverged(error.corrections) from None
             result, length = corner, 16 * steps.shortest
@@ -300,10 +301,12 @@ def trace(
         elif iterations > _DESIRED_ITERATIONS + 1:
             length *= 0.7
         length = min(length, _longest(steps, result))
+        way = np.append(result.x - point.x, (result.value - point.value) / scale)
         point = result
         replacement = yield point, length
         if replacement is not None:
             equations, point = replacement
+            way = way if len(way) == len(point.x) + 1 else np.zeros(len(point.x) + 1)
 
 
 def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:
@@ -315,11 +318,19 @@ def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:
 
 
 def _beyond_corner(
-    equations: ContinuationEquations, point: CurvePoint, steps: ContinuationSteps, scale: float
+    equations: ContinuationEquations,
+    point: CurvePoint,
+    way: np.ndarray,
+    steps: ContinuationSteps,
+    scale: float,
 ) -> CurvePoint | None:
     """Return a point beyond a corner of the curve, a short way along the tangent that holds on the
-    other side of the corner, or None if there is no such point."""
+    other side of the corner, or None if there is no such point; way: from the point before."""
     plane = point.direction
+    # where lambda turns the curve may double back, on another piece by its tangent; the tangent
+    # here, which a difference across the corner falsifies, must be that of the way to this point
+    size = np.linalg.norm(way)
+    is_known = plane @ way > (1.0 - _SAME_PIECE) * size > 0
     for length in (4 * steps.shortest, 64 * steps.shortest, 1e3 * steps.shortest):
         x = point.x + length * point.tangent
         value = point.value + length * scale * point.tangent_value
@@ -334,7 +345,10 @@ def _beyond_corner(
             except NotConverged:
                 continue
             chord = np.append(result.x - point.x, (result.value - point.value) / scale)
-            if chord @ plane > 0.05 * np.linalg.norm(chord) > 0:
+            by_beyond, by_plane = (abs(result.direction @ each) for each in (beyond, plane))
+            is_ahead = chord @ plane > 0.05 * np.linalg.norm(chord)
+            is_other = is_known and by_beyond > by_plane + _SAME_PIECE
+            if (is_ahead or is_other) and chord.any():
                 return result
     return None
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,9 @@ _EVALUATIONS = 40  # evaluations of a test function at most
 _PRECISE = 1e-9  # of a step along the curve
 _CLOSE = 1e-5  # of a step: a test function changes little so close to its root
 _LITTLE = 1e-2  # of its larger value at the ends of the step
+_ROUGH = 1e-3  # error of a multiplier where few harmonics, or steps that change, give it
+_FARTHEST = 2.0  # of its length: how far from its begin a point of a piece may be
+_HALVINGS = 10  # of a step with more than one bifurcation, at most
 
 
 class _Located(NamedTuple):
@@ -62,32 +66,89 @@ def bifurcations_between(
 ) -> list[Bifurcation]:
     """Return the bifurcations between two points, at which the motions are `last` and `now`, in
     their order along the curve; where these have no multipliers, the folds alone."""
+    step = _Piece(before, after, last.multipliers, now.multipliers)
+    return [_bifurcation(problem, each) for each in _located_on(problem, step, _HALVINGS)]
+
+
+class _Piece(NamedTuple):
+    """A piece of a step between two points, with the multipliers at both, the largest first."""
+
+    before: CurvePoint
+    after: CurvePoint
+    first: np.ndarray
+    second: np.ndarray
+
+    @property
+    def turns(self) -> bool:
+        """Whether the parameter turns in it."""
+        return self.before.tangent_value * self.after.tangent_value < 0
+
+    def is_simple(self) -> bool:
+        """Return whether not more than one bifurcation shows. Kinds are counted apart, since a
+        multiplier that enters the unit circle hides another one that leaves it."""
+        change = np.abs(_outside(self.second) - _outside(self.first))
+        change[0] = max(change[0], self.turns)
+        return int(change.sum()) <= 1
+
+    def between(self, problem: PeriodicEquations, share: float) -> CurvePoint:
+        """Return the point at a share of its length along the tangent; raises `NotConverged`, also
+        where Newton's method leads far away."""
+        a, b, scale = self.before, self.after, problem.parameter.scale
+        x, value = a.x + share * (b.x - a.x), a.value + share * (b.value - a.value)
+        point = arclength.correct(problem, x, value, a.direction, scale)
+        if distance(a, point, scale) > _FARTHEST * distance(a, b, scale):  # another branch
+            raise NotConverged()
+        return point
+
+
+def _outside(multipliers: np.ndarray) -> np.ndarray:
+    """Return how many multipliers are outside the unit circle: real ones above 1, real ones below
+    -1, and complex pairs."""
+    outside = multipliers[np.abs(multipliers) > UNIT]
+    real = np.array([_is_real(each) for each in outside], bool)
+    above = int((real & (outside.real > 0)).sum())
+    return np.array([above, int(real.sum()) - above, int((~real).sum()) // 2])
+
+
+def _is_real(multiplier: complex) -> bool:
+    return abs(multiplier.imag) < 1e-6 * abs(multiplier)
+
+
+def _located_on(problem: PeriodicEquations, piece: _Piece, halvings: int) -> list[_Located]:
+    """Return the bifurcations of a piece in their order; one that is not simple is halved, so many
+    times at most."""
+    if halvings and not piece.is_simple():
+        with suppress(NotConverged):
+            middle = piece.between(problem, 0.5)
+            at_middle = _multipliers(problem, middle) if len(piece.second) else piece.second
+            halves = (
+                _Piece(piece.before, middle, piece.first, at_middle),
+                _Piece(middle, piece.after, at_middle, piece.second),
+            )
+            return [each for half in halves for each in _located_on(problem, half, halvings - 1)]
     located = list[_Located]()
-    turns = before.tangent_value * after.tangent_value < 0
-    if turns:
-        located.append(_locate_fold(problem, before, after, len(now.multipliers) > 0))
-    few, many = sorted(int((np.abs(s.multipliers) > UNIT).sum()) for s in (last, now))
+    if piece.turns:
+        located.append(_locate_fold(problem, piece))
+    few, many = sorted(int(2 * n[2] + n[:2].sum()) for n in map(_outside, piece[2:]))
     for k in range(few + 1, many + 1):
-        crossed = _locate_crossing(problem, before, after, k)
+        crossed = _locate_crossing(problem, piece, k)
         if crossed is None or any(crossed.is_one_with(each) for each in located):
             continue
         # where the curve turns in a corner multipliers jump
         is_one = abs(crossed.multiplier - 1.0) < _NEAR_ONE
         is_at_one = crossed.kind == BRANCHING or (problem.is_autonomous and is_one)
-        if not turns or (crossed.is_smooth and not is_at_one):
+        if not piece.turns or (crossed.is_smooth and not is_at_one):
             located.append(crossed)
-    located.sort(key=lambda each: distance(before, each.point, problem.parameter.scale))
-    return [_bifurcation(problem, each) for each in located]
+    located.sort(key=lambda each: distance(piece.before, each.point, problem.parameter.scale))
+    return located
 
 
-def _locate_fold(
-    problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, has_stability: bool
-) -> _Located:
+def _locate_fold(problem: PeriodicEquations, piece: _Piece) -> _Located:
     """Return the fold, where the tangent has no component along the parameter."""
-    ends = before.tangent_value, after.tangent_value
-    point, is_smooth = _locate_root(problem, before, after, lambda p: p.tangent_value, *ends)
+    ends = piece.before.tangent_value, piece.after.tangent_value
+    point, is_smooth = _locate_root(problem, piece, lambda p: p.tangent_value, *ends)
     multiplier = complex(math.nan)
-    if is_smooth and has_stability:
+    if is_smooth and len(piece.second):
         values = _multipliers(problem, point)
         multiplier = complex(values[np.argmin(np.abs(values - 1.0))])
     return _Located(FOLD if is_smooth else GRAZING, point, multiplier, is_smooth)
@@ -97,58 +158,52 @@ def _multipliers(problem: PeriodicEquations, point: CurvePoint) -> np.ndarray:
     return stability_multipliers(problem, point, problem.split(point.x, point.value))
 
 
-def _locate_crossing(
-    problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, k: int
-) -> _Located | None:
+def _locate_crossing(problem: PeriodicEquations, piece: _Piece, k: int) -> _Located | None:
     """Return where the k-th largest multiplier crosses the unit circle, or None."""
 
-    def size(point: CurvePoint) -> float:
-        value = _multipliers(problem, point)[k - 1]
-        return math.log(max(abs(value), 1e-300)) - math.log(UNIT)
+    def size(values: np.ndarray) -> float:
+        return math.log(max(abs(values[k - 1]), 1e-300)) - math.log(UNIT)
 
-    first, second = size(before), size(after)
+    def size_at(point: CurvePoint) -> float:
+        return size(_multipliers(problem, point))
+
+    first, second = size(piece.first), size(piece.second)
     if first * second >= 0:
         return None
-    point, is_smooth = _locate_root(problem, before, after, size, first, second)
+    point, is_smooth = _locate_root(problem, piece, size_at, first, second)
     value = complex(_multipliers(problem, point)[k - 1])
-    real = abs(value.imag) < 1e-6 * abs(value)
-    kind = TORUS if not real else DOUBLING if value.real < 0 else BRANCHING
-    steepest = max(abs(before.tangent_value), abs(after.tangent_value))
+    kind = TORUS if not _is_real(value) else DOUBLING if value.real < 0 else BRANCHING
+    steepest = max(abs(piece.before.tangent_value), abs(piece.after.tangent_value))
     if kind == BRANCHING and abs(point.tangent_value) < _VERTICAL * steepest:
         return None  # a fold, in this step or beside it
-    if kind == BRANCHING and not is_smooth:
-        return _Located(GRAZING, point, complex(math.nan), is_smooth)
+    if not is_smooth and (kind == BRANCHING or abs(abs(value) - 1.0) > _ROUGH):
+        return _Located(GRAZING, point, complex(math.nan), False)  # it jumps past the circle
     return _Located(kind, point, value, is_smooth)
 
 
 def _locate_root(
     problem: PeriodicEquations,
-    before: CurvePoint,
-    after: CurvePoint,
+    piece: _Piece,
     test: Callable[[CurvePoint], float],
     at_before: float,
     at_after: float,
 ) -> tuple[CurvePoint, bool]:
-    """Return the root of a test function along the step, by Brent's method, and whether the
+    """Return the root of a test function along a piece, by Brent's method, and whether the
     function is smooth there."""
-    scale = problem.parameter.scale
-    along = before.tangent_value * ((after.value - before.value) / scale)
-    end = float(before.tangent @ (after.x - before.x) + along)
-    known = {0.0: (before, at_before), end: (after, at_after)}  # points, values by distance
+    known = {0.0: (piece.before, at_before), 1.0: (piece.after, at_after)}  # by share of the piece
 
-    def tested(s: float) -> float:
-        if s not in known:
-            point = arclength.step_along(problem, before, s, scale)
-            known[s] = point, test(point)
-        return known[s][1]
+    def tested(share: float) -> float:
+        if share not in known:
+            point = piece.between(problem, share)
+            known[share] = point, test(point)
+        return known[share][1]
 
     little = _LITTLE * max(abs(at_before), abs(at_after))
     try:
-        options = {"xtol": _PRECISE * abs(end), "maxiter": _EVALUATIONS, "disp": False}
-        root = brentq(tested, 0.0, end, **options)
+        root = brentq(tested, 0.0, 1.0, xtol=_PRECISE, maxiter=_EVALUATIONS, disp=False)
         point, _ = known[root]
         # not at the root alone: within rounding of a corner a function has any value
-        beside = np.clip([root - _CLOSE * end, root + _CLOSE * end], min(0.0, end), max(0.0, end))
-        return point, all(abs(tested(float(s))) < little for s in beside)
+        beside = max(root - _CLOSE, 0.0), min(root + _CLOSE, 1.0)
+        return point, all(abs(tested(share)) < little for share in beside)
     except NotConverged:
         return list(known.values())[-1][0], False

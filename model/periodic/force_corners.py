@@ -26,7 +26,7 @@ _SIDES = np.append(-_SIDE[::-1], _SIDE)  # on both sides
 _LIMITS = np.linalg.inv(np.vander(_SIDE, increasing=True)) * [[1.0], [1.0], [2.0]]
 _NEAR = 0.02  # in samples, or in distances to the next corner
 _LEAST = 1e-5  # of that distance, in samples
-_NEWTON, _EXACT = 6, 3  # iterations on the interpolated gap; on the gap itself
+_NEWTON, _EXACT = 6, 5  # iterations on the interpolated gap; secants on the gap itself
 
 
 class Crossings(NamedTuple):
@@ -69,10 +69,14 @@ def crossings(
         with np.errstate(divide="ignore", invalid="ignore"):
             near = share - value / rate
         share = np.where((near > low) & (near < high), near, 0.5 * (low + high))
+    rate, before, last = cubic(share)[1], share, np.full(len(cell), np.nan)
     for _ in range(_EXACT if len(cell) else 0):
         value = gap_at(cell, share)[np.arange(len(cell)), which]
         with np.errstate(divide="ignore", invalid="ignore"):
-            near = share - value / cubic(share)[1]
+            secant = (value - last) / (share - before)
+            rate = np.where(np.isfinite(secant) & (secant * rate > 0), secant, rate)
+            near = share - value / rate
+        before, last = share, value
         share = np.where(np.isfinite(near), np.clip(near, 0.0, 1.0), share)
     return Crossings(cell, share, laws.corner_owner[which])
 

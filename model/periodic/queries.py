@@ -37,7 +37,7 @@ def motions_at(result: Response, value: float) -> list[Solution]:
             is_at_end = any(
                 p is end for p in (a, b) for end in ends if abs(end.value - value) <= near
             )
-            if not is_at_end and (not low <= value <= high or value == b.value):
+            if not is_at_end and not low <= value <= high:
                 continue
             solved = _between(result, a, b, value)
             # a closed branch goes a part of a step beyond its start

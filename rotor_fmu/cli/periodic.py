@@ -281,10 +281,13 @@ def _checked(result: "ResponseResult") -> list[dict[str, Any]]:
             continue
         row = {"value": point.value, "stable": point.is_stable}
         rows.append(row | {"stays": seen.stays, "distance": seen.distance})
-        what = "stable" if point.is_stable else "unstable"
+        what, more = "stable" if point.is_stable else "unstable", ""
+        if seen.stays and not point.is_stable:
+            growth = abs(point.multipliers[0]) ** (seen.turns / point.orbit.turns)
+            more = f", in which a deviation grows {growth:.3g} times"
         typer.echo(
             f"{value}, {what}: {'stays' if seen.stays else 'leaves'}, "
-            f"{seen.distance:.2g} of the orbit away after {seen.turns} turns"
+            f"{seen.distance:.2g} of the orbit away after {seen.turns} turns{more}"
         )
     return rows
 

@@ -134,7 +134,8 @@ class ResponseResult(ResponseCurves):
             f"{b.ends[0]} to {b.ends[1]}"
             for i, b in enumerate(self.branches, 1)
         )
-        return Table(f"Periodic response over {self.parameter}; branch {counts}", heads, rows)
+        of_branches = f"branch {counts}" if counts else "no branch"
+        return Table(f"Periodic response over {self.parameter}; {of_branches}", heads, rows)
 
     @cached_property
     def summary(self) -> dict[str, Any]:

@@ -151,6 +151,11 @@ def test_a_branch_that_is_not_finished_says_so_in_note_table_and_picture():
     assert "the curve is unfinished" in labels
 
 
+def test_a_response_without_a_branch_says_so_in_its_table():
+    none = ResponseResult(Response(FAINT_RUB.rotor, Task(60.0, 100.0)))
+    assert none.table().title == "Periodic response over speed; no branch"
+
+
 WORN = """
 gravity = 9.81
 [material]

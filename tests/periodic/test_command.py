@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from rotor_fmu.model.periodic import laws, queries
+from rotor_fmu.model.periodic.starting_points import Persistence
 from rotor_fmu.model.simulation import StepFailure
 
 import rotor_fmu as rf
@@ -70,6 +71,21 @@ def test_a_curve_whose_check_fails_in_time_is_written_and_why_is_said(
     assert done.returncode == 0, done.stderr
     assert "step at t = 0.1 s failed" in done.stdout
     assert json.loads((tmp_path / "out" / "response.json").read_text())["check"] == []
+
+
+def test_an_unstable_motion_on_which_the_integrator_stays_says_how_slowly_it_is_left(
+    process, monkeypatch
+):
+    stays = Persistence(50, 1e-7, True)
+    monkeypatch.setattr(queries, "integrate_from_orbit", lambda *_: stays)
+    asked = ("--speed", "135:150", "--step", "1", "--check")
+    done = process("response", "--rotor", str(JEFFCOTT), *asked)
+    lines = [line for line in done.stdout.splitlines() if "stays" in line]
+    assert {"unstable" in line for line in lines} == {True, False}
+    for line in lines:
+        grows = re.search(r"after 50 turns, in which a deviation grows (\S+) times$", line)
+        assert bool(grows) == ("unstable" in line)
+        assert not grows or float(grows[1]) > 1
 
 
 def test_a_curve_whose_check_is_stopped_is_written(process, tmp_path, monkeypatch):

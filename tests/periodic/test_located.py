@@ -2,15 +2,16 @@
 bifurcations that are located by these."""
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import scipy.integrate
 import scipy.optimize
-from rotor_fmu.model.periodic import arclength
-from rotor_fmu.model.periodic.arclength import ContinuationSteps
+from rotor_fmu.model.periodic import arclength, bifurcation_search
+from rotor_fmu.model.periodic.arclength import ContinuationSteps, CurvePoint
 from rotor_fmu.model.periodic.floquet import multipliers
-from rotor_fmu.model.periodic.force_corners import SampledOrbit
+from rotor_fmu.model.periodic.force_corners import SampledOrbit, crossings
 from rotor_fmu.model.periodic.fourier import derivative
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
@@ -50,6 +51,25 @@ def test_coefficients_of_a_force_with_corners_are_its_integrals(offset, c):
         )
         expected = -(1 / np.pi) * whole * (k % 2) * np.exp(-1j * k * phase)
         assert abs(seen[k] - expected) < 2e-7 * STIFFNESS * amplitude
+
+
+def test_a_corner_lies_where_its_gap_is_zero_although_the_samples_are_few():
+    """To a share of the interval well below that beside a corner at which a step looks."""
+    n, orders = 96, np.arange(1, 24)
+
+    def gap(t):
+        return np.sin(np.multiply.outer(t, orders) + orders**2) @ orders**-0.7
+
+    def gap_at(cell, share):
+        return gap(2 * np.pi / n * (cell + share))[:, None]
+
+    cell, share, _ = crossings(
+        SimpleNamespace(corner_owner=np.zeros(1, int)), gap_at(np.arange(-1, n + 2), 0.0), gap_at
+    )
+    at = cell + share
+    rates = gap(2 * np.pi / n * (at + 1e-6)) - gap(2 * np.pi / n * (at - 1e-6))
+    assert len(at) > 10
+    assert np.abs(gap_at(cell, share)[:, 0] / rates * 2e-6).max() < 1e-9
 
 
 def test_multipliers_do_not_depend_on_the_steps_although_a_contact_opens_and_closes(doubled):
@@ -103,6 +123,69 @@ def test_a_step_as_long_along_the_tangent_as_the_last_one_was_comes_to_its_end()
         length = a.tangent @ (b.x - a.x) + a.tangent_value * (b.value - a.value)
         again = arclength.step_along(circle, a, float(length), 1.0)
         assert abs(again.value - b.value) < 1e-6 * abs(b.value - a.value)
+
+
+class _Line:
+    """x = 0 over lambda from 0 to 1."""
+
+    tolerance, damped_beyond, is_autonomous = 1e-12, 1.0, False
+    parameter = SimpleNamespace(scale=1.0)
+
+    def linearized_with_parameter(self, x, value):
+        return x, np.eye(1), np.zeros(1)
+
+
+def test_bifurcations_that_leave_the_number_of_unstable_multipliers_unchanged_are_located(
+    monkeypatch,
+):
+    """In one step two real multipliers leave the circle at -1, while a pair enters it."""
+
+    def multipliers_at(_, point):
+        pair = (1.0 - 0.1 * (point.value - 0.5)) * np.exp([1.0j, -1.0j])
+        values = np.array([-1.0 - (point.value - 0.2), -1.0 - (point.value - 0.7), *pair])
+        return values[np.argsort(-np.abs(values), kind="stable")]
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [SimpleNamespace(multipliers=multipliers_at(None, end)) for end in ends]
+    seen = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
+    assert [b.kind for b in seen] == ["period doubling", "Neimark-Sacker", "period doubling"]
+    assert [b.point.value for b in seen] == pytest.approx([0.2, 0.5, 0.7], abs=1e-4)
+
+
+@pytest.mark.parametrize("inside", [[0.3, 0.3], [0.9j, -0.9j]])
+def test_multipliers_that_jump_past_the_circle_are_a_grazing_of_any_kind(monkeypatch, inside):
+    """Such as a pair, where a contact begins: no quasi-periodic motion begins there."""
+    outside = np.array([0.8 + 0.8j, 0.8 - 0.8j])
+
+    def multipliers_at(_, point):
+        return outside if point.value > 0.3 else np.array(inside)
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [SimpleNamespace(multipliers=multipliers_at(None, end)) for end in ends]
+    (seen,) = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
+    assert seen.kind == "grazing"
+    assert np.isnan(seen.multiplier)
+    assert seen.point.value == pytest.approx(0.3, abs=1e-8)
+
+
+def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(monkeypatch):
+    """As beside a corner, where another branch is near."""
+
+    def multipliers_at(_, point):
+        return np.array([point.value - 0.5 + 1.0])
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    far = CurvePoint(np.full(1, 3.0), 0.5 + 1e-6, np.zeros(1), 1.0)
+    monkeypatch.setattr(arclength, "correct", lambda *_: far)
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [SimpleNamespace(multipliers=multipliers_at(None, end)) for end in ends]
+    (seen,) = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
+    assert seen.point.x == 0.0
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from rotor_fmu.model.periodic.queries import folds_over
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
 
-from .machines import CLEARANCE, OMEGA, RADIUS, growth, jeffcott, rolling, rub
+from .machines import CLEARANCE, OMEGA, RADIUS, ZETA, E, growth, jeffcott, rolling, rub
 
 WHOLE = 2 * ("end of the range",)  # how both ends of a curve of folds are said
 
@@ -47,6 +47,14 @@ def test_the_curve_has_the_radii_of_the_closed_form(curve, omega, radius, unstab
         assert not result[1][1]
         assert result[2][0] < 1
         assert result[2][1]
+
+
+def test_at_the_value_of_a_point_of_the_curve_its_motion_is_given_once(curve):
+    """Such as at a seed, from which a branch goes both ways."""
+    for point in curve.points[5:40:17]:
+        found = radii(curve, point.value / OMEGA)
+        again = radii(curve, (point.value + 1e-6) / OMEGA)
+        assert [r for r, _ in found] == pytest.approx([r for r, _ in again], rel=1e-4)
 
 
 def test_it_jumps_up_and_down_where_the_closed_form_does(curve):
@@ -173,3 +181,23 @@ def test_the_integrator_stays_on_stable_motions_and_leaves_others(curve, turns):
     assert curve.check(stable, turns).distance < 1e-5
     assert curve.check(free, turns).distance < 1e-5
     assert not curve.check(unstable, turns).stays
+
+
+@pytest.mark.parametrize("width", [3.0, 30.0])
+def test_a_curve_doubles_back_where_a_contact_begins_however_narrow_the_range(width):
+    """At 138.45 rad/s, in the narrow range nearly the way it came."""
+    found = rf.response(jeffcott(), speed=(138.0, 138.0 + width), step=1.0)
+    assert {branch.ends for branch in found.branches} == {("start", "end of the range")}
+    omega = 1.4
+    r = [found.amplitude(p, "disc") / CLEARANCE for p in found.at(omega * OMEGA)]
+    whirl = E * omega**2 / abs(1 - omega**2 + 2j * ZETA * omega)
+    assert sorted(r) == pytest.approx([whirl, rub(omega, sign=-1), rub(omega)], rel=1e-6)
+
+
+@pytest.mark.slow
+def test_nor_does_a_curve_go_back_upon_itself_from_a_corner():
+    """Over the clearance the tangent beside the corner is a difference across it."""
+    over = ("contact[1].clearance", 3e-4, 3e-3)
+    found = rf.response(jeffcott(), speed=190.0, over=over, step=0.3)
+    for branch in found.branches:
+        assert [b.kind for b in branch.bifurcations].count("fold") <= 1
