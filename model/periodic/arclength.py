@@ -5,43 +5,31 @@ bent as the curve was in the last step, or along the tangent on the other side o
 the force law makes it jump; Newton's method corrects at right angles to it.
 """
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..quantities import QuantityError
+from .newton import (
+    Equations,
+    NotConverged,
+    damping_factor,
+    predicted_correction,
+    solve,
+    solve_linear,
+)
 
-TOLERANCE = 1e-9  # of Newton's last correction, where equations are as exact as that
 _SLOW_CONVERGENCE = 0.3  # of the last correction: beyond, a correction is damped
 _ITERATIONS, _DESIRED_ITERATIONS = 12, 4
-_LEAST_DAMPING = 1e-3  # factor of a correction
-_ROUNDING_RESIDUAL = 1e-9  # a smaller residual is rounding
 _LEAST_DAMPING_AHEAD = 0.05  # of a damped correction after a predictor, which a shorter step spares
-_SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is predicted, with a margin
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _LEAST_COSINE = 0.9  # least cosine of two tangents one after another
 _SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
 _GROW, _SHRINK = 1.5, 0.5
 _LARGE = 10.0  # in the units of x: size of a motion from which on steps grow with it
 _LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
-
-
-class Equations(Protocol):
-    """Equations to be solved at a value of lambda; tolerance: of Newton's last correction, in the
-    units of x; damped_beyond: size of the corrections beyond which they are damped if they do not
-    shrink."""
-
-    tolerance: float
-    damped_beyond: float
-
-    def residual(self, x: np.ndarray, value: float) -> np.ndarray:
-        """Return the residual of the equations."""
-
-    def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residual and the Jacobian."""
 
 
 class ContinuationEquations(Equations, Protocol):
@@ -83,81 +71,9 @@ class CurvePoint(NamedTuple):
         return np.append(self.tangent, self.tangent_value)
 
 
-class NotConverged(RuntimeError):
-    """Newton's method did not converge; corrections: the sizes of its corrections."""
-
-    def __init__(self, corrections: Sequence[float] = ()) -> None:
-        self.corrections = corrections
-        super().__init__("Newton's method does not converge")
-
-
 def distance(a: CurvePoint, b: CurvePoint, scale: float) -> float:
     """Return the distance of two points, with lambda over its scale."""
     return float(np.hypot(np.linalg.norm(b.x - a.x), (b.value - a.value) / scale))
-
-
-def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
-    """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`."""
-    x, corrections = x.copy(), []
-    for _ in range(iterations):
-        residual, jacobian = equations.linearized(x, value)
-        step = -_solve_linear(jacobian, residual)
-        size = float(np.linalg.norm(step))
-        if not np.isfinite(size):
-            break
-        limit = 0.5 * (1.0 + float(np.linalg.norm(x)))
-        most = min(1.0, limit / size) if size > 0 else 1.0
-        damping = _damping_factor(equations, residual, x, value, step, 0.0, most)
-        corrections.append(damping * size)
-        x += damping * step
-        if size <= equations.tolerance * (1.0 + np.linalg.norm(x)):
-            return x
-    raise NotConverged(corrections)
-
-
-def _damping_factor(
-    equations: Equations,
-    residual: np.ndarray,
-    x: np.ndarray,
-    value: float,
-    step: np.ndarray,
-    value_step: float,
-    damping: float,
-    smallest: float = _LEAST_DAMPING,
-) -> float:
-    """Return the factor for a correction of x and lambda with which the residual decreases
-    (Armijo's rule), or the smallest one tried."""
-    size = float(np.linalg.norm(residual))
-    while damping > smallest:
-        ahead = equations.residual(x + damping * step, value + damping * value_step)
-        left = float(np.linalg.norm(ahead))
-        if left <= (1.0 - 0.1 * damping) * size or size < _ROUNDING_RESIDUAL:
-            break
-        damping *= 0.5
-    return damping
-
-
-def _solve_linear(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the solution of a linear system, the least-squares one if the matrix is singular to
-    rounding."""
-    try:
-        result = np.linalg.solve(matrix, right)
-        if np.isfinite(result).all() and np.abs(result).max(initial=0.0) < 1e12:
-            return result
-    except np.linalg.LinAlgError:
-        pass
-    return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
-
-
-def _predicted_correction(corrections: list[float]) -> float:
-    """Return the predicted size of the next correction, with a margin, if the last ones converge
-    quadratically, otherwise the size of the last one."""
-    if len(corrections) < 2 or corrections[-1] > _SMALL_CORRECTION:
-        return corrections[-1]
-    last = corrections[-3:]
-    rate = max(after / (before * before) for before, after in pairwise(last) if before > 0)
-    is_shrinking = all(after < before for before, after in pairwise(last))
-    return min(last[-1], _MARGIN * rate * last[-1] ** 2) if is_shrinking else last[-1]
 
 
 def with_tangent(
@@ -166,7 +82,7 @@ def with_tangent(
     """Return the point at unknowns that solve the equations, its tangent towards larger (direction
     1) or smaller (-1) lambda."""
     _, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
-    tangent = np.append(-_solve_linear(jacobian, by_parameter), 1.0)
+    tangent = np.append(-solve_linear(jacobian, by_parameter), 1.0)
     tangent *= direction / np.linalg.norm(tangent)
     return CurvePoint(x, value, tangent[:-1], float(tangent[-1]))
 
@@ -207,7 +123,7 @@ def _newton_in_plane(
         residual, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
         bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_parameter, plane
         right[:n, 0], right[n, 1] = -residual, 1.0
-        step, tangent = _solve_linear(bordered, right).T
+        step, tangent = solve_linear(bordered, right).T
         size = float(np.linalg.norm(step))
         corrections.append(size)
         if not size < limit:
@@ -216,7 +132,7 @@ def _newton_in_plane(
         if len(corrections) > 1 and size > max(
             _SLOW_CONVERGENCE * corrections[-2], equations.damped_beyond
         ):
-            damping = _damping_factor(
+            damping = damping_factor(
                 equations, residual, x, value, step[:n], scale * step[n], 1.0, _LEAST_DAMPING_AHEAD
             )
             if damping < _LEAST_DAMPING_AHEAD:
@@ -224,7 +140,7 @@ def _newton_in_plane(
         x += damping * step[:n]
         value += scale * damping * step[n]
         of_x = 1.0 + float(np.linalg.norm(x))
-        if damping == 1.0 and _predicted_correction(corrections) <= equations.tolerance * of_x:
+        if damping == 1.0 and predicted_correction(corrections) <= equations.tolerance * of_x:
             tangent = tangent / np.linalg.norm(tangent)
             if tangent @ before < 0:
                 tangent = -tangent
@@ -335,7 +251,7 @@ def _beyond_corner(
         x = point.x + length * point.tangent
         value = point.value + length * scale * point.tangent_value
         _, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
-        beyond = np.append(-_solve_linear(jacobian, by_parameter), 1.0)
+        beyond = np.append(-solve_linear(jacobian, by_parameter), 1.0)
         beyond /= np.linalg.norm(beyond)
         for direction in (beyond, -beyond):
             x = point.x + length * direction[:-1]

@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..quantities import QuantityError
-from .arclength import TOLERANCE
 from .force_corners import SampledOrbit
 from .fourier import add_real, amplitudes, coefficients, derivative, products, resized, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
+from .newton import TOLERANCE
 
 _CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
 _ONE_SIDED_STEP = 1e-7  # of a difference by the parameter, as a share of its scale

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from . import arclength
-from .arclength import CurvePoint, NotConverged, distance
+from .arclength import CurvePoint, distance
 from .branch import (
     BRANCHING,
     DOUBLING,
@@ -24,6 +24,7 @@ from .branch import (
     with_motion,
 )
 from .method_switch import PeriodicEquations
+from .newton import NotConverged
 
 _VERTICAL = 0.05  # a smaller component of the tangent along the parameter: a fold is near
 _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier

@@ -9,13 +9,14 @@ import numpy as np
 
 from ..message_templates import Message
 from . import arclength
-from .arclength import CurvePoint, NotConverged
+from .arclength import CurvePoint
 from .balance import HarmonicBalance, Orbit
 from .branch import BRANCHING, DOUBLING, Bifurcation, Branch
 from .checkpoint import Starts
 from .continuation import BranchSearch, follow_all, is_known, start_along
 from .fourier import repeated
 from .method_switch import PeriodicEquations
+from .newton import NotConverged
 from .problem import Task
 from .shooting import Shooting
 

@@ -9,13 +9,14 @@ from functools import partial
 import numpy as np
 
 from . import arclength
-from .arclength import CurvePoint, NotConverged
+from .arclength import CurvePoint
 from .balance import Orbit
 from .branch import CLOSED, UNFINISHED, Branch, Solution, with_motion
 from .checkpoint import BranchStart, EndEvent, EventLog, StartEvent, Starts
 from .fourier import amplitudes, basis, repeated, resized, shifted
 from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
+from .newton import NotConverged
 from .problem import Machines, Note, Response
 from .shooting import Shooting
 from .tracer import TracedPoint, Tracer

@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import arclength
-from .arclength import ContinuationSteps, NotConverged
+from . import arclength, newton
+from .arclength import ContinuationSteps
 from .balance import HarmonicBalance, Orbit, by_parameter
 from .branch import why_ended
+from .newton import NotConverged
 
 _STEP = 1e-5
 
@@ -34,7 +35,7 @@ class FoldCurve(NamedTuple):
 class _Folds:
     """R = 0 and g = 0 in X = (x, lambda over its scale), over the second parameter."""
 
-    tolerance, damped_beyond = arclength.TOLERANCE, 0.0
+    tolerance, damped_beyond = newton.TOLERANCE, 0.0
 
     def __init__(self, problem_at: Callable[[float], HarmonicBalance], scale: float) -> None:
         self._balance_at, self._scale = problem_at, scale
@@ -109,7 +110,7 @@ def fold_curve(
     problem = problem_at(start)
     X = np.append(problem.join(fold), fold.parameter / problem.parameter.scale)
     equations.border(X, start)
-    X = arclength.solve(equations, X, start)
+    X = newton.solve(equations, X, start)
     sides, ends = [], []
     for direction in (-1.0, 1.0):
         point = arclength.with_tangent(equations, X, start, direction)

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import arclength
-from .arclength import ContinuationEquations, CurvePoint, NotConverged
+from .arclength import ContinuationEquations, CurvePoint
 from .balance import HarmonicBalance
+from .newton import NotConverged
 
 _LARGE_FACTOR, _SMALL_FACTOR = 1.4, 1.1  # times the harmonics, at once; where these are too many
 _BESIDE_FOLD = 0.01  # longest way along the curve to the other side of a fold

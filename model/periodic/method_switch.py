@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from .arclength import CurvePoint, NotConverged
+from .arclength import CurvePoint
 from .balance import HarmonicBalance, Orbit, last_share
 from .fourier import resized
 from .harmonic_count import Accuracy, transferred, with_enough_harmonics, with_fewer_harmonics
+from .newton import NotConverged
 from .shooting import Shooting
 
 _BACK_BELOW = 0.3  # of the share of the highest harmonics with which a motion is balanced again

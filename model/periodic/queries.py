@@ -7,13 +7,14 @@ from functools import lru_cache
 import numpy as np
 
 from ..machine.rotor import Rotor
-from . import arclength
-from .arclength import CurvePoint, NotConverged
+from . import newton
+from .arclength import CurvePoint
 from .balance import HarmonicBalance
 from .branch import FOLD, Bifurcation, Solution, solution
 from .folds import FoldCurve, fold_curve
 from .fourier import resized
 from .method_switch import PeriodicEquations
+from .newton import NotConverged
 from .problem import KEPT, SPEED, Machines, PeriodicError, Response, machines_of
 from .shooting import Shooting
 from .starting_points import Persistence, integrate_from_orbit
@@ -97,7 +98,7 @@ def _in_steps(
     (x, start), (end, last) = first, second
     step = (end - x) * (value - start) / ((last - start) * steps)
     for at_value in np.linspace(start, value, steps + 1)[1:]:
-        x = arclength.solve(problem, x + step, float(at_value))
+        x = newton.solve(problem, x + step, float(at_value))
     return x
 
 

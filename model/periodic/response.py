@@ -10,8 +10,8 @@ from ..machine.rotor import Rotor
 from ..message_templates import Message
 from ..one_thread import on_one_thread
 from ..simulation import HYSTERETIC_AS_SLOWER
-from . import arclength
-from .arclength import CurvePoint, NotConverged
+from . import arclength, newton
+from .arclength import CurvePoint
 from .balance import HarmonicBalance, Orbit
 from .branch import Branch, solution
 from .branch_switching import follow_switched
@@ -19,6 +19,7 @@ from .checkpoint import EventLog, Starts
 from .continuation import LOST, BranchSearch, ReportPoint, follow, follow_all, is_known, start_at
 from .harmonic_count import with_enough_harmonics
 from .method_switch import PeriodicEquations
+from .newton import NotConverged
 from .problem import SPEED, Machines, Note, PeriodicError, Response, Task, check, machines_of
 from .self_excited import growing_whirls, rolling_whirls
 from .shooting import Shooting
@@ -107,7 +108,7 @@ def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
         )
     problem = _problem(search.machines, task, value).modified(begin.H)
     try:
-        x = arclength.solve(problem, problem.join(begin), value)
+        x = newton.solve(problem, problem.join(begin), value)
     except NotConverged as error:
         raise PeriodicError(
             f"the given orbit is not a solution at {task.name} = {value:g}"
@@ -144,7 +145,7 @@ def _whirl_starts(search: BranchSearch) -> Starts:
             start = problem.join(guess)
             problem.fix_phase(start)
             try:
-                x = arclength.solve(problem, start, value)
+                x = newton.solve(problem, start, value)
             except NotConverged:
                 continue
             if _is_forward_whirl(problem, problem.split(x, value)):
@@ -207,14 +208,14 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
         series = _problem(machines, task, value).modified(H)
         problem: PeriodicEquations = series
         try:
-            x = arclength.solve(problem, problem.join(guess), value)
+            x = newton.solve(problem, problem.join(guess), value)
         except NotConverged:
             if not task.needs_shooting(guess):
                 continue
             guess = guess._replace(parameter=value)
             try:
                 problem = Shooting(series, guess)
-                x = arclength.solve(problem, problem.join(guess), value)
+                x = newton.solve(problem, problem.join(guess), value)
             except NotConverged:
                 continue
         is_found = True

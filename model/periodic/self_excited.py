@@ -11,10 +11,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from . import arclength
-from .arclength import NotConverged
+from . import newton
 from .balance import HarmonicBalance, Orbit
 from .floquet import Frequencies, modal_basis, tangents_by_y
+from .newton import NotConverged
 
 _RADII = 1.0 + np.geomspace(1e-3, 1e7, 150)  # in clearances
 _MOST_GUESSES = 8
@@ -26,7 +26,7 @@ class _RestEquations:
     """The equations of a machine at rest, without its unbalance, in the mean displacements of the
     interfaces and the laws' internal states."""
 
-    tolerance, damped_beyond = arclength.TOLERANCE, 0.0
+    tolerance, damped_beyond = newton.TOLERANCE, 0.0
 
     def __init__(self, problem: HarmonicBalance, value: float) -> None:
         self.machine, self.speed = problem.machine_at(value), problem.speed_at(value)
@@ -71,7 +71,7 @@ def growing_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
     start = np.append(np.zeros(b), machine.laws.starts)
     for lowered in _LOWERED:
         try:
-            x = arclength.solve(rest, start + lowered * down, value)
+            x = newton.solve(rest, start + lowered * down, value)
             break
         except NotConverged:
             continue

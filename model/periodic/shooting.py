@@ -18,7 +18,6 @@ from typing import NamedTuple
 import numpy as np
 
 from . import mesh
-from .arclength import NotConverged
 from .balance import HarmonicBalance, Orbit, by_parameter
 from .entry_points import Propagators
 from .floquet import (
@@ -35,6 +34,7 @@ from .floquet import (
 )
 from .fourier import amplitudes, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
+from .newton import NotConverged
 from .stepping import integrate_period
 
 _HARMONICS = 256  # at least, of the orbit that is given

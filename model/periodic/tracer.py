@@ -5,12 +5,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from . import arclength
-from .arclength import ContinuationSteps, CurvePoint, NotConverged, distance
+from .arclength import ContinuationSteps, CurvePoint, distance
 from .balance import HarmonicBalance
 from .bifurcation_search import bifurcations_between
 from .branch import CLOSED, Bifurcation, Solution, solution, why_ended
 from .harmonic_count import Accuracy, with_enough_harmonics
 from .method_switch import PeriodicEquations, as_shooting, suitable_equations
+from .newton import NotConverged
 from .shooting import Shooting
 
 _NEAR_START = 0.5  # share of a step: the branch has come back to its start

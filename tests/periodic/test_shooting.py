@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scipy.integrate
 from rotor_fmu.model.periodic import mesh
-from rotor_fmu.model.periodic.arclength import solve
+from rotor_fmu.model.periodic.newton import solve
 from rotor_fmu.model.periodic.branch_switching import follow_switched
 from rotor_fmu.model.periodic.checkpoint import EventLog
 from rotor_fmu.model.periodic.continuation import BranchSearch, follow, start_at

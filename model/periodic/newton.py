@@ -1,0 +1,100 @@
+"""Damped Newton's method for R(x, lambda) = 0 at a value of lambda, and what continuation shares
+with it."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+TOLERANCE = 1e-9  # of Newton's last correction, where equations are as exact as that
+_LEAST_DAMPING = 1e-3  # factor of a correction
+_ROUNDING_RESIDUAL = 1e-9  # a smaller residual is rounding
+_SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is predicted, with a margin
+
+
+class Equations(Protocol):
+    """Equations to be solved at a value of lambda; tolerance: of Newton's last correction, in the
+    units of x; damped_beyond: size of the corrections beyond which they are damped if they do not
+    shrink."""
+
+    tolerance: float
+    damped_beyond: float
+
+    def residual(self, x: np.ndarray, value: float) -> np.ndarray:
+        """Return the residual of the equations."""
+
+    def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the residual and the Jacobian."""
+
+
+class NotConverged(RuntimeError):
+    """Newton's method did not converge; corrections: the sizes of its corrections."""
+
+    def __init__(self, corrections: Sequence[float] = ()) -> None:
+        self.corrections = corrections
+        super().__init__("Newton's method does not converge")
+
+
+def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
+    """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`."""
+    x, corrections = x.copy(), []
+    for _ in range(iterations):
+        residual, jacobian = equations.linearized(x, value)
+        step = -solve_linear(jacobian, residual)
+        size = float(np.linalg.norm(step))
+        if not np.isfinite(size):
+            break
+        limit = 0.5 * (1.0 + float(np.linalg.norm(x)))
+        most = min(1.0, limit / size) if size > 0 else 1.0
+        damping = damping_factor(equations, residual, x, value, step, 0.0, most)
+        corrections.append(damping * size)
+        x += damping * step
+        if size <= equations.tolerance * (1.0 + np.linalg.norm(x)):
+            return x
+    raise NotConverged(corrections)
+
+
+def damping_factor(
+    equations: Equations,
+    residual: np.ndarray,
+    x: np.ndarray,
+    value: float,
+    step: np.ndarray,
+    value_step: float,
+    damping: float,
+    smallest: float = _LEAST_DAMPING,
+) -> float:
+    """Return the factor for a correction of x and lambda with which the residual decreases
+    (Armijo's rule), or the smallest one tried."""
+    size = float(np.linalg.norm(residual))
+    while damping > smallest:
+        ahead = equations.residual(x + damping * step, value + damping * value_step)
+        left = float(np.linalg.norm(ahead))
+        if left <= (1.0 - 0.1 * damping) * size or size < _ROUNDING_RESIDUAL:
+            break
+        damping *= 0.5
+    return damping
+
+
+def solve_linear(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the solution of a linear system, the least-squares one if the matrix is singular to
+    rounding."""
+    try:
+        result = np.linalg.solve(matrix, right)
+        if np.isfinite(result).all() and np.abs(result).max(initial=0.0) < 1e12:
+            return result
+    except np.linalg.LinAlgError:
+        pass
+    return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
+
+
+def predicted_correction(corrections: list[float]) -> float:
+    """Return the predicted size of the next correction, with a margin, if the last ones converge
+    quadratically, otherwise the size of the last one."""
+    if len(corrections) < 2 or corrections[-1] > _SMALL_CORRECTION:
+        return corrections[-1]
+    last = corrections[-3:]
+    rate = max(after / (before * before) for before, after in pairwise(last) if before > 0)
+    is_shrinking = all(after < before for before, after in pairwise(last))
+    return min(last[-1], _MARGIN * rate * last[-1] ** 2) if is_shrinking else last[-1]
