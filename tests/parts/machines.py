@@ -7,6 +7,7 @@ from rotor_fmu.model.simulation import Simulation
 
 STEEL = "[material]\nyoung = 2.1e11\ndensity = 7800.0\n"
 SHAFT = 1e-4  # mass of the light shaft of `rigid` [kg]
+IN_THE_AIR = "[start]\nx = 0.0\n"
 
 
 def rigid(mass=1.0, gravity=0.0, parts="", rest=""):
@@ -117,3 +118,13 @@ def end_of(text, duration=0.01, h=1e-4, speed=150.0, loads=None, probe=0):
     for t in np.linspace(0, duration, 5)[1:]:
         sim.advance(t, speed + 500.0 * sim.time, loads)
     return sim.motion.q[sim.structure.probes[probe].dof], sim
+
+
+def started(z, v=0j):
+    """Parameters of a start in the air at a displacement [m] with a velocity [m/s]."""
+    return {"start.x": z.real, "start.y": z.imag, "start.vx": v.real, "start.vy": v.imag}
+
+
+def robust(h, **more):
+    """Steps of a fixed length [s]."""
+    return {"solver.preset": 0, "solver.h": h, **{f"solver.{k}": v for k, v in more.items()}}
