@@ -100,11 +100,11 @@ def engine(where: ExecutorConfig) -> Iterator[Engine]:
 
 
 class _Processes(ProcessPoolExecutor):
-    """Workers that ignore Ctrl-C from their start, which is when they are given work."""
+    """Workers that Ctrl-C does not reach from their start on, which is when they are given work."""
 
     def submit(self, *work: Any, **named: Any) -> Future:
         """Schedule a call, as `Executor.submit` does."""
-        with _interrupts_ignored():
+        with _interrupts_deferred():
             return super().submit(*work, **named)
 
 
@@ -122,17 +122,17 @@ def _begin_worker() -> None:
 
 
 @contextlib.contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Ignore Ctrl-C while processes are started, which inherit that; it is left to the caller. A
-    call in another thread than the main one, where Python sets no signals, leaves it as it is."""
-    if threading.current_thread() is not threading.main_thread():
+def _interrupts_deferred() -> Iterator[None]:
+    """Keep Ctrl-C from processes that are started, which inherit that the signal is blocked; one
+    that comes meanwhile ends the call afterwards. Windows blocks no signals."""
+    if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager
@@ -156,7 +156,7 @@ def _dask(where: ExecutorConfig) -> Iterator[Engine]:
         address: Any = where.scheduler
         if where.cluster:
             stack.enter_context(_environment(ONE_THREAD))
-            with _interrupts_ignored():
+            with _interrupts_deferred():
                 cluster = dask.LocalCluster(
                     where.cluster,
                     threads_per_worker=1,

@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -42,6 +42,18 @@ def test_ctrl_c_ends_no_worker_that_has_just_been_started():
         assert theirs.result() == signal.SIG_IGN
 
 
+def test_ctrl_c_while_a_worker_is_started_is_not_lost(monkeypatch):
+    monkeypatch.setattr(
+        ProcessPoolExecutor, "submit", lambda *_: os.kill(os.getpid(), signal.SIGINT)
+    )
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may ignore it
+    try:
+        with engine(ExecutorConfig(1)) as made, pytest.raises(KeyboardInterrupt):
+            made.executor.submit(os.getpid)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def test_processes_may_be_started_in_any_thread():
     with engine(ExecutorConfig(1)) as made, ThreadPoolExecutor(1) as threads:
         assert threads.submit(made.executor.submit, os.getppid).result().result() == os.getpid()
@@ -49,11 +61,10 @@ def test_processes_may_be_started_in_any_thread():
 
 @pytest.mark.slow
 def test_workers_of_a_local_cluster_leave_ctrl_c_to_the_call():
-    before = signal.getsignal(signal.SIGINT)
     with engine(ExecutorConfig(cluster=1)) as made:
-        theirs = made.executor.submit(signal.getsignal, signal.SIGINT).result()
-        assert signal.getsignal(signal.SIGINT) == before
-    assert theirs == signal.SIG_IGN
+        assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+        theirs = made.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, ()).result()
+    assert signal.SIGINT in theirs
 
 
 @pytest.mark.slow
