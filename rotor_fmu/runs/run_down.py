@@ -116,11 +116,10 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
     interrupts: list[int] = []
     try:
         description = fmpy.read_model_description(folder)
-        instance = _instantiate(fmu, folder, description, log)
         with interrupts_noted() as interrupts:
             fmpy.simulate_fmu(
                 folder,
-                fmu_instance=instance,
+                fmu_instance=_instantiate(fmu, folder, description, log),
                 model_description=description,
                 validate=False,
                 start_time=0.0,

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 import runpy
 import signal
@@ -10,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+import fmpy
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
@@ -299,6 +301,26 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
     assert "Traceback" not in said
     assert not (tmp_path / "summary.json").exists()
     assert not (tmp_path / "run_down.csv").exists()
+
+
+def test_ctrl_c_while_an_fmu_is_instantiated_ends_the_run_in_one_line(process, monkeypatch):
+    instantiate = fmpy.instantiate_fmu
+
+    def interrupted(*arguments, **named):
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+        except KeyboardInterrupt:  # which an FMU in Python makes an error of its own
+            raise RuntimeError("Failed to instantiate model") from None
+        return instantiate(*arguments, **named)
+
+    monkeypatch.setattr(fmpy, "instantiate_fmu", interrupted)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may ignore it
+    try:
+        done = process("run-down", "--stop", "0.1", "--out", ".")
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert done.returncode == 130
+    assert "stopped" in done.stderr
 
 
 @pytest.mark.usefixtures("undrawn")
