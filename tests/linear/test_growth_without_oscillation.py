@@ -54,6 +54,15 @@ def test_a_rotor_that_nothing_holds_does_not_grow_by_rounding():
     assert campbell(free, [0.0, 100.0], contacts="open").threshold is None
 
 
+def test_what_nothing_holds_is_said_and_has_no_critical_speed():
+    """A rotor on one bearing alone, about which it may tilt."""
+    hinged = parse_rotor(SHAFT + PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7))
+    title = answers.modes(hinged, 0.0).table().title
+    assert "; nothing holds mode 1, of frequency 0 but rounding" in title
+    assert "too far apart" not in title
+    assert not campbell(hinged, [0.0, 200.0, 400.0]).critical
+
+
 def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
     cases = level_2(pulled("seal"), 300.0).cases
     assert [case.log_dec == -math.inf for case in cases] == [False, True]
