@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..cells import five_digits
 from ..display import current, shown_speed, speed_with_unit
 from ..model import linear
 from ..model.linear.modes import FORWARD
@@ -139,7 +140,7 @@ class Campbell(Displayed, linear.Campbell):
             for c in self.critical
         ]
         low, high = self.speeds[[0, -1]] * d.speed
-        between = f"{low:.5g} and {high:.5g} {d.speed_unit}"
+        between = f"{five_digits(low)} and {five_digits(high)} {d.speed_unit}"
         stability = "stable at all these speeds"
         if self.threshold is not None:
             already = "already at" if self.threshold in self.speeds else "above"
