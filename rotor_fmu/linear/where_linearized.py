@@ -12,9 +12,11 @@ from ..model.parts.floating_ring_bearing import FloatingRingBearing
 from ..model.parts.journal_bearing import JournalBearing
 
 
-def where_linearized(machine: Rotor, speeds: Collection[float]) -> list[str]:
+def where_linearized(
+    machine: Rotor, speeds: Collection[float], *, follows_force: bool = False
+) -> list[str]:
     """Return a sentence for each table outside of which some of these speeds [rad/s] lie, and for
-    oil films."""
+    oil films; follows_force: whether what follows a vibration has the frequency of a force."""
     ends = sorted({min(speeds), max(speeds)})
     tables = speed_ranges(machine)
     result = [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
@@ -28,7 +30,7 @@ def where_linearized(machine: Rotor, speeds: Collection[float]) -> list[str]:
     pads = [name for name, part in films.items() if getattr(part, "tilting", False)]
     rings = [name for name, part in films.items() if isinstance(part, FloatingRingBearing)]
     for what, named in (("pads that tilt", pads), ("rings", rings)):
-        if named:
+        if named and not follows_force:
             result.append(
                 f"their {what} follow a vibration at the frequency of rotation; slower whirls have "
                 f"another damping, which a run shows: {', '.join(named)}"
