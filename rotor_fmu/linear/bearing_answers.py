@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ..cells import five_digits
 from ..display import current, speed_with_unit
@@ -70,7 +71,7 @@ class BearingCurves(Displayed, linear.BearingCurves):
             return f"a mass that weighs its load {where}"
         if self.mass == 0.0:
             return "it bears no load"
-        mass = f"a mass of {self.mass * d.mass:.4g} {d.mass_unit} on it"
+        mass = f"a mass of {five_digits(self.mass * d.mass)} {d.mass_unit} on it"
         if self.threshold is None:
             return f"{mass} does not whirl"
         is_slowest = self.threshold not in self.turns
@@ -303,6 +304,7 @@ class RollingCurves(Displayed, linear.RollingCurves):
         under = [f"under {load:.4g} {d.force_unit}" for load in loads]
         entitle(around, f"Load of each element [{d.force_unit}], {under[last]}", 9)
         around.tick_params(labelsize=8)
+        around.yaxis.set_major_locator(MaxNLocator(4))  # more numbers run into each other
         turned = np.linspace(0.0, 1.0, self.K_passing.shape[1] + 1)
         for i, line in ((last, "-"), (0, "--"))[: 2 if last else 1]:
             for axis, color in ((0, BLUE), (1, ORANGE)):
