@@ -189,9 +189,10 @@ def frequency_response(
         ends = usual_frequencies(machine, at, contacts, _FREQUENCIES)
     points = np.geomspace(ends[0], ends[-1], len(ends))
     result = compute(machine, points, speed=at, contacts=contacts)
-    say_where_linearized(machine, [at], follows_force=True)
-    for sentence in where_not_reached(machine, [at], contacts) if loop is None else ():
-        typer.echo(sentence)
+    if loop is None:  # loops hold a machine, and their answer says whether they do
+        say_where_linearized(machine, [at], follows_force=True)
+        for sentence in where_not_reached(machine, [at], contacts):
+            typer.echo(sentence)
     return print_answer(result, out, "frequency_response")
 
 
