@@ -63,6 +63,14 @@ def test_what_nothing_holds_is_said_and_has_no_critical_speed():
     assert not campbell(hinged, [0.0, 200.0, 400.0]).critical
 
 
+def test_rounding_of_what_nothing_holds_is_no_logarithmic_decrement():
+    """Of a rotor on two dampers, at a speed: the sensitivity is that of the modes that are held."""
+    damper = "[[linear_bearing]]\nnode = {}\nkxx = 0.0\nkyy = 0.0\ncxx = {}\ncyy = {}\n"
+    rotor = parse_rotor(SHAFT + damper.format(1, 2e3, 2e3) + damper.format(5, 1e3, 1e3))
+    one = level_1(rotor, 300.0, node=4)
+    assert 0.0 < -one.sensitivity * one.threshold < 10.0 * one.log_dec_alone
+
+
 def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
     cases = level_2(pulled("seal"), 300.0).cases
     assert [case.log_dec == -math.inf for case in cases] == [False, True]
