@@ -13,7 +13,14 @@ def cell(value: object, spec: str = "") -> str:
         return "-"
     if isinstance(value, str):
         return value
-    return format(value, spec or (".5g" if isinstance(value, float) else ""))
+    if isinstance(value, float) and not spec:
+        return five_digits(value)
+    return format(value, spec)
+
+
+def five_digits(value: float) -> str:
+    """Return a number to five digits, of one up to ten million all that are before the point."""
+    return f"{value:.0f}" if 99999.5 <= abs(value) < 1e7 else f"{value:.5g}"
 
 
 def html_table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import wraps
 from typing import Any, NamedTuple, TypeVar, cast
 
+from .cells import five_digits
 from .errors import InputError
 from .model.near_names import near_names
 
@@ -178,14 +179,14 @@ def shown_speed(omega: float) -> str:
 
 def speed_with_unit(omega: float) -> str:
     """Return a speed [rad/s] in the unit that is shown, to five digits, with the unit."""
-    return f"{float(omega) * current().speed:.5g} {current().speed_unit}"
+    return f"{five_digits(float(omega) * current().speed)} {current().speed_unit}"
 
 
 def range_with_unit(low: float, high: float) -> str:
     """Return a range of speeds [rad/s], which may be one speed, in words: `at 8000 rpm`."""
     if low == high:
         return f"at {speed_with_unit(high)}"
-    return f"between {low * current().speed:.5g} and {speed_with_unit(high)}"
+    return f"between {five_digits(low * current().speed)} and {speed_with_unit(high)}"
 
 
 @contextmanager

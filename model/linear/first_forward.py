@@ -10,8 +10,9 @@ it. And a rotor is not stable because one of its modes is. So:
    of both that cross coupling makes grow first.
 2. It is followed by its eigenvalue while seals and cross coupling are added.
 3. The verdict is about the least logarithmic decrement of it, of the modes up to twice the speed
-   that do not clearly whirl backward, and of all of the lowest modes that grow. What grows
-   without oscillating, as with a negative stiffness, is unstable whatever these are.
+   that do not clearly whirl backward, and of all of the lowest modes that grow, of those that
+   something holds. What grows without oscillating, as with a negative stiffness, is unstable
+   whatever these are.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -188,7 +189,7 @@ def _pair(followed: _Followed, amount: float) -> Pair:
     roots = found.eigenvalues
     grows = roots.real > (_ROUNDING + found.residuals) * np.abs(roots)
     is_low = roots.imag <= _HIGHEST * abs(found.speed)
-    counts = grows | (is_low & (found.forwardness > -_IN_DOUBT))
+    counts = (grows | (is_low & (found.forwardness > -_IN_DOUBT))) & found.is_held
     if len(found.growing):
         return Pair(first, complex(found.growing[0]))
     return Pair(first, max((first, *roots[counts].tolist()), key=lambda r: r.real / r.imag))

@@ -80,6 +80,11 @@ class Modes(Spectrum):
         return self.natural > self._rounding
 
     @property
+    def is_of_housings(self) -> np.ndarray:
+        """Which modes are motions of housings alone, while the rotor rests; shape (m,)."""
+        return ~np.hstack([self.x, self.y]).any(axis=1)
+
+    @property
     def growing(self) -> np.ndarray:
         """Those of `decays` that grow by more than rounding [1/s]: motions away from equilibrium
         that do not oscillate, as with a negative stiffness."""
@@ -116,7 +121,7 @@ class Modes(Spectrum):
 
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the parts of the nodes, and of the housings where no node moves."""
-        is_alone = ~np.hstack([self.x, self.y]).any(axis=1, keepdims=True)
+        is_alone = self.is_of_housings[:, None]
         x = np.hstack([self.x, self.housing_x * is_alone])
         y = np.hstack([self.y, self.housing_y * is_alone])
         return (x + 1j * y) / 2, (x - 1j * y).conj() / 2

@@ -14,6 +14,8 @@ from ..linear.linear_plots import titled
 from ..linear.linear_tables import Table
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
 
+_LINEAR = 0.1  # of the initial vibration: what a linear machine's differs by from the expected one
+
 
 class Vibration(NamedTuple):
     """Once-per-revolution vibration of a node (from 1) along an axis at a speed [rad/s], complex
@@ -77,9 +79,17 @@ class Balancing(Displayed):
     def residual(self) -> float:
         """The vibration in the run with the correction, as a share of the initial one [1], by their
         root mean squares."""
+        return self._share([v.corrected for v in self.vibrations])
+
+    @property
+    def departure(self) -> float:
+        """How far the vibration with the correction is from the expected one, as a share of the
+        initial one [1], by their root mean squares: small where the machine is linear."""
+        return self._share([v.corrected - v.expected for v in self.vibrations])
+
+    def _share(self, values: list[complex]) -> float:
         before = np.array([v.initial for v in self.vibrations])
-        after = np.array([v.corrected for v in self.vibrations])
-        return float(np.linalg.norm(after) / np.linalg.norm(before))
+        return float(np.linalg.norm(values) / np.linalg.norm(before))
 
     def table(self) -> Table:
         """Return a table with a row for each plane, for each bearing's plane, and for each
@@ -130,6 +140,12 @@ class Balancing(Displayed):
             )
         if self.touches:
             title += "; a contact closed during a run: the coefficients are not a linear machine's"
+        if self.departure > _LINEAR:
+            title += (
+                f"; with the correction it is {100 * self.departure:.3g} % of the initial one off "
+                "the expected: the machine is not linear in these unbalances; try a smaller --trial"
+                " or a second balancing"
+            )
         title = "; ".join([title, *self.messages])
         return Table(title, heads, [*planes, *left_in_planes, *measured])
 

@@ -174,6 +174,7 @@ def frequency_response(
         raise InputError(f"--zones {zones}: are of --loop, which is not given")
     bounds = () if zones is None else _zones(zones)
     from ..linear import frequency_answers as answers
+    from ..linear.where_linearized import where_not_reached
 
     compute: Callable[..., answers.FrequencyResponse | answers.Sensitivity]
     if loop is not None:
@@ -188,6 +189,10 @@ def frequency_response(
         ends = usual_frequencies(machine, at, contacts, _FREQUENCIES)
     points = np.geomspace(ends[0], ends[-1], len(ends))
     result = compute(machine, points, speed=at, contacts=contacts)
+    if loop is None:  # loops hold a machine, and their answer says whether they do
+        say_where_linearized(machine, [at], follows_force=True)
+        for sentence in where_not_reached(machine, [at], contacts):
+            typer.echo(sentence)
     return print_answer(result, out, "frequency_response")
 
 

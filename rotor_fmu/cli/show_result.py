@@ -25,11 +25,14 @@ def machine_in_units(file: Path | None, units: str | None, option: str = "--roto
     return machine
 
 
-def say_where_linearized(machine: Rotor, speeds: Collection[float]) -> None:
-    """Say what a linear answer at these speeds [rad/s] takes for granted."""
+def say_where_linearized(
+    machine: Rotor, speeds: Collection[float], *, follows_force: bool = False
+) -> None:
+    """Say what a linear answer at these speeds [rad/s] takes for granted; see `where_linearized`
+    for the rest."""
     from ..linear.where_linearized import where_linearized
 
-    for sentence in where_linearized(machine, speeds):
+    for sentence in where_linearized(machine, speeds, follows_force=follows_force):
         typer.echo(sentence)
 
 

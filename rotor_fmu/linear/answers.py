@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..cells import five_digits
 from ..display import current, shown_speed, speed_with_unit
 from ..model import linear
 from ..model.linear.modes import FORWARD
@@ -54,12 +55,17 @@ class Modes(Displayed, linear.Modes):
         title = f"Modes at {turns(self.speed, self.contacts)}"
         if len(self.growing):
             title += f"; UNSTABLE: a motion grows without oscillating, {self.growing[0]:.4g} 1/s"
-        if not self.is_sound.all():
-            numbers = ", ".join(str(i + 1) for i in np.flatnonzero(~self.is_sound))
+        is_doubtful = ~self.is_sound & self.is_held
+        if is_doubtful.any():
             title += (
-                f"; of mode {numbers} rounding leaves residuals up to {np.max(self.residuals):.1g}:"
+                f"; of mode {_numbers(is_doubtful)} rounding leaves residuals up to "
+                f"{np.max(self.residuals[is_doubtful]):.1g}:"
                 " its stiffnesses and masses lie too far apart"
             )
+        if not self.is_held.all():
+            title += f"; nothing holds mode {_numbers(~self.is_held)}, of frequency 0 but rounding"
+        if self.is_of_housings.any():
+            title += f"; in mode {_numbers(self.is_of_housings)} housings move alone"
         columns = (
             ("mode", range(1, len(self.damped) + 1)),
             (f"f_d [{d.frequency_unit}]", self.damped * d.speed),
@@ -70,6 +76,10 @@ class Modes(Displayed, linear.Modes):
             ("whirl", self.whirl),
         )
         return Table.of(title, columns)
+
+    def motion(self, mode: int) -> str:
+        """Return in a word or two how a mode, counted from 0, moves."""
+        return f"{self.whirl[mode]}{', housings alone' if self.is_of_housings[mode] else ''}"
 
     def figure(self) -> Figure:
         """Draw the shapes of the lowest modes: each plane at the instant of its largest
@@ -92,7 +102,7 @@ class Modes(Displayed, linear.Modes):
             axes.margins(y=0.08)
             frequency = f"{shown_speed(self.damped[i])} {current().frequency_unit}"
             damping = f"damping {_clean(self.damping_ratio[i]):.2g}"
-            entitle(axes, f"{i + 1}: {frequency}, {self.whirl[i]}, {damping}", 9)
+            entitle(axes, f"{i + 1}: {frequency}, {self.motion(i)}, {damping}", 9)
             if i + columns >= shown:
                 axes.set_xlabel(f"Along the shaft z [{current().length_unit}]")
                 axes.tick_params(labelbottom=True)
@@ -105,6 +115,11 @@ class Modes(Displayed, linear.Modes):
         title = f"Modes at {turns(self.speed, self.contacts)}"
         entitle(figure, titled(self.machine_name, title))
         return figure
+
+
+def _numbers(are: np.ndarray) -> str:
+    """Return the numbers, from 1, of the modes that are something."""
+    return ", ".join(str(i + 1) for i in np.flatnonzero(are))
 
 
 def _clean(ratio: Any) -> Any:
@@ -125,7 +140,7 @@ class Campbell(Displayed, linear.Campbell):
             for c in self.critical
         ]
         low, high = self.speeds[[0, -1]] * d.speed
-        between = f"{low:.5g} and {high:.5g} {d.speed_unit}"
+        between = f"{five_digits(low)} and {five_digits(high)} {d.speed_unit}"
         stability = "stable at all these speeds"
         if self.threshold is not None:
             already = "already at" if self.threshold in self.speeds else "above"

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
+from ..cells import five_digits
 from ..display import current, speed_with_unit
 from ..model import linear
 from ..model.linear.journal_bearing_curves import ANGLES
@@ -69,7 +71,7 @@ class BearingCurves(Displayed, linear.BearingCurves):
             return f"a mass that weighs its load {where}"
         if self.mass == 0.0:
             return "it bears no load"
-        mass = f"a mass of {self.mass * d.mass:.4g} {d.mass_unit} on it"
+        mass = f"a mass of {five_digits(self.mass * d.mass)} {d.mass_unit} on it"
         if self.threshold is None:
             return f"{mass} does not whirl"
         is_slowest = self.threshold not in self.turns
@@ -88,7 +90,7 @@ class BearingCurves(Displayed, linear.BearingCurves):
         d, (varied, unit, what) = current(), what_varies(self)
         locus.plot(*parted(varied, x, y)[1:], "-", color=BLUE, lw=1.4)
         for i, color in ((0, BLUE), (len(x) - 1, ORANGE)):
-            label = f"{varied[i]:.4g} {unit}"
+            label = f"{five_digits(varied[i])} {unit}"
             locus.plot(x[i], y[i], "o", color=color, label=label)
             around.plot(np.degrees(ANGLES), self.around[i] * d.pressure, color=color, label=label)
             if i == 0 or tilts:
@@ -244,7 +246,7 @@ class RingCurves(Displayed, linear.RingCurves):
         locus.plot(circle.real, circle.imag, color="black", lw=1.2, label="outer clearance")
         locus.set_aspect("equal")
         locus.set(xlabel=f"x [{d.small_word}]", ylabel=f"y [{d.small_word}]")
-        entitle(locus, f"Journal and ring at rest; dots at {varied[0]:.4g} {unit}", 9)
+        entitle(locus, f"Journal and ring at rest; dots at {five_digits(varied[0])} {unit}", 9)
         locus.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 0.92))
         ratio.plot(*parted(varied, self.ratio), mark, ms=4, color=BLUE, lw=1.4)
         ratio.set_ylabel("Speed of the ring over the rotor's [1]")
@@ -302,6 +304,7 @@ class RollingCurves(Displayed, linear.RollingCurves):
         under = [f"under {load:.4g} {d.force_unit}" for load in loads]
         entitle(around, f"Load of each element [{d.force_unit}], {under[last]}", 9)
         around.tick_params(labelsize=8)
+        around.yaxis.set_major_locator(MaxNLocator(4))  # more numbers run into each other
         turned = np.linspace(0.0, 1.0, self.K_passing.shape[1] + 1)
         for i, line in ((last, "-"), (0, "--"))[: 2 if last else 1]:
             for axis, color in ((0, BLUE), (1, ORANGE)):

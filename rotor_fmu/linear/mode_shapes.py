@@ -34,8 +34,8 @@ def mode_shapes_figure(result: Modes) -> Figure:
         axes.plot(fine, x, y, color="black", lw=1.6)
         axes.plot(z, result.x[i].real, result.y[i].real, "o", color="black", ms=2.5)
         widest = 1.05 * max(np.abs(each).max() for each in (result.x[i], result.y[i], x, y))
-        axes.set_ylim(-widest, widest)
-        axes.set_zlim(-widest, widest)
+        axes.set_ylim(-(widest or 1.0), widest or 1.0)  # 0 where housings move alone
+        axes.set_zlim(*axes.get_ylim())
         axes.set_box_aspect((2.4, 1, 1), zoom=1.25)
         for drawn in axes.lines:  # the box is larger than what the picture has kept for it
             drawn.set_clip_on(False)
@@ -46,7 +46,7 @@ def mode_shapes_figure(result: Modes) -> Figure:
         axes.tick_params(labelsize=7, pad=-2)
         axes.set_xlabel(f"z [{current().length_unit}]", fontsize=7, labelpad=-4)
         frequency = f"{shown_speed(result.damped[i])} {current().frequency_unit}"
-        axes.set_title(f"{i + 1}: {frequency}, {result.whirl[i]}", fontsize=9, y=0.98)
+        axes.set_title(f"{i + 1}: {frequency}, {result.motion(i)}", fontsize=9, y=0.98)
     state = turns(result.speed, result.contacts)
     entitle(figure, titled(result.machine_name, f"Mode shapes at {state}; x across, y up"))
     return figure

@@ -1,5 +1,6 @@
-"""What linear answers take for granted: the ends of tables, where oil films are linearized, how
-tilting pads and floating rings follow, and that the machine is stable."""
+"""What linear answers take for granted: the ends of tables, that something holds the machine,
+where oil films are linearized, how tilting pads and floating rings follow, and that the machine is
+stable."""
 
 from collections.abc import Collection
 
@@ -12,23 +13,30 @@ from ..model.parts.floating_ring_bearing import FloatingRingBearing
 from ..model.parts.journal_bearing import JournalBearing
 
 
-def where_linearized(machine: Rotor, speeds: Collection[float]) -> list[str]:
-    """Return a sentence for each table outside of which some of these speeds [rad/s] lie, and for
-    oil films."""
+def where_linearized(
+    machine: Rotor, speeds: Collection[float], *, follows_force: bool = False
+) -> list[str]:
+    """Return a sentence for each table outside of which some of these speeds [rad/s] lie, for a
+    machine that nothing holds under its weight, and for oil films; follows_force: whether what
+    follows a vibration has the frequency of a force."""
     ends = sorted({min(speeds), max(speeds)})
     tables = speed_ranges(machine)
     result = [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
+    linear = LinearMachine(machine)
+    if linear.weight.any() and not linear.is_held:
+        where = "linearized in the middle of all clearances, as if it had no weight"
+        result.append(f"{linear.why_not_held()}; {where}")
     kinds = JournalBearing, FloatingRingBearing
     films = {name: part for name, part in machine.named_parts() if isinstance(part, kinds)}
     if names := ", ".join(films):
         where = "where its journal rests at that speed"
-        if not any(speeds) and not LinearMachine(machine).holds_at(0.0):
+        if not any(speeds) and not linear.holds_at(0.0):
             where = "in the middle of its clearance, since at standstill it carries nothing"
         result.append(f"oil films, each linearized {where}: {names}")
     pads = [name for name, part in films.items() if getattr(part, "tilting", False)]
     rings = [name for name, part in films.items() if isinstance(part, FloatingRingBearing)]
     for what, named in (("pads that tilt", pads), ("rings", rings)):
-        if named:
+        if named and not follows_force:
             result.append(
                 f"their {what} follow a vibration at the frequency of rotation; slower whirls have "
                 f"another damping, which a run shows: {', '.join(named)}"

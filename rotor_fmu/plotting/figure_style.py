@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
 from matplotlib.text import Text
+from matplotlib.ticker import AutoLocator
 
 from ..files import unfinished
 
@@ -18,6 +19,8 @@ BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe 
 LABEL = "#555555"  # of words in a picture
 PURPLE, SKY, BLACK = "#cc79a7", "#56b4e9", "#000000"
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", SKY, BLACK, GREY)
+# Widths of a number at an axis, of its digits and of the gap to the next, in sizes of its letters.
+_ASSUMED, _DIGIT, _BETWEEN = 3.0, 0.64, 0.6  # the first one is Matplotlib's
 DASHED, DOTTED, LIMIT = (0, (4, 2)), (0, (1, 1.5)), (0, (4, 3))  # of lines
 
 
@@ -32,6 +35,21 @@ class PlainFigure(Figure):
             written = text.get_text()
             text.set_parse_math(not written or "mathdefault" in written)
         super().draw(renderer)
+
+
+class _ApartLocator(AutoLocator):
+    """Ticks so far apart that numbers of six digits below them do not run into each other."""
+
+    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
+        """Return the places of the ticks."""
+        self.set_params(nbins="auto")
+        ticks = super().tick_values(vmin, vmax)
+        length = _ASSUMED * self.axis.get_tick_space()
+        needed = _DIGIT * max(len(f"{tick:.10g}") for tick in ticks) + _BETWEEN
+        if length * abs(ticks[1] - ticks[0]) < needed * abs(vmax - vmin):
+            self.set_params(nbins=max(1, int(length / needed)))
+            ticks = super().tick_values(vmin, vmax)
+        return ticks
 
 
 def empty_figure(width: float, height: float, dpi: float = 150) -> Figure:
@@ -69,6 +87,7 @@ def style(axes: Axes) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.set_axisbelow(True)
+    axes.xaxis.set_major_locator(_ApartLocator())
     for axis in (axes.xaxis, axes.yaxis):
         axis.label.set_wrap(True)
 

@@ -245,7 +245,7 @@ def whirl(view: View) -> Figure:
 def contact_angle(view: View) -> Figure:
     """Draw the contact angle over speed."""
     figure, axes = new_figure()
-    contact = view.run.contact(view.name)
+    contact = view.run.contact(view.name, with_angle=True)
     touches = contact.fn > 0
     n = _speed(view.run.w[touches])
     axes.plot(n, np.degrees(contact.psi[touches]), ".", color=GREY, ms=1.2, mew=0, rasterized=True)

@@ -34,11 +34,17 @@ class MeasuringPoint:
 
 @dataclass(frozen=True)
 class ContactSignals:
-    """A contact: its name, angle psi [rad] and normal force fn [N], shape (n,)."""
+    """A contact: its name, angle psi [rad], NaN of surfaces that touch through a film, which have
+    none recorded, and normal force fn [N], shape (n,)."""
 
     name: str
     psi: np.ndarray
     fn: np.ndarray
+
+    @property
+    def has_angle(self) -> bool:
+        """Whether its angle was recorded."""
+        return not len(self.psi) or not np.isnan(self.psi).all()
 
     @property
     def label(self) -> str:

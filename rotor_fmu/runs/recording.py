@@ -108,10 +108,10 @@ class Recording(ShortRepr):
         """Every contact, in the machine's order."""
         columns = self.columns
         names = [name.removesuffix(".fn") for name in columns if name.endswith(".fn")]
+        unknown = np.full(len(self.t), np.nan)
         return tuple(
-            ContactSignals(name, columns[f"{name}.psi"], columns[f"{name}.fn"])
+            ContactSignals(name, columns.get(f"{name}.psi", unknown), columns[f"{name}.fn"])
             for name in names
-            if f"{name}.psi" in columns
         )
 
     @property
@@ -151,14 +151,16 @@ class Recording(ShortRepr):
         journals = {contact.name for contact in self.contacts}  # x, y relative to the housing
         return moves_most([p for p in self.places if p.name not in journals] or self.places)
 
-    def contact(self, name: str | None = None) -> ContactSignals:
-        """Return a contact by its name; None: the one with the largest mean force. Raises
-        `InputError` for an unknown name."""
+    def contact(self, name: str | None = None, *, with_angle: bool = False) -> ContactSignals:
+        """Return a contact by its name; None: the one with the largest mean force; with_angle: of
+        those whose angle was recorded. Raises `InputError` for an unknown name."""
+        known = [contact for contact in self.contacts if contact.has_angle or not with_angle]
+        if not known:
+            what = "contact angle" if self.contacts else "contact"
+            raise InputError(f"{self._called}: its recording has no {what}")
         if name is not None:
-            return named(name, self.contacts, "contact")
-        if not self.contacts:
-            raise InputError(f"{self._called}: its recording has no contact")
-        return max(self.contacts, key=lambda contact: float(np.nan_to_num(contact.fn).sum()))
+            return named(name, known, "contact")
+        return max(known, key=lambda contact: float(np.nan_to_num(contact.fn).sum()))
 
     def resampled(self, place: MeasuringPoint) -> Synchronous:
         """Return a place's motion over whole turns, x + i y in µm; raises `TooFewTurns`."""

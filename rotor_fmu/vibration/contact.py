@@ -36,13 +36,16 @@ class Contact(ShortRepr):
 
 
 def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> Contact:
-    """Return a contact's angle psi [rad] and normal force fn [N] over a run, by turns.
+    """Return a contact's angle psi [rad], all NaN where it is not known, and normal force fn [N]
+    over a run, by turns.
 
     The samples are taken as they are, each for the interval about it: a force that comes and goes
     within a few steps is not interpolated. Raises `TooFewTurns` for less than a turn.
     """
     t, phi, psi, fn = (np.asarray(values, float) for values in (t, phi, psi, fn))
-    is_known = np.isfinite(t) & np.isfinite(phi) & np.isfinite(psi) & np.isfinite(fn)
+    is_known = np.isfinite(t) & np.isfinite(phi) & np.isfinite(fn)
+    if np.isfinite(psi).any():
+        is_known &= np.isfinite(psi)
     t, phi, psi, fn = (values[is_known] for values in (t, phi, psi, fn))
     turns = turns_of(t, phi)
     turns.needs(1)
@@ -79,7 +82,7 @@ def _ranges(psi: np.ndarray, fn: np.ndarray, ends: np.ndarray) -> tuple[np.ndarr
     width: all of the circle but the widest gap between two of them."""
     turn = np.repeat(np.arange(len(ends) // 2), np.diff(ends)[::2])
     row = np.concatenate([np.arange(a, b) for a, b in ends.reshape(-1, 2)])
-    touches = fn[row] > 0
+    touches = (fn[row] > 0) & np.isfinite(psi[row])
     turn, angle = turn[touches], np.mod(psi[row[touches]], TURN)
     order = np.lexsort((angle, turn))
     turn, angle = turn[order], angle[order]

@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from rotor_fmu.fmi.description import Described
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
 from rotor_fmu.linear import bearing_answers as answers
+from rotor_fmu.linear.where_linearized import where_linearized
 
 from ..mutations import ending_hangs, one_line, outcome_of, outcomes
 from ..parts.films import DAMPER, film, heavy_shaft
@@ -192,12 +194,18 @@ def test_dampers_without_springs_are_named_where_a_machine_is_not_held():
     text = heavy_shaft() + "".join(
         table("[squeeze_film_damper]", **{**DAMPER, "node": node}) for node in (1, 3)
     )
+    rotor = parse_rotor(text)
     with pytest.raises(LinearError) as refused:
-        static(parse_rotor(text))
-    assert one_line(refused.value).endswith(
+        static(rotor)
+    why = one_line(refused.value)
+    assert why.endswith(
         "; without a centring spring a squeeze film holds nothing at rest: give "
         "squeeze_film_damper[1] and squeeze_film_damper[2] a stiffness"
     )
+    # other linear answers are of the machine without its weight, and say so
+    (said,) = where_linearized(rotor, [100.0])
+    assert said == f"{why}; linearized in the middle of all clearances, as if it had no weight"
+    assert not where_linearized(replace(rotor, gravity=0.0), [100.0])
 
 
 def test_a_journal_at_standstill_lies_on_its_wall_if_there_is_one():

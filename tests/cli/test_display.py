@@ -17,6 +17,7 @@ from rotor_fmu.model.structure.beam import shaft_element
 from rotor_fmu import parse
 from rotor_fmu.api.result import Result
 from rotor_fmu.balancing.result import Balancing, CorrectionPlane, ResidualUnbalance, Vibration
+from rotor_fmu.cells import cell
 from rotor_fmu.display import (
     choose,
     current,
@@ -24,6 +25,7 @@ from rotor_fmu.display import (
     range_with_unit,
     restored,
     shown_speed,
+    speed_with_unit,
 )
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import acceptance, answers, bearing_answers, stability_answers
@@ -32,7 +34,7 @@ from rotor_fmu.linear.frequency_answers import frequency_response, sensitivity
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from rotor_fmu.machine_file.loading import load_rotor
-from rotor_fmu.plotting.figure_style import new_figure, save
+from rotor_fmu.plotting.figure_style import new_figure, new_panels, save
 from rotor_fmu.run_pictures import run_folder, signal_plots
 from rotor_fmu.run_pictures.signal_plots import bode, orbit
 from rotor_fmu.run_pictures.view import View
@@ -267,6 +269,26 @@ def test_speeds_in_pictures_have_all_digits_before_the_point():
         choose("rpm")
         assert shown_speed(1814.3) == "17325"
         assert shown_speed(100 * math.pi / 3) == "1000"
+
+
+def test_speeds_in_tables_and_titles_have_all_digits_before_the_point_too():
+    with restored():
+        choose("rpm")
+        assert speed_with_unit(4000 * math.pi) == "120000 rpm"
+        assert range_with_unit(1200 * math.pi, 5000 * math.pi) == "between 36000 and 150000 rpm"
+    assert [cell(x) for x in (99999.7, 128333.3, 1.839e6, 2.2e7)] == [
+        *("100000", "128333", "1839000", "2.2e+07"),
+    ]
+
+
+def test_numbers_of_six_digits_below_a_narrow_picture_stand_apart():
+    figure, panels = new_panels(8.4, 7.4, 2, 2)
+    panels[1].plot([20e3, 150e3], [0.0, 1.0])
+    figure.draw_without_rendering()
+    boxes = [label.get_window_extent() for label in panels[1].get_xticklabels()]
+    seen = [box for box in boxes if panels[1].bbox.x0 <= (box.x0 + box.x1) / 2 <= panels[1].bbox.x1]
+    assert len(seen) >= 3
+    assert all(left.x1 < right.x0 for left, right in itertools.pairwise(seen))
 
 
 def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it(of_rig):

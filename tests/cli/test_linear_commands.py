@@ -255,9 +255,15 @@ def test_a_response_beyond_the_threshold_of_stability_is_said_not_to_be_reached(
     turbocharger, command, top, unstable
 ):
     top *= turbocharger[1]
-    said = command("unbalance", "--rotor", str(TURBOCHARGER), "--speed", f"100:{top}:3")
-    assert said.count(f"unstable at {speed_with_unit(top)}, where its steady") == unstable
-    assert said.count("unstable") == unstable
+    rotor = ("--rotor", str(TURBOCHARGER))
+    force = ("--force", "1", "--speed", f"{top}", "--frequency", "10:1000:5")
+    for given in (("unbalance", "--speed", f"100:{top}:3"), ("frequency-response", *force)):
+        said = command(*given, *rotor)
+        assert said.count(f"unstable at {speed_with_unit(top)}, where its steady") == unstable
+        assert said.count("unstable") == unstable
+        assert "oil films, each linearized where its journal rests at that speed" in said
+        follows_rotation = "rings follow a vibration at the frequency of rotation" in said
+        assert follows_rotation == (given[0] == "unbalance")
 
 
 def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():

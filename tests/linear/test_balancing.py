@@ -53,6 +53,12 @@ def test_two_trial_runs_of_the_rig_without_contact_leave_less_than_one_percent()
     # and the run does what the coefficients say, within the run's own error
     size = max(abs(v.initial) for v in result.vibrations)
     assert max(abs(v.corrected - v.expected) for v in result.vibrations) < 1e-4 * size
+    assert result.departure < 1e-4
+    assert "not linear" not in result.table().title
+    # a film whose stiffness grows with the motion does otherwise
+    off = tuple(v._replace(corrected=v.expected + 0.2 * v.initial) for v in result.vibrations)
+    title = replace(result, vibrations=off).table().title
+    assert "it is 20 % of the initial one off the expected: the machine is not linear" in title
 
 
 def test_influence_coefficients_from_runs_are_those_of_the_linear_response():

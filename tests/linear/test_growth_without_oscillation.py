@@ -54,6 +54,23 @@ def test_a_rotor_that_nothing_holds_does_not_grow_by_rounding():
     assert campbell(free, [0.0, 100.0], contacts="open").threshold is None
 
 
+def test_what_nothing_holds_is_said_and_has_no_critical_speed():
+    """A rotor on one bearing alone, about which it may tilt."""
+    hinged = parse_rotor(SHAFT + PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7))
+    title = answers.modes(hinged, 0.0).table().title
+    assert "; nothing holds mode 1, of frequency 0 but rounding" in title
+    assert "too far apart" not in title
+    assert not campbell(hinged, [0.0, 200.0, 400.0]).critical
+
+
+def test_rounding_of_what_nothing_holds_is_no_logarithmic_decrement():
+    """Of a rotor on two dampers, at a speed: the sensitivity is that of the modes that are held."""
+    damper = "[[linear_bearing]]\nnode = {}\nkxx = 0.0\nkyy = 0.0\ncxx = {}\ncyy = {}\n"
+    rotor = parse_rotor(SHAFT + damper.format(1, 2e3, 2e3) + damper.format(5, 1e3, 1e3))
+    one = level_1(rotor, 300.0, node=4)
+    assert 0.0 < -one.sensitivity * one.threshold < 10.0 * one.log_dec_alone
+
+
 def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
     cases = level_2(pulled("seal"), 300.0).cases
     assert [case.log_dec == -math.inf for case in cases] == [False, True]

@@ -10,6 +10,8 @@ from rotor_fmu.model.linear.critical_map import critical_map
 from rotor_fmu.model.linear.unbalance_placement import placed_unbalances
 from rotor_fmu.model.machine.toml import rig
 
+from rotor_fmu.linear import answers
+from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from tests.machines import overhung
 
 
@@ -54,3 +56,12 @@ def test_housings_alone_have_no_critical_speeds(ky, synchronous):
         for rotor in (overhung(others=seals), overhung())
     )
     np.testing.assert_allclose(seen, expected, rtol=1e-9)
+
+
+def test_tables_and_pictures_say_where_housings_move_alone():
+    seals = [replace(rig().bearings[0], node=n, kx=4e5, ky=3e5, mass=4.0) for n in (1, 2, 3)]
+    shown = answers.modes(overhung(others=seals), count=6)
+    assert "; in mode 3, 4, 5, 6 housings move alone" in shown.table().title
+    flat = mode_shapes_figure(shown).axes[3]
+    assert flat.get_title().endswith(", planar, housings alone")
+    assert flat.get_ylim() == flat.get_zlim() == (-1.0, 1.0)

@@ -8,8 +8,10 @@ import pytest
 from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu import vibration
+from rotor_fmu.errors import InputError
+from rotor_fmu.report.run_data import run_data
 from rotor_fmu.run_pictures.run_folder import write_run_pictures
-from rotor_fmu.run_pictures.signal_plots import contact_angle
+from rotor_fmu.run_pictures.signal_plots import contact_angle, contact_force
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.input_signals import Signals
 from rotor_fmu.runs.job import execute_recorded, prepare
@@ -69,6 +71,21 @@ def test_where_nothing_touches_the_picture_says_so_over_the_speeds_of_the_run():
     assert axes.get_title("left").endswith("where bearing 1 touches: nowhere in this run")
     low, high = axes.get_xlim()
     assert low < run.w.min() / TURN < run.w.max() / TURN < high
+
+
+def test_surfaces_that_touch_through_a_film_have_a_force_in_pictures_and_no_angle():
+    run = recorded()
+    film = {"damper.fn": 2 * run.columns["bearing[1].fn"]}
+    both = Recording(run.t, run.columns | film, run.units, {})
+    force, angle = contact_force(View(both)), contact_angle(View(both))
+    assert force.axes[0].get_title("left").endswith("contact force of damper")
+    assert not angle.axes[0].get_title("left").endswith("where damper touches")
+    shares = [vibration.contact(run.t, run.phi, c.psi, c.fn).share for c in both.contacts]
+    np.testing.assert_array_equal(shares[0], shares[-1])
+    assert run_data(both)["touches"][-1]["label"] == "damper"
+    alone = Recording(run.t, {"phi": run.phi} | film, run.units, {})
+    with pytest.raises(InputError, match="has no contact angle"):
+        contact_angle(View(alone))
 
 
 def apart(one, other):
