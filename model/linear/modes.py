@@ -82,7 +82,7 @@ class Modes(Spectrum):
     @property
     def is_of_housings(self) -> np.ndarray:
         """Which modes are motions of housings alone, while the rotor rests; shape (m,)."""
-        return ~np.hstack([self.x, self.y]).any(axis=1)
+        return np.asarray(~np.hstack([self.x, self.y]).any(axis=1))
 
     @property
     def growing(self) -> np.ndarray:

@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 
 from ..display import current, shown_speed
 from ..plotting.figure_style import GREY, empty_figure, entitle
-from .answers import Modes
 from .linear_plots import WHIRL_COLORS, curve, shapes_in_grid, titled
 from .linear_tables import turns
+from .mode_answers import Modes
 
 _ANGLES = np.linspace(0.0, 2 * math.pi, 49)
 _GAP = 0.93  # of a turn: an orbit ends before it closes, so that its sense can be seen

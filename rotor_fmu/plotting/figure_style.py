@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cbook import is_math_text
@@ -40,10 +41,12 @@ class PlainFigure(Figure):
 class _ApartLocator(AutoLocator):
     """Ticks so far apart that numbers of six digits below them do not run into each other."""
 
-    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
         """Return the places of the ticks."""
         self.set_params(nbins="auto")
         ticks = super().tick_values(vmin, vmax)
+        if not isinstance(self.axis, Axis):
+            return ticks
         length = _ASSUMED * self.axis.get_tick_space()
         needed = _DIGIT * max(len(f"{tick:.10g}") for tick in ticks) + _BETWEEN
         if length * abs(ticks[1] - ticks[0]) < needed * abs(vmax - vmin):
