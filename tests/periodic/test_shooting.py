@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 import scipy.integrate
 from rotor_fmu.model.periodic import mesh
-from rotor_fmu.model.periodic.newton import solve
 from rotor_fmu.model.periodic.branch_switching import follow_switched
 from rotor_fmu.model.periodic.checkpoint import EventLog
 from rotor_fmu.model.periodic.continuation import BranchSearch, follow, start_at
 from rotor_fmu.model.periodic.fourier import shifted
 from rotor_fmu.model.periodic.harmonic_count import Accuracy
+from rotor_fmu.model.periodic.newton import solve
 from rotor_fmu.model.periodic.problem import PeriodicError, Response, Task, machines_of
 from rotor_fmu.model.periodic.queries import folds_over, motions_at
 from rotor_fmu.model.periodic.shooting import Shooting
