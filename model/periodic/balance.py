@@ -18,16 +18,7 @@ import numpy as np
 
 from ..quantities import QuantityError
 from .force_corners import SampledOrbit
-from .fourier import (
-    add_real,
-    amplitudes,
-    coefficients,
-    derivative,
-    products,
-    resized,
-    sampled,
-    series_of,
-)
+from .fourier import add_real, amplitudes, coefficients, derivative, products, resized, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
 from .newton import TOLERANCE
 
@@ -268,8 +259,7 @@ class HarmonicBalance:
         machines = self.machine_at(value), self.machine_at(other)
         if machines[0] is machines[1]:
             return False
-        d = sampled(self.split(x, value).b @ machines[0].B.T, self._samples)
-        here, there = (machine.laws.gaps(d) > 0 for machine in machines)
+        here, there = (machine.gaps_along(self.split(x, value).b) > 0 for machine in machines)
         return bool(((here != there).mean(axis=0) > _MOVED).any())
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,7 @@ from .arclength import CurvePoint
 from .balance import Orbit
 from .branch import CLOSED, UNFINISHED, Branch, Solution, with_motion
 from .checkpoint import BranchStart, EndEvent, EventLog, StartEvent, Starts
-from .fourier import amplitudes, basis, repeated, resized, shifted
+from .fourier import amplitudes, repeated, resized, shifted
 from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
@@ -207,8 +207,7 @@ def _reason_lost(tracer: Tracer, branch: Branch, accuracy: Accuracy) -> str:
             f"{last.last_share:.1g} of it; ask for more, or soften the wall"
         )
     machine = tracer.balance.machine_at(last.value)
-    value, _ = basis(last.orbit.H, np.linspace(0, 2 * math.pi, 1000))
-    gap = machine.laws.gaps(value @ last.orbit.b @ machine.B.T)
+    gap = machine.gaps_along(last.orbit.b)
     if (np.abs(gap).min(axis=0) < 1e-3 * machine.laws.length).any():
         return "a corner of a law: a contact just opens or closes there"
     return "Newton's method does not converge with the shortest step"
