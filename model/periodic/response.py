@@ -229,6 +229,12 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
                 x = newton.solve(problem, problem.join(guess), value)
             except NotConverged:
                 continue
+        if direction and isinstance(problem, HarmonicBalance):
+            point = arclength.with_tangent(problem, x, value, direction)
+            try:
+                with_enough_harmonics(problem, point, task.accuracy, True)
+            except NotConverged:
+                continue  # it is a motion of few harmonics alone
         is_found = True
         new = _if_new(search, problem, x, value)
         if new is not None:

@@ -66,6 +66,14 @@ def test_a_curve_begins_at_rest_on_a_contact_where_no_other_start_leads_to_a_mot
     assert not found.notes
 
 
+def test_a_branch_does_not_begin_at_a_motion_of_few_harmonics_alone():
+    """On a hard wall open contacts lead to one, from which no curve can be followed."""
+    options = {"speed": (60.0, 61.0), "harmonics": 30, "step": 3.0, "stability": False}
+    found = rf.response(sagging(k=1e6), **options)
+    assert all(branch.points for branch in found.branches)
+    assert not any("lost" in note for note in found.notes)
+
+
 def test_a_fold_beside_a_point_at_which_the_harmonics_become_more_is_found():
     """The point is a millionth short of it with 6 harmonics, and would be past it with 10."""
     options = {"speed": (60.0, 240.0), "harmonics": 60, "stability": False}
