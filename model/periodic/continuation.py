@@ -104,11 +104,10 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
         problem = search.problem(start)
         point = CurvePoint(start.x, start.value, direction[:-1], float(direction[-1]))
         tracer = Tracer(problem, task.low, task.high, steps=task.steps, accuracy=accuracy)
-        for traced in _traced_points(search, tracer, point):
+        for i, traced in enumerate(_traced_points(search, tracer, point)):
             search.report_point(label, traced.solution)
-            is_start = not traced.bifurcations and traced.solution.value == start.value
-            if side and is_start:
-                continue  # it is there already
+            if side and i == 0:
+                continue  # the start is there already
             branch.points.append(traced.solution)
             behind = len(branch.points) - 2
             branch.bifurcations += [b._replace(behind=behind) for b in traced.bifurcations]

@@ -159,6 +159,17 @@ def test_dry_whirl_rolls_as_the_closed_form_says(v):
     assert needed == pytest.approx(2 * 0.05 * omega / (20 * (1 - 1 / r)), rel=5e-3)
 
 
+def test_a_branch_that_comes_back_to_the_end_of_the_range_where_it_began_has_both_motions(curve):
+    start = curve.at(1.9 * OMEGA)[0]
+    options = {"start": start, "stability": False, "step": 3.0}
+    over = "contact[1].clearance", CLEARANCE, 1.4 * CLEARANCE
+    (branch,) = rf.response(jeffcott(), speed=1.9 * OMEGA, over=over, **options).branches
+    ends = branch.points[0], branch.points[-1]
+    assert [end.value for end in ends] == [CLEARANCE, CLEARANCE]
+    r = sorted(abs(end.orbit.b[1, 0] + 1j * end.orbit.b[2, 0]) / CLEARANCE for end in ends)
+    assert r == pytest.approx([rub(1.9, sign=-1), rub(1.9)], rel=1e-6)
+
+
 @pytest.mark.slow
 def test_the_threshold_of_dry_whirl_is_the_closed_forms():
     """Of a clearance that is nothing beside the surface's speed."""
