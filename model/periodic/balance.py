@@ -24,6 +24,7 @@ from .newton import TOLERANCE
 
 _CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
 _ONE_SIDED_STEP = 1e-7  # of a difference by the parameter, as a share of its scale
+_MOVED = 0.1  # of a motion: a larger part of it comes into contact in a step across a corner
 _SAMPLES_A_HARMONIC = 16
 _LEAST_SAMPLES = 256
 
@@ -61,15 +62,21 @@ def by_parameter(
     residual: np.ndarray,
     scale: float,
     step: float,
+    is_across: Callable[[float], bool] = lambda _: False,
 ) -> np.ndarray:
     """Return the derivative of a residual with respect to a parameter over its scale, by a
-    difference over a step, as a share of the scale."""
-    try:
-        beside = residual_at(value + step * scale)
-    except QuantityError:  # at the largest that the machine can have
-        step = -step
-        beside = residual_at(value + step * scale)
-    return (beside - residual) / step
+    difference over a step, as a share of the scale, upwards where that is possible; is_across:
+    whether the residual has a corner between its value and another one."""
+    result = np.zeros(0)
+    for side in (step, -step):
+        try:
+            beside = residual_at(value + side * scale)
+        except QuantityError:  # beyond the largest that the machine can have
+            continue
+        if not is_across(value + side * scale):
+            return (beside - residual) / side
+        result = result if len(result) else (beside - residual) / side
+    return result
 
 
 class HarmonicBalance:
@@ -241,9 +248,19 @@ class HarmonicBalance:
         """Return the residual, the Jacobian, shape (size, size), and the derivative with respect to
         the parameter over its scale."""
         residual, jacobian = self.linearized(x, value)
-        beside = partial(self.residual, x)
-        by = by_parameter(beside, value, residual, self.parameter.scale, _ONE_SIDED_STEP)
+        beside, is_across = partial(self.residual, x), partial(self._is_across, x, value)
+        scale = self.parameter.scale
+        by = by_parameter(beside, value, residual, scale, _ONE_SIDED_STEP, is_across)
         return residual, jacobian, by
+
+    def _is_across(self, x: np.ndarray, value: float, other: float) -> bool:
+        """Return whether the same motion touches a wall, or leaves it, all at once between two
+        values of the parameter."""
+        machines = self.machine_at(value), self.machine_at(other)
+        if machines[0] is machines[1]:
+            return False
+        here, there = (machine.gaps_along(self.split(x, value).b) > 0 for machine in machines)
+        return bool(((here != there).mean(axis=0) > _MOVED).any())
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the residual and the Jacobian."""

@@ -3,13 +3,15 @@
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, linear_sum_assignment
 
 from . import arclength
 from .arclength import CurvePoint, distance
+from .balance import Orbit
 from .branch import (
     BRANCHING,
     DOUBLING,
@@ -35,6 +37,8 @@ _LITTLE = 1e-2  # of its larger value at the ends of the step
 _ROUGH = 1e-3  # error of a multiplier where few harmonics, or steps that change, give it
 _FARTHEST = 2.0  # of its length: how far from its begin a point of a piece may be
 _HALVINGS = 10  # of a step with more than one bifurcation, at most
+_LOOKS = 2  # halvings of a step in which multipliers only come near to the unit circle,
+_NEAR_CIRCLE, _TINY = 0.1, 1e-300  # in the logarithm of their sizes
 
 
 class _Located(NamedTuple):
@@ -67,29 +71,55 @@ def bifurcations_between(
 ) -> list[Bifurcation]:
     """Return the bifurcations between two points, at which the motions are `last` and `now`, in
     their order along the curve; where these have no multipliers, the folds alone."""
-    step = _Piece(before, after, last.multipliers, now.multipliers)
+    step = _Piece(before, after, last.multipliers, now.multipliers, last.orbit, now.orbit)
+    if not step.count:  # a mere look must not change the steps with which the curve goes on
+        problem = copy(problem)
     return [_bifurcation(problem, each) for each in _located_on(problem, step, _HALVINGS)]
 
 
 class _Piece(NamedTuple):
-    """A piece of a step between two points, with the multipliers at both, the largest first."""
+    """A piece of a step between two points, with the multipliers at both, the largest first, and
+    both orbits."""
 
     before: CurvePoint
     after: CurvePoint
     first: np.ndarray
     second: np.ndarray
+    first_orbit: Orbit
+    second_orbit: Orbit
 
     @property
     def turns(self) -> bool:
         """Whether the parameter turns in it."""
         return self.before.tangent_value * self.after.tangent_value < 0
 
-    def is_simple(self) -> bool:
-        """Return whether not more than one bifurcation shows. Kinds are counted apart, since a
-        multiplier that enters the unit circle hides another one that leaves it."""
+    @property
+    def count(self) -> int:
+        """How many bifurcations show, at least. Kinds are counted apart, since a multiplier that
+        enters the unit circle hides another one that leaves it."""
         change = np.abs(_outside(self.second) - _outside(self.first))
         change[0] = max(change[0], self.turns)
-        return int(change.sum()) <= 1
+        return int(change.sum())
+
+    def is_simple(self, problem: PeriodicEquations, halvings: int) -> bool:
+        """Return whether not more than one bifurcation is expected; halvings: that are left."""
+        if self.count or not len(self.second):
+            return self.count <= 1
+        # of two that cancel each other, one may be the begin of a contact
+        if (_touched(problem, self.first_orbit) != _touched(problem, self.second_orbit)).any():
+            return False
+        first, second = self._sizes_of_same()
+        moved, nearest = np.abs(second - first), np.minimum(np.abs(first), np.abs(second))
+        crosses = (moved > _ROUGH) & (first * second < 0)
+        comes_near = (moved > _ROUGH) & (nearest < np.minimum(moved, _NEAR_CIRCLE))
+        return not crosses.any() and not (comes_near.any() and halvings > _HALVINGS - _LOOKS)
+
+    def _sizes_of_same(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the logarithms of the sizes of each multiplier at both ends, where it is the
+        nearest one."""
+        first, second = linear_sum_assignment(np.abs(self.first[:, None] - self.second))
+        of_first, of_second = np.abs(self.first[first]), np.abs(self.second[second])
+        return np.log(np.maximum(of_first, _TINY)), np.log(np.maximum(of_second, _TINY))
 
     def between(self, problem: PeriodicEquations, share: float) -> CurvePoint:
         """Return the point at a share of its length along the tangent; raises `NotConverged`, also
@@ -100,6 +130,11 @@ class _Piece(NamedTuple):
         if distance(a, point, scale) > _FARTHEST * distance(a, b, scale):  # another branch
             raise NotConverged()
         return point
+
+
+def _touched(problem: PeriodicEquations, orbit: Orbit) -> np.ndarray:
+    """Return which interfaces come into contact along an orbit."""
+    return (problem.machine_at(orbit.parameter).gaps_along(orbit.b) < 0).any(axis=0)
 
 
 def _outside(multipliers: np.ndarray) -> np.ndarray:
@@ -118,19 +153,22 @@ def _is_real(multiplier: complex) -> bool:
 def _located_on(problem: PeriodicEquations, piece: _Piece, halvings: int) -> list[_Located]:
     """Return the bifurcations of a piece in their order; one that is not simple is halved, so many
     times at most."""
-    if halvings and not piece.is_simple():
+    if halvings and not piece.is_simple(problem, halvings):
         with suppress(NotConverged):
             middle = piece.between(problem, 0.5)
             at_middle = _multipliers(problem, middle) if len(piece.second) else piece.second
+            orbit = problem.split(middle.x, middle.value)
             halves = (
-                _Piece(piece.before, middle, piece.first, at_middle),
-                _Piece(middle, piece.after, at_middle, piece.second),
+                piece._replace(after=middle, second=at_middle, second_orbit=orbit),
+                piece._replace(before=middle, first=at_middle, first_orbit=orbit),
             )
             return [each for half in halves for each in _located_on(problem, half, halvings - 1)]
     located = list[_Located]()
     if piece.turns:
         located.append(_locate_fold(problem, piece))
-    few, many = sorted(int(2 * n[2] + n[:2].sum()) for n in map(_outside, piece[2:]))
+    few, many = sorted(
+        int(2 * n[2] + n[:2].sum()) for n in map(_outside, (piece.first, piece.second))
+    )
     for k in range(few + 1, many + 1):
         crossed = _locate_crossing(problem, piece, k)
         if crossed is None or any(crossed.is_one_with(each) for each in located):

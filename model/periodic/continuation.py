@@ -13,7 +13,7 @@ from .arclength import CurvePoint
 from .balance import Orbit
 from .branch import CLOSED, UNFINISHED, Branch, Solution, with_motion
 from .checkpoint import BranchStart, EndEvent, EventLog, StartEvent, Starts
-from .fourier import amplitudes, basis, repeated, resized, shifted
+from .fourier import amplitudes, repeated, resized, shifted
 from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
@@ -104,11 +104,10 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
         problem = search.problem(start)
         point = CurvePoint(start.x, start.value, direction[:-1], float(direction[-1]))
         tracer = Tracer(problem, task.low, task.high, steps=task.steps, accuracy=accuracy)
-        for traced in _traced_points(search, tracer, point):
+        for i, traced in enumerate(_traced_points(search, tracer, point)):
             search.report_point(label, traced.solution)
-            is_start = not traced.bifurcations and traced.solution.value == start.value
-            if side and is_start:
-                continue  # it is there already
+            if side and i == 0:
+                continue  # the start is there already
             branch.points.append(traced.solution)
             behind = len(branch.points) - 2
             branch.bifurcations += [b._replace(behind=behind) for b in traced.bifurcations]
@@ -207,8 +206,7 @@ def _reason_lost(tracer: Tracer, branch: Branch, accuracy: Accuracy) -> str:
             f"{last.last_share:.1g} of it; ask for more, or soften the wall"
         )
     machine = tracer.balance.machine_at(last.value)
-    value, _ = basis(last.orbit.H, np.linspace(0, 2 * math.pi, 1000))
-    gap = machine.laws.gaps(value @ last.orbit.b @ machine.B.T)
+    gap = machine.gaps_along(last.orbit.b)
     if (np.abs(gap).min(axis=0) < 1e-3 * machine.laws.length).any():
         return "a corner of a law: a contact just opens or closes there"
     return "Newton's method does not converge with the shortest step"

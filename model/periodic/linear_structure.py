@@ -22,7 +22,10 @@ from ..linear.supports import are_linear
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
 from ..structure.structure import Structure
+from .fourier import sampled
 from .laws import LawsAlongMotion
+
+_INSTANTS = 1024  # at least, at which gaps along a motion are looked at
 
 
 class ReducedMatrices(NamedTuple):
@@ -200,6 +203,12 @@ class CondensedMachine:
     def b_of_displacements(self, d: np.ndarray) -> np.ndarray:
         """Return b for relative displacements of all nonlinear interfaces, shape (n, 2 m)."""
         return d @ np.linalg.pinv(self.B).T
+
+    def gaps_along(self, b: np.ndarray) -> np.ndarray:
+        """Return the distances from the onset of the interfaces' forces [m] along a motion b, a
+        series of 2 H + 1 coefficients, at evenly spaced instants, shape (n, m)."""
+        n = max(_INSTANTS, 4 * len(b))
+        return self.laws.gaps(sampled(b, n) @ self.B.T)
 
     def check_supported(self) -> None:
         """Raise `LinearError` unless the machine is supported while its interfaces are fixed."""

@@ -26,6 +26,7 @@ from .shooting import Shooting
 from .starting_points import guesses
 
 _LINEAR_POINTS = 401  # of a machine without nonlinear parts
+_NO_START = "no-start"  # a note's code
 _BEYOND, _MOST_STARTS = 0.02, 12  # of the range: where a lost branch is taken up again
 
 
@@ -95,6 +96,16 @@ def _from_ends(search: BranchSearch) -> None:
             ]
         is_seed = value in task.seeds and direction == 0
         follow_all(search, _starts_at(search, value, direction, is_seed))
+    search.result.notes = [n for n in search.result.notes if not _is_reached(search.result, n)]
+
+
+def _is_reached(result: Response, note: Message) -> bool:
+    """Return whether a note says that no start was found where a branch from elsewhere has come
+    to."""
+    if note.code != _NO_START or not isinstance(note, Note):
+        return False
+    values = [[p.value for p in branch.points] for branch in result.branches]
+    return any(each and min(each) <= note.parts[1] <= max(each) for each in values)
 
 
 def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
@@ -218,6 +229,12 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
                 x = newton.solve(problem, problem.join(guess), value)
             except NotConverged:
                 continue
+        if direction and isinstance(problem, HarmonicBalance):
+            point = arclength.with_tangent(problem, x, value, direction)
+            try:
+                with_enough_harmonics(problem, point, task.accuracy, True)
+            except NotConverged:
+                continue  # it is a motion of few harmonics alone
         is_found = True
         new = _if_new(search, problem, x, value)
         if new is not None:
@@ -228,7 +245,7 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
     if not is_found:
         how = ": neither from rest, nor from a run in time, which may be no periodic one"
         text = f"no periodic motion was found at {task.name} = "
-        notes.append(Note("no-motion", result.unit, text, value, how))
+        notes.append(Note(_NO_START, result.unit, text, value, how))
     elif is_seed and not is_new:
         text = f"no further motion was found at the seed {task.name} = "
         notes.append(Note("no-motion", result.unit, text, value))

@@ -8,6 +8,7 @@ grows: whirls of several sizes in this mode are tried.
 """
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 import numpy as np
 
@@ -60,22 +61,34 @@ class _RestEquations:
         jacobian[:b, :b] += self.S
         return residual / self._sizes, jacobian * self.scale / self._sizes[:, None]
 
+    def solved(self, value: float) -> np.ndarray | None:
+        """Return the unknowns at rest, among them those that contacts carry, or None where none are
+        found."""
+        largest = max(np.abs(self.force).max(initial=0.0), 1e-300)
+        down = np.append(self.force / largest, 0 * self.scale[self.b :])
+        start = np.append(np.zeros(self.b), self.machine.laws.starts)
+        for lowered in _LOWERED:
+            with suppress(NotConverged):
+                return newton.solve(self, start + lowered * down, value)
+        return None
+
+
+def rest_position(problem: HarmonicBalance, value: float) -> Orbit | None:
+    """Return where the machine without unbalance rests, on its contacts too, as an orbit, or None
+    where no such position is found."""
+    rest, orbit = _RestEquations(problem, value), problem.split(np.zeros(problem.size), value)
+    x = rest.solved(value)
+    if x is None:
+        return None
+    orbit.b[0], orbit.states[0] = np.split(x * rest.scale, [rest.b])
+    return orbit
+
 
 def growing_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
     """Yield guesses of whirls in the modes that grow from rest."""
     rest = _RestEquations(problem, value)
-    machine, b = rest.machine, rest.b
-    down = np.append(
-        rest.force / max(np.abs(rest.force).max(initial=0.0), 1e-300), 0 * rest.scale[b:]
-    )
-    start = np.append(np.zeros(b), machine.laws.starts)
-    for lowered in _LOWERED:
-        try:
-            x = newton.solve(rest, start + lowered * down, value)
-            break
-        except NotConverged:
-            continue
-    else:
+    machine, b, x = rest.machine, rest.b, rest.solved(value)
+    if x is None:
         return
     _, mean = rest.tangents(x)
     modes = modal_basis(machine, Frequencies(rest.speed, abs(rest.speed), np.inf), mean)

@@ -16,6 +16,7 @@ from .fourier import amplitudes, basis, projection
 from .interface_samples import sample
 from .linear_structure import CondensedMachine
 from .problem import Machines, Task
+from .self_excited import rest_position
 
 _PERIODS = (30, 200)  # until a run in time has settled
 _HARMONICS = 256  # harmonics taken of the recorded motion
@@ -38,7 +39,8 @@ def guesses(
 ) -> Iterator[Orbit]:
     """Yield orbits to start from at a value of the parameter: that with open contacts, then those
     that the machine reaches in time from rest; at a seed also circles beyond the clearances, and
-    what the machine reaches from them. notes: receives why time integration failed."""
+    what the machine reaches from them; last its rest, near which it may move unstably. notes:
+    receives why time integration failed."""
     problem = task.problem(
         machines, value, max(task.accuracy.least, 3) * task.turns, turns=task.turns
     )
@@ -67,6 +69,9 @@ def guesses(
             yield settled(_PERIODS[0], circle, machine.expanded(parts, amplitudes(circle.b)))
     except (StepFailure, EquilibriumError) as error:
         notes.append(Message(str(error), "no-motion"))
+    at_rest = rest_position(problem, value)
+    if at_rest is not None:
+        yield at_rest
 
 
 def _circles(problem: HarmonicBalance, open_contacts: Orbit) -> Iterator[Orbit]:

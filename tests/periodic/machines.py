@@ -41,26 +41,26 @@ FAINT = 0.195  # eccentricity in clearances whose whirl, e / (2 zeta) at most, t
 FAINT_RUB = jeffcott(e=FAINT, mu=0.0)
 
 
-def sagging(c=0.0):
+def sagging(c=0.0, gravity=9.81, k=4 * OMEGA**2, mu=0.0, e=0.3):
     """A Jeffcott rotor whose weight nearly closes the clearance: half of each turn it rubs."""
     return rf.parse(
         rigid(
-            gravity=9.81,
+            gravity=gravity,
             parts=bearings(OMEGA**2, 0.1 * OMEGA)
             + f"""
 [[contact]]
 node = 2
 journal_radius = 0.05
 clearance = {CLEARANCE}
-mu = 0.0
-k = {4 * OMEGA**2}
+mu = {mu}
+k = {k}
 c = {c}
 [[sensor]]
 node = 2
 name = "disc"
 [[unbalance]]
 node = 2
-amount = {0.3 * CLEARANCE}
+amount = {e * CLEARANCE}
 """,
         )
     )

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic import starting_points
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.branch import Branch
 from rotor_fmu.model.periodic.problem import Response, Task
@@ -47,6 +48,30 @@ def test_the_isolated_branch_is_closed_and_folds_where_the_closed_form_begins_an
     for fold, inward in zip(folds, (1, -1), strict=True):
         assert not radii(fold * (1 - inward * 1e-4))
         assert radii(fold * (1 + inward * 1e-4))
+
+
+def test_a_curve_begins_at_rest_on_a_contact_where_no_other_start_leads_to_a_motion(monkeypatch):
+    """On a hard wall with friction, where runs in time settle on no periodic motion. At the other
+    end no start leads to a motion, but the curve does: no note denies that."""
+
+    def at_lower_end(problem, value):
+        return rest_position(problem, value) if value < 61.0 else None
+
+    rest_position = starting_points.rest_position
+    monkeypatch.setattr(starting_points, "_PERIODS", ())
+    monkeypatch.setattr(starting_points, "rest_position", at_lower_end)
+    machine = sagging(gravity=20.0, k=1e7, mu=0.2, e=0.05)
+    found = rf.response(machine, speed=(60.0, 62.0), step=3.0, stability=False)
+    assert {branch.ends for branch in found.branches} == {("start", "end of the range")}
+    assert not found.notes
+
+
+def test_a_branch_does_not_begin_at_a_motion_of_few_harmonics_alone():
+    """On a hard wall open contacts lead to one, from which no curve can be followed."""
+    options = {"speed": (60.0, 61.0), "harmonics": 30, "step": 3.0, "stability": False}
+    found = rf.response(sagging(k=1e6), **options)
+    assert all(branch.points for branch in found.branches)
+    assert not any("lost" in note for note in found.notes)
 
 
 def test_a_fold_beside_a_point_at_which_the_harmonics_become_more_is_found():

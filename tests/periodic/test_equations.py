@@ -6,7 +6,7 @@ import pytest
 import rotor_fmu as rf
 
 from ..parts.machines import bearings, rigid
-from .machines import OMEGA
+from .machines import OMEGA, jeffcott
 
 CONTACT = """
 node = 2
@@ -60,6 +60,20 @@ def test_the_jacobian_is_the_derivative(kind, is_autonomous):
     seen = problem.residual(x, 120.0 + 1e-4) - problem.residual(x, 120.0 - 1e-4)
     rounding = 1e-8 * np.abs(residual).max()  # over a step of 2e-4 of 120
     assert np.abs(100 * seen / 2e-4 - by_speed).max() <= 1e-3 * np.abs(by_speed).max() + rounding
+
+
+@pytest.mark.parametrize(("side", "force"), [(-1.0, 1.0), (1.0, 0.0)])
+def test_beside_a_corner_the_derivative_by_a_clearance_is_that_of_its_own_side(side, force):
+    """Of a circle that touches the wall all around, or just does not."""
+    from rotor_fmu.model.periodic.problem import Task, machines_of
+
+    rotor, r = jeffcott(mu=0.0).rotor, 1.5e-3
+    task = Task(1e-3, 2e-3, "contact[1].clearance", speed=140.0)
+    problem = task.problem(machines_of(rotor, task), r, 1, length_scale=r)
+    x = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
+    _, _, by = problem.linearized_with_parameter(x, r * (1.0 + 1e-9 * side))
+    expected = -force * problem.row_scale[1] * rotor.parameters()["contact[1].k"].value * 1e-3 / r
+    assert by == pytest.approx(expected * x, rel=1e-5, abs=1e-8 * problem.row_scale[1])
 
 
 PADS = """

@@ -134,6 +134,13 @@ class _Line:
     def linearized_with_parameter(self, x, value):
         return x, np.eye(1), np.zeros(1)
 
+    def split(self, x, value):
+        return SimpleNamespace(parameter=value)
+
+
+def _motion(multipliers_at, end):
+    return SimpleNamespace(multipliers=multipliers_at(None, end), orbit=_Line().split(0, end.value))
+
 
 def test_bifurcations_that_leave_the_number_of_unstable_multipliers_unchanged_are_located(
     monkeypatch,
@@ -148,10 +155,56 @@ def test_bifurcations_that_leave_the_number_of_unstable_multipliers_unchanged_ar
     monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
     monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
     ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
-    motions = [SimpleNamespace(multipliers=multipliers_at(None, end)) for end in ends]
+    motions = [_motion(multipliers_at, end) for end in ends]
     seen = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
     assert [b.kind for b in seen] == ["period doubling", "Neimark-Sacker", "period doubling"]
     assert [b.point.value for b in seen] == pytest.approx([0.2, 0.5, 0.7], abs=1e-4)
+
+
+def _dips(value):
+    """A pair that comes into the circle for a while."""
+    return [1.0 + 0.2 * ((value - 0.8) ** 2 - 0.15**2)]
+
+
+def _change_places(value):
+    """A pair that comes into the circle before another one leaves it."""
+    return [1.0 - 0.02 * (value - 0.3), np.exp(1.0j) * (1.0 + 0.02 * (value - 0.7))]
+
+
+def _touches(value):
+    """A pair that a contact throws out, which comes back."""
+    return [1.0 - 0.1 * (value - 0.6) if value > 0.3 else 0.97]
+
+
+@pytest.mark.parametrize(
+    ("pairs", "kinds", "values"),
+    [
+        (_dips, ["Neimark-Sacker"] * 2, [0.65, 0.95]),
+        (_change_places, ["Neimark-Sacker"] * 2, [0.3, 0.7]),
+        (_touches, ["grazing", "Neimark-Sacker"], [0.3, 0.6]),
+    ],
+)
+def test_two_bifurcations_of_which_the_second_undoes_the_first_are_located(
+    monkeypatch, pairs, kinds, values
+):
+    """Although at both ends of the step as many multipliers of each kind are outside."""
+
+    def multipliers_at(_, point):
+        each = np.multiply.outer(pairs(point.value), np.exp([1.0j, -1.0j]))
+        each[..., 1] = each[..., 0].conj()
+        return each.ravel()[np.argsort(-np.abs(each.ravel()), kind="stable")]
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    has_contact = pairs is _touches
+    monkeypatch.setattr(
+        bifurcation_search, "_touched", lambda _, p: np.array([has_contact and p.parameter > 0.3])
+    )
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [_motion(multipliers_at, end) for end in ends]
+    seen = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
+    assert [b.kind for b in seen] == kinds
+    assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)
 
 
 @pytest.mark.parametrize("inside", [[0.3, 0.3], [0.9j, -0.9j]])
@@ -165,7 +218,7 @@ def test_multipliers_that_jump_past_the_circle_are_a_grazing_of_any_kind(monkeyp
     monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
     monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
     ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
-    motions = [SimpleNamespace(multipliers=multipliers_at(None, end)) for end in ends]
+    motions = [_motion(multipliers_at, end) for end in ends]
     (seen,) = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
     assert seen.kind == "grazing"
     assert np.isnan(seen.multiplier)
@@ -183,7 +236,7 @@ def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(m
     far = CurvePoint(np.full(1, 3.0), 0.5 + 1e-6, np.zeros(1), 1.0)
     monkeypatch.setattr(arclength, "correct", lambda *_: far)
     ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
-    motions = [SimpleNamespace(multipliers=multipliers_at(None, end)) for end in ends]
+    motions = [_motion(multipliers_at, end) for end in ends]
     (seen,) = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
     assert seen.point.x == 0.0
 

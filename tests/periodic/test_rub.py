@@ -159,6 +159,17 @@ def test_dry_whirl_rolls_as_the_closed_form_says(v):
     assert needed == pytest.approx(2 * 0.05 * omega / (20 * (1 - 1 / r)), rel=5e-3)
 
 
+def test_a_branch_that_comes_back_to_the_end_of_the_range_where_it_began_has_both_motions(curve):
+    start = curve.at(1.9 * OMEGA)[0]
+    options = {"start": start, "stability": False, "step": 3.0}
+    over = "contact[1].clearance", CLEARANCE, 1.4 * CLEARANCE
+    (branch,) = rf.response(jeffcott(), speed=1.9 * OMEGA, over=over, **options).branches
+    ends = branch.points[0], branch.points[-1]
+    assert [end.value for end in ends] == [CLEARANCE, CLEARANCE]
+    r = sorted(abs(end.orbit.b[1, 0] + 1j * end.orbit.b[2, 0]) / CLEARANCE for end in ends)
+    assert r == pytest.approx([rub(1.9, sign=-1), rub(1.9)], rel=1e-6)
+
+
 @pytest.mark.slow
 def test_the_threshold_of_dry_whirl_is_the_closed_forms():
     """Of a clearance that is nothing beside the surface's speed."""
@@ -195,9 +206,14 @@ def test_a_curve_doubles_back_where_a_contact_begins_however_narrow_the_range(wi
 
 
 @pytest.mark.slow
-def test_nor_does_a_curve_go_back_upon_itself_from_a_corner():
-    """Over the clearance the tangent beside the corner is a difference across it."""
-    over = ("contact[1].clearance", 3e-4, 3e-3)
-    found = rf.response(jeffcott(), speed=190.0, over=over, step=0.3)
-    for branch in found.branches:
-        assert [b.kind for b in branch.bifurcations].count("fold") <= 1
+def test_over_its_clearance_a_rub_goes_on_beyond_the_corner_where_its_contact_begins():
+    """In one branch: the rub up to its fold, back to the corner, and the whirl without contact."""
+    over = ("contact[1].clearance", 7e-4, 2.1e-3)
+    found = rf.response(jeffcott(), speed=160.0, over=over, step=1.0, stability=False)
+    (branch,) = found.branches
+    assert branch.ends == ("start", "end of the range")
+    fold, corner = branch.bifurcations
+    assert (fold.kind, corner.kind) == ("fold", "grazing")
+    whirl = E * 1.6**2 / abs(1 - 1.6**2 + 2j * ZETA * 1.6)
+    assert corner.value == pytest.approx(whirl * CLEARANCE, rel=1e-4)
+    assert len(found.at(1e-3)) == 3
