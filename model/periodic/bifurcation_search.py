@@ -72,7 +72,7 @@ def bifurcations_between(
     """Return the bifurcations between two points, at which the motions are `last` and `now`, in
     their order along the curve; where these have no multipliers, the folds alone."""
     step = _Piece(before, after, last.multipliers, now.multipliers, last.orbit, now.orbit)
-    if not step.count:  # a mere look must not change the steps with which the curve goes on
+    if not step.least_count:  # a mere look must not change the steps with which the curve goes on
         problem = copy(problem)
     return [_bifurcation(problem, each) for each in _located_on(problem, step, _HALVINGS)]
 
@@ -94,7 +94,7 @@ class _Piece(NamedTuple):
         return self.before.tangent_value * self.after.tangent_value < 0
 
     @property
-    def count(self) -> int:
+    def least_count(self) -> int:
         """How many bifurcations show, at least. Kinds are counted apart, since a multiplier that
         enters the unit circle hides another one that leaves it."""
         change = np.abs(_outside(self.second) - _outside(self.first))
@@ -103,8 +103,8 @@ class _Piece(NamedTuple):
 
     def is_simple(self, problem: PeriodicEquations, halvings: int) -> bool:
         """Return whether not more than one bifurcation is expected; halvings: that are left."""
-        if self.count or not len(self.second):
-            return self.count <= 1
+        if self.least_count or not len(self.second):
+            return self.least_count <= 1
         # of two that cancel each other, one may be the begin of a contact
         if (_touched(problem, self.first_orbit) != _touched(problem, self.second_orbit)).any():
             return False
@@ -134,7 +134,8 @@ class _Piece(NamedTuple):
 
 def _touched(problem: PeriodicEquations, orbit: Orbit) -> np.ndarray:
     """Return which interfaces come into contact along an orbit."""
-    return (problem.machine_at(orbit.parameter).gaps_along(orbit.b) < 0).any(axis=0)
+    gaps = problem.machine_at(orbit.parameter).gaps_along(orbit.b)
+    return np.asarray((gaps < 0).any(axis=0))
 
 
 def _outside(multipliers: np.ndarray) -> np.ndarray:

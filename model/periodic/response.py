@@ -105,7 +105,7 @@ def _is_reached(result: Response, note: Message) -> bool:
     if note.code != _NO_START or not isinstance(note, Note):
         return False
     values = [[p.value for p in branch.points] for branch in result.branches]
-    return any(each and min(each) <= note.parts[1] <= max(each) for each in values)
+    return any(each and min(each) <= float(note.parts[1]) <= max(each) for each in values)
 
 
 def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
