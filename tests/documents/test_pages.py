@@ -47,6 +47,9 @@ def copy(tmp_path_factory):
         check=False,
     )
     assert made.returncode == 0, made.stdout + made.stderr
+    for language, text in blocks(ROOT / "README.md"):
+        if language == "toml":  # which other pages go on with
+            run(language, text, folder, {})
     return folder
 
 
