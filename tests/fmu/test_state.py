@@ -110,16 +110,17 @@ DAMAGED = {
 @pytest.mark.parametrize("damage", DAMAGED)
 def test_a_damaged_state_is_refused_with_a_reason(instance, capfd, damage):
     state = instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
-    refuses(instance, DAMAGED[damage](state), "truncated or corrupted", capfd)
+    assert "truncated or corrupted" in refusal(instance, DAMAGED[damage](state), capfd)
 
 
 def test_a_state_of_another_build_is_refused_with_a_reason(instance, other, capfd):
     stranger = Instance(other).start()
     state = stranger.fmu.serializeFMUstate(stranger.fmu.getFMUstate())
-    refuses(instance, state, "another build", capfd)
+    assert "another build" in refusal(instance, state, capfd)
 
 
-def refuses(instance, state, reason, capfd):
+def refusal(instance, state, capfd):
+    """What the log says of a state that is refused."""
     with pytest.raises(fmpy.fmi1.FMICallException):
         instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(state))
-    assert reason in capfd.readouterr().err
+    return capfd.readouterr().err

@@ -130,7 +130,9 @@ def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, input_error):
     path.write_text(
         RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
     )
-    input_error("study", str(path), "--out", str(tmp_path / "out"), "--select", "0")
+    said = input_error("study", str(path), "--out", str(tmp_path / "out"), "--select", "0")
+    assert "clearance" in said
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):
