@@ -31,11 +31,19 @@ def number(name: str, value: Any) -> float:
     return float(given)
 
 
-def is_integer(value: object, lowest: int, highest: float = math.inf) -> bool:
-    """Return whether an argument of any type is an integer of Python or numpy within bounds, as no
-    bool is."""
+def check_integer(
+    name: str,
+    value: object,
+    lowest: int,
+    highest: float = math.inf,
+    error: type[InputError] = InputError,
+) -> None:
+    """Raise an error unless an argument of any type is an integer of Python or numpy within bounds,
+    as no bool is."""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
-    return is_whole and lowest <= value <= highest  # type: ignore[operator]
+    if not (is_whole and lowest <= value <= highest):  # type: ignore[operator]
+        bounds = f", at least {lowest}" if highest == math.inf else f" from {lowest} to {highest}"
+        raise error(f"{shown_value(name, value)}: must be an integer{bounds}")
 
 
 def check_positive(

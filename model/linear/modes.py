@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
-from ..arguments import is_integer, number, shown_value
+from ..arguments import check_integer, number
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from .linear_machine import LinearMachine
@@ -200,8 +200,7 @@ def check_speed(speed: float) -> None:
 
 def check_count(count: int) -> None:
     """Raise `LinearError` unless a number of modes or lines is an integer above 0."""
-    if not is_integer(count, 1):
-        raise LinearError(f"{shown_value('count', count)}: must be an integer, at least 1")
+    check_integer("count", count, 1, error=LinearError)
 
 
 class _Inverse:

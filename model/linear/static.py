@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import is_integer, rows, shown_value
+from ..arguments import check_integer, rows
 from ..machine.rotor import Rotor
 from .linear_machine import LinearError, LinearMachine
 from .modes import check_speed
@@ -119,9 +119,7 @@ def speeds_and_loads(
 
 def check_node(machine: LinearMachine | Rotor, node: int) -> int:
     """Return the node if the machine has it; raises `LinearError` otherwise."""
-    highest = len(machine.nodes)
-    if not is_integer(node, 1, highest):
-        raise LinearError(f"{shown_value('node', node)}: must be an integer from 1 to {highest}")
+    check_integer("node", node, 1, len(machine.nodes), LinearError)
     return node
 
 

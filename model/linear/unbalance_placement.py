@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import check_positive, is_integer, shown_value
+from ..arguments import check_integer, check_positive
 from ..machine.rotor import Rotor
 from ..quantities import STANDARD_GRAVITY
 from ..structure.assembly import assemble
@@ -70,10 +70,7 @@ def placed_unbalances(
     check_positive("maximum continuous speed", speed, "rad/s", LinearError)
     undamped = UndampedMachine(rotor, contacts, rigid_pedestals=False)
     shapes = undamped.planar_shapes(speed)
-    if not is_integer(mode, 1, len(shapes)):
-        raise LinearError(
-            f"{shown_value('mode', mode)}: must be an integer from 1 to {len(shapes)}"
-        )
+    check_integer("mode", mode, 1, len(shapes), LinearError)
     weighed = replace(rotor, gravity=STANDARD_GRAVITY, gravity_angle=0.0, inclination=0.0)
     bearings = _bearing_masses(weighed, undamped, speed)
     return [
