@@ -107,16 +107,16 @@ def test_a_library_for_windows_has_its_exports(libraries):
 
 
 @pytest.mark.slow
-def test_all_five_platforms_fit_into_four_megabytes_and_equal_sources_give_equal_bytes(
+def test_all_five_platforms_fit_into_three_megabytes_and_equal_sources_give_equal_bytes(
     libraries, tmp_path
 ):
     one, other = (build_native(tmp_path / name) for name in ("one", "other"))
-    assert one.stat().st_size < 4e6
+    assert one.stat().st_size < 3e6
     assert one.read_bytes() == other.read_bytes()
     with zipfile.ZipFile(one) as archive:
         folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries")}
         universal = archive.read("binaries/darwin64/RotorBearingNative.dylib")
-    assert folders == set(PLATFORMS)
+    assert folders == set(PLATFORMS) - {"aarch64-darwin"}  # which is in the file of darwin64
     assert struct.unpack_from(">2I", universal) == (0xCAFEBABE, 2)
     for i in range(2):
         _, _, at, size, _ = struct.unpack_from(">5I", universal, 8 + 20 * i)

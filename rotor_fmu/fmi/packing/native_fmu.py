@@ -57,8 +57,8 @@ def build_native(
 def _binaries(platforms: Sequence[Platform], name: str, fmi: int) -> dict[str, bytes]:
     result = {platform: library(platform).read_bytes() for platform in platforms}
     intel, arm = PLATFORMS["darwin64"], PLATFORMS["aarch64-darwin"]
-    if fmi == 2 and intel in result and arm in result:
-        result[intel] = _universal(result[intel], result[arm])
+    if fmi == 2 and intel in result and arm in result:  # FMI 2.0 has one folder for both
+        result[intel] = _universal(result[intel], result.pop(arm))
     return {
         f"binaries/{platform.fmi3 if fmi == 3 else platform.fmi2}/{name}{platform.suffix}": data
         for platform, data in result.items()
