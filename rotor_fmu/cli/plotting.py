@@ -175,7 +175,7 @@ def _report_of_machine(machine: Rotor, options: "ReportOptions", out: Path) -> d
     write_text(result.html, out)
     write_json(dict(result.numbers), out.with_suffix(".json"))
     for conclusion in result.conclusions:
-        typer.echo(conclusion)
+        typer.echo(conclusion.text)
     typer.echo(out)
     return {"out": out, **result.numbers}
 

@@ -61,15 +61,19 @@ class Campbell(Displayed, linear.Campbell):
         ]
         low, high = self.speeds[[0, -1]] * d.speed
         between = f"{five_digits(low)} and {five_digits(high)} {d.speed_unit}"
-        stability = "stable at all these speeds"
-        if self.threshold is not None:
-            already = "already at" if self.threshold in self.speeds else "above"
-            at = abs(self.threshold)  # of either sense of rotation
-            stability = f"unstable {already} {speed_with_unit(at)} ({at:.6g} rad/s)"
         harmonic = "" if self.harmonics == (1.0,) else f" of {self._orders} times the speed"
         what = "Critical speeds" if rows else "No critical speed"
         title = f"{what}{harmonic} between {between}, contacts {self.contacts}"
-        return Table(f"{title}; {stability}", heads, rows)
+        return Table(f"{title}; {self.stability}", heads, rows)
+
+    @property
+    def stability(self) -> str:
+        """From which speed on the machine is unstable, in words."""
+        if self.threshold is None:
+            return "stable at all these speeds"
+        already = "already at" if self.threshold in self.speeds else "above"
+        at = abs(self.threshold)  # of either sense of rotation
+        return f"unstable {already} {speed_with_unit(at)} ({at:.6g} rad/s)"
 
     @property
     def _orders(self) -> str:

@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.unbalance import SteadyWhirl
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
-from ..report.report_tables import notices_html
 from ..report.run_page import figure_html, machine_html, page, template
 from .rub_check import RubCheck, rub_check
 from .rub_shown import closings_table, rub_figure, runs_table
@@ -31,14 +30,21 @@ _MODES = 6
 _ONE_PEAK = 0.03
 
 
+class Conclusion(NamedTuple):
+    """What the report says of a check in a line, and whether the check is met; None where nothing
+    was checked."""
+
+    text: str
+    is_met: bool | None
+
+
 @dataclass(frozen=True)
 class Report:
-    """The report of a machine: its page as HTML, its numbers for JSON, its conclusions in a line
-    each."""
+    """The report of a machine: its page as HTML, its numbers for JSON, its conclusions."""
 
     html: str
     numbers: Mapping[str, Any]
-    conclusions: tuple[str, ...]
+    conclusions: tuple[Conclusion, ...]
 
 
 @dataclass(frozen=True)
@@ -91,7 +97,7 @@ def machine_report(
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
     at_rest = answers.static(rotor, afloat=high)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
-    conclusions = _conclusions(check, level_1, level_2, rub)
+    conclusions = _conclusions(diagram, check, level_1, level_2, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
         "At rest": _shown(at_rest, "Deflection under gravity"),
@@ -138,7 +144,7 @@ def machine_report(
         "stability_level_2": numbers(level_2),
         "contact": numbers(rub),
     }
-    return Report(html, data | {"conclusions": list(conclusions)}, conclusions)
+    return Report(html, data | {"conclusions": [c.text for c in conclusions]}, conclusions)
 
 
 _TURNING = """<div class="controls"><label>mode <select id="mode"></select></label>
@@ -147,11 +153,16 @@ _TURNING = """<div class="controls"><label>mode <select id="mode"></select></lab
 <figcaption>Drag to look from elsewhere; slowed down, and all modes alike</figcaption></figure>"""
 
 
-def _body(conclusions: Iterable[str], sections: Mapping[str, Sequence[str]]) -> str:
+_MET = {True: " met", False: "", None: " unchecked"}
+
+
+def _body(conclusions: Iterable[Conclusion], sections: Mapping[str, Sequence[str]]) -> str:
     """Return the page's own part: the conclusions, then sections of HTML by their headings."""
     ids = {heading: heading.lower().replace(" ", "-") for heading in sections}
     return template("machine.html").substitute(
-        notices=notices_html(conclusions),
+        notices="\n".join(
+            f'<p class="notice{_MET[c.is_met]}">{escape(c.text)}</p>' for c in conclusions
+        ),
         contents=" | ".join(f'<a href="#{ids[heading]}">{heading}</a>' for heading in sections),
         sections="\n".join(
             "\n".join([f'<section id="{ids[heading]}"><h2>{heading}</h2>', *parts, "</section>"])
@@ -197,12 +208,27 @@ def _contact(rub: RubCheck) -> list[str]:
     return result
 
 
-def _stability(level_2: stability_answers.StabilityLevel2) -> str:
+def _unstable(diagram: answers.Campbell, high: float) -> Iterator[Conclusion]:
+    """Yield what a threshold of stability below the highest speed means for all else."""
+    if diagram.threshold is not None and diagram.threshold <= high:
+        yield Conclusion(
+            f"The machine is {diagram.stability}: there it does not come to its steady response, "
+            "by which critical speeds, probes, clearances and contacts are judged.",
+            False,
+        )
+
+
+def _stability(
+    level_1: stability_answers.StabilityLevel1, level_2: stability_answers.StabilityLevel2
+) -> Conclusion:
     log_dec = level_2.cases[-1].log_dec
     if not math.isfinite(log_dec):
-        return "Stability: with all that acts a motion grows without oscillating."
-    verdict = ", which is enough." if level_2.is_met else "; at least 0.1 is required."
-    return f"Stability: least log dec {log_dec:.3g} with all that acts{verdict}"
+        text = "Stability: with all that acts a motion grows without oscillating."
+    else:
+        verdict = ", which is enough." if level_2.is_met else "; at least 0.1 is required."
+        text = f"Stability: least log dec {log_dec:.3g} with all that acts{verdict}"
+    asks = " Level 1 asks for level 2." if level_1.is_level_2_required else ""
+    return Conclusion(text + asks, level_2.is_met)
 
 
 def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
@@ -219,11 +245,12 @@ def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
 
 
 def _conclusions(
+    diagram: answers.Campbell,
     check: acceptance.UnbalanceCheck,
     level_1: stability_answers.StabilityLevel1,
     level_2: stability_answers.StabilityLevel2,
     rub: RubCheck,
-) -> tuple[str, ...]:
+) -> tuple[Conclusion, ...]:
     """Return what the report says, in a line each."""
     near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
     loud = [p for p in check.probes if p.peak_to_peak > check.limit]
@@ -231,24 +258,33 @@ def _conclusions(
     d = current()
     speeds = ", ".join(as_ranges(c.peak.speed for c in near))
     limit = f"{check.limit * d.small:.3g} {d.small_word}"
+    messages = dict.fromkeys(message for run in rub.runs for message in run.messages)
     return (
-        f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
-        if near
-        else "All critical speeds have their separation margins."
-        if check.criticals
-        else f"No critical speed up to {speed_with_unit(LOOKED_AT * check.high)}, "
-        f"{100 * LOOKED_AT:g} % of the highest one of the operating range.",
-        f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."
-        if loud
-        else f"All probes stay below {limit} peak-to-peak.",
-        f"More than 75 % of a clearance is taken: {', '.join(tight)}."
-        if tight
-        else (
-            "No clearance is taken by more than 75 %."
-            if check.clearances
-            else "No clearance was checked: no open contact and no --clearance is there."
+        *_unstable(diagram, check.high),
+        Conclusion(
+            f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
+            if near
+            else "All critical speeds have their separation margins."
+            if check.criticals
+            else f"No critical speed up to {speed_with_unit(LOOKED_AT * check.high)}, "
+            f"{100 * LOOKED_AT:g} % of the highest one of the operating range.",
+            not near,
         ),
-        _stability(level_2) + (" Level 1 asks for level 2." if level_1.is_level_2_required else ""),
-        rub.conclusion,
-        *dict.fromkeys(message for run in rub.runs for message in run.messages),
+        Conclusion(
+            f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."
+            if loud
+            else f"All probes stay below {limit} peak-to-peak.",
+            not loud,
+        ),
+        Conclusion(
+            f"More than 75 % of a clearance is taken: {', '.join(tight)}."
+            if tight
+            else "No clearance is taken by more than 75 %."
+            if check.clearances
+            else "No clearance was checked: no open contact and no --clearance is there.",
+            not tight if check.clearances else None,
+        ),
+        _stability(level_1, level_2),
+        Conclusion(rub.conclusion, not rub.closings),
+        *(Conclusion(message, False) for message in messages),
     )

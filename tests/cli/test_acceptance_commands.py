@@ -179,8 +179,24 @@ def test_what_runs_of_a_report_say_of_their_numbers_is_concluded_once():
     """Hysteresis, which they take otherwise than the rest of the report does."""
     rotor = replace(load_rotor(Path(JEFFCOTT))[1], eta_h=1e-4, rotating_damping=True)
     concluded = machine_report(rotor, ReportOptions(1400 * RPM, 1800 * RPM)).conclusions
-    assert concluded[-2].startswith("The rub lasts in the operating range")
-    assert concluded[-1] == HYSTERETIC_AS_SLOWER
+    assert concluded[-2].text.startswith("The rub lasts in the operating range")
+    assert concluded[-1].text == HYSTERETIC_AS_SLOWER
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_a_report_begins_with_the_threshold_of_stability_below_the_highest_speed():
+    """Above it the machine does not come to the steady response, from which the rest follows. The
+    Jeffcott rotor's damping takes a cross-coupled stiffness of 2 zeta k = 2000 N/m."""
+    rotor = load_rotor(Path(JEFFCOTT))[1]
+    for coupling in (1900.0, 2100.0):
+        parts = [
+            replace(p, kxy=coupling, kyx=-coupling) if getattr(p, "kxx", 0.0) == 9800.0 else p
+            for p in rotor.parts
+        ]
+        machine = replace(rotor, parts=tuple(parts))
+        first = machine_report(machine, ReportOptions(10.0, 20.0)).conclusions[0]
+        assert first.text.startswith("The machine is unstable already at ") == (coupling > 2000.0)
+        assert first.is_met == (coupling < 2000.0)
 
 
 @pytest.mark.usefixtures("coarse_report")
@@ -192,7 +208,8 @@ def test_a_machine_without_unbalance_is_not_said_to_pass(refusal, tmp_path):
     for arguments in ([], ["--range", "2500:3500rpm"]):
         assert "no unbalance acts" in refusal("unbalance", "--rotor", str(file), *arguments)
     report = machine_report(load_rotor(file)[1], ReportOptions(2500 * RPM, 3500 * RPM))
-    assert report.conclusions[0].startswith("Critical speeds too near to the operating range: ")
+    said = report.conclusions[0].text
+    assert said.startswith("Critical speeds too near to the operating range: ")
     assert "Unbalances placed by API 617 for mode 1: " in report.html
 
 
@@ -202,7 +219,7 @@ def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(comm
     rotor = load_rotor(Path(JEFFCOTT))[1]
     report = machine_report(rotor, ReportOptions(10.0, 20.0))
     none = "No critical speed up to 4.7746 Hz, 150 % of the highest one of the operating range."
-    assert report.conclusions[0] == none
+    assert report.conclusions[0] == (none, True)
     texts = acceptance.unbalance_check(rotor, 10.0, 20.0, [2]).figure().findobj(Text)
     assert "no critical speed up to 4.7746 Hz" in [text.get_text() for text in texts]
     said = command("campbell", "--rotor", JEFFCOTT, "--speed", "0:20")
