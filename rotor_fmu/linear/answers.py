@@ -39,8 +39,8 @@ from ..plotting.figure_style import (
 from ..plotting.labels import write_labels
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
 from .linear_plots import WHIRL_COLORS, curve, draw_whirling, shade, titled
-from .linear_tables import Table, peaks, turns, without_rounding
-from .mode_answers import Modes, clean_damping
+from .linear_tables import Table, clean_damping, peaks, turns, without_rounding
+from .mode_answers import Modes
 
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
 MOST_SPEEDS = 12  # of a table of the response

@@ -80,6 +80,11 @@ def _plain(value: Any) -> Any:
     return [value.real, value.imag] if isinstance(value, complex) else value
 
 
+def clean_damping(ratio: Any) -> Any:
+    """Return dampings with rounding errors set to 0."""
+    return np.where(np.abs(ratio) < 1e-10, 0.0, ratio)[()]
+
+
 def without_rounding(factor: float, *values: np.ndarray) -> list[list[float]]:
     """Return values of one kind times a factor, 0 where they are rounding beside the largest."""
     least = _ROUNDING * max(np.abs(of).max(initial=0.0) for of in values)

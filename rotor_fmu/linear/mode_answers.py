@@ -1,7 +1,5 @@
 """Modes, shown as a table and as a picture of each plane."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -10,7 +8,7 @@ from ..model import linear
 from ..plotting.figure_style import BLUE, DASHED, GREY, ORANGE, entitle, new_panels
 from .displayed import Displayed
 from .linear_plots import curve, shapes_in_grid, titled
-from .linear_tables import Table, turns
+from .linear_tables import Table, clean_damping, turns
 
 
 class Modes(Displayed, linear.Modes):
@@ -38,8 +36,8 @@ class Modes(Displayed, linear.Modes):
             (f"f_d [{d.frequency_unit}]", self.damped * d.speed),
             (f"f_n [{d.frequency_unit}]", self.natural * d.speed),
             ("omega_d [rad/s]", self.damped),
-            ("damping", clean_damping(self.damping_ratio)),
-            ("log dec", clean_damping(self.log_dec)),
+            ("damping", np.where(self.is_held, clean_damping(self.damping_ratio), np.nan)),
+            ("log dec", np.where(self.is_held, clean_damping(self.log_dec), np.nan)),
             ("whirl", self.whirl),
         )
         return Table.of(title, columns)
@@ -69,6 +67,7 @@ class Modes(Displayed, linear.Modes):
             axes.margins(y=0.08)
             frequency = f"{shown_speed(self.damped[i])} {current().frequency_unit}"
             damping = f"damping {clean_damping(self.damping_ratio[i]):.2g}"
+            damping = damping if self.is_held[i] else "held by nothing"
             entitle(axes, f"{i + 1}: {frequency}, {self.motion(i)}, {damping}", 9)
             if i + columns >= shown:
                 axes.set_xlabel(f"Along the shaft z [{current().length_unit}]")
@@ -87,8 +86,3 @@ class Modes(Displayed, linear.Modes):
 def _numbers(are: np.ndarray) -> str:
     """Return the numbers, from 1, of the modes that are something."""
     return ", ".join(str(i + 1) for i in np.flatnonzero(are))
-
-
-def clean_damping(ratio: Any) -> Any:
-    """Return dampings with rounding errors set to 0."""
-    return np.where(np.abs(ratio) < 1e-10, 0.0, ratio)[()]

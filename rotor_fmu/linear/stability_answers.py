@@ -22,7 +22,7 @@ from ..plotting.figure_style import (
 )
 from .displayed import Displayed, answer_of
 from .linear_plots import titled
-from .linear_tables import Table
+from .linear_tables import Table, clean_damping
 
 
 def _grows(log_dec: float) -> str:
@@ -48,11 +48,15 @@ class StabilityLevel1(Displayed, linear.StabilityLevel1):
         threshold = "unstable nowhere" if self.threshold is None else self.threshold * q
         ratio = self.ratio if math.isfinite(self.ratio) else "-"
         rows: list[tuple[object, ...]] = [
-            ("least log dec without cross coupling [1]", self.log_dec_alone, ""),
-            ("that of the first forward mode [1]", self.first_alone, ""),
+            ("least log dec without cross coupling [1]", clean_damping(self.log_dec_alone), ""),
+            ("that of the first forward mode [1]", clean_damping(self.first_alone), ""),
             (f"QA, anticipated cross coupling [{unit}]", self.anticipated * q, ""),
-            ("least log dec with QA [1]", self.log_dec_anticipated, f">= {LEAST_LOG_DEC:g}"),
-            ("that of the first forward mode [1]", self.first_anticipated, ""),
+            (
+                "least log dec with QA [1]",
+                clean_damping(self.log_dec_anticipated),
+                f">= {LEAST_LOG_DEC:g}",
+            ),
+            ("that of the first forward mode [1]", clean_damping(self.first_anticipated), ""),
             (f"Q0, where the rotor becomes unstable [{unit}]", threshold, ""),
             ("Q0 / QA [1]", ratio, f">= {LEAST_RATIO:g}"),
             (f"sensitivity of the least log dec [1/({unit})]", self.sensitivity / q, ""),
@@ -94,8 +98,8 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         d = current()
         rows = [
             (
-                *(c.name, float(c.log_dec), c.frequency * d.speed),
-                *(float(c.first_log_dec), c.first_frequency * d.speed),
+                *(c.name, clean_damping(c.log_dec), c.frequency * d.speed),
+                *(clean_damping(c.first_log_dec), c.first_frequency * d.speed),
             )
             for c in self.cases
         ]

@@ -13,7 +13,7 @@ from ..display import current, range_with_unit, shown_speed, speed_with_unit
 from ..linear import acceptance, answers, stability_answers
 from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
-from ..linear.linear_tables import Table, numbers
+from ..linear.linear_tables import Table, clean_damping, numbers
 from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
@@ -221,7 +221,7 @@ def _unstable(diagram: answers.Campbell, high: float) -> Iterator[Conclusion]:
 def _stability(
     level_1: stability_answers.StabilityLevel1, level_2: stability_answers.StabilityLevel2
 ) -> Conclusion:
-    log_dec = level_2.cases[-1].log_dec
+    log_dec = clean_damping(level_2.cases[-1].log_dec)
     if not math.isfinite(log_dec):
         text = "Stability: with all that acts a motion grows without oscillating."
     else:

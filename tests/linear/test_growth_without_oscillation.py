@@ -57,9 +57,11 @@ def test_a_rotor_that_nothing_holds_does_not_grow_by_rounding():
 def test_what_nothing_holds_is_said_and_has_no_critical_speed():
     """A rotor on one bearing alone, about which it may tilt."""
     hinged = parse_rotor(SHAFT + PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7))
-    title = answers.modes(hinged, 0.0).table().title
-    assert "; nothing holds mode 1, of frequency 0 but rounding" in title
-    assert "too far apart" not in title
+    table = answers.modes(hinged, 0.0).table()
+    assert "; nothing holds mode 1, of frequency 0 but rounding" in table.title
+    assert "too far apart" not in table.title
+    dampings = [row[4:6] for row in table.rows]
+    assert np.isnan(dampings).tolist() == [[True, True], *[[False, False]] * (len(dampings) - 1)]
     assert not campbell(hinged, [0.0, 200.0, 400.0]).critical
 
 
