@@ -187,9 +187,9 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
             for x, dashes in ((self.x, DASHED), (self.y, DOTTED)):
                 above.plot(speed, np.abs(x[:, at]) * scale, color=color, lw=1.0, ls=dashes)
             for angle, dashes in ((self.phase_x, DASHED), (self.phase_y, DOTTED)):
-                phase = broken_at_turns(angle[:, at])
-                phase[self.speeds == 0] = np.nan
-                below.plot(speed, phase, marker=mark, color=color, lw=1.2, ls=dashes)
+                known = np.where(self.speeds == 0, np.nan, angle[:, at])
+                below.plot(*broken_at_turns(speed, known), color=color, lw=1.2, ls=dashes)
+                below.plot(speed, np.degrees(known), marker=mark, color=color, ls="")
         handles, _ = above.get_legend_handles_labels()
         styles = (("major semi-axis", "-", 1.8), ("x", DASHED, 1.0), ("y", DOTTED, 1.0))
         handles += [Line2D([], [], color=GREY, lw=w, ls=s, label=label) for label, s, w in styles]

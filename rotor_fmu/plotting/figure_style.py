@@ -113,11 +113,17 @@ def annotate(
     axes.annotate(text, at, xytext=offset, **options)
 
 
-def broken_at_turns(angle: np.ndarray) -> np.ndarray:
-    """Return an angle [rad] in degrees as a curve that is not drawn where it jumps by a turn."""
+def broken_at_turns(over: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the curve of an angle [rad] over a quantity in degrees, which where it jumps by a turn
+    runs to 180 degrees and goes on from -180, or the other way."""
     degrees = np.degrees(angle)
-    degrees[1:][np.abs(np.diff(degrees)) > 180] = np.nan
-    return degrees
+    jumps = np.flatnonzero(np.abs(np.diff(degrees)) > 180)
+    end = np.copysign(180.0, degrees[jumps])
+    share = (end - degrees[jumps]) / (degrees[jumps + 1] + 2 * end - degrees[jumps])
+    where = over[jumps] + share * (over[jumps + 1] - over[jumps])
+    at = np.repeat(jumps + 1, 3)
+    ends = np.stack([end, np.full(len(end), np.nan), -end], axis=1).ravel()
+    return np.insert(over, at, np.repeat(where, 3)), np.insert(degrees, at, ends)
 
 
 def save(figure: Figure, path: Path) -> Path:

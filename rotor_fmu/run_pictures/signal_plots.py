@@ -54,8 +54,8 @@ def bode(view: View) -> Figure:
     ):
         length = broken_at_reversals(n, np.abs(vector) * view.shown.amplitude)
         above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
-        phase = broken_at_turns(np.angle(vector))
-        below.plot(n, broken_at_reversals(n, phase), color=color, lw=1.2, ls=style)
+        over, phase = broken_at_turns(n, np.angle(vector))
+        below.plot(over, broken_at_reversals(over, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
         length = broken_at_reversals(n, track.major(order) * view.shown.amplitude)

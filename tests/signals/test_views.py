@@ -9,6 +9,7 @@ from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu import vibration
 from rotor_fmu.errors import InputError
+from rotor_fmu.plotting.figure_style import broken_at_turns
 from rotor_fmu.report.run_data import run_data
 from rotor_fmu.run_pictures.run_folder import write_run_pictures
 from rotor_fmu.run_pictures.signal_plots import contact_angle, contact_force
@@ -34,6 +35,18 @@ def sampled(recording: Recording, rate: float) -> Recording:
     rows = np.searchsorted(recording.t, even)
     columns = {name: column[rows] for name, column in recording.columns.items()}
     return Recording(recording.t[rows], columns, recording.units, {})
+
+
+def test_a_phase_about_180_degrees_is_drawn_to_the_edge_on_both_sides():
+    """Each of its points stays, however often it passes the edge; the curve is broken there."""
+    speed = np.arange(5.0)
+    angle = np.radians([170.0, -170.0, 175.0, 178.0, -178.0])
+    over, phase = broken_at_turns(speed, angle)
+    assert np.isin(np.degrees(angle), phase).all()
+    assert np.isnan(phase).sum() == 3
+    assert over[[1, 3]] == pytest.approx(0.5)
+    assert phase[[1, 3]].tolist() == [180.0, -180.0]
+    assert np.nanmax(np.abs(np.diff(phase))) < 15.0
 
 
 @pytest.fixture(scope="module")
