@@ -61,7 +61,9 @@ class Wasmtime:
         linker.define_wasi()
         self._store.set_wasi(wasmtime.WasiConfig())
         kinds = [wasmtime.ValType.i32()] * 3
-        linker.define_func("page", "tell", wasmtime.FuncType(kinds, []), lambda *message: None)
+        linker.define_func(
+            "page", "log_message", wasmtime.FuncType(kinds, []), lambda *message: None
+        )
         self._exports = linker.instantiate(self._store, module).exports(self._store)
         self._exports["_initialize"](self._store)
         at = self.room(table)

@@ -43,7 +43,7 @@ static Status check_machine(Instance *m)
 static Status resolve_settings(Instance *m)
 {
     const Table *t = m->table;
-    double given[MOST_SETTINGS] = {0}, own[MOST_SETTINGS] = {0}, numbers[TOLD] = {0};
+    double given[MOST_SETTINGS] = {0}, own[MOST_SETTINGS] = {0}, numbers[MESSAGE_NUMBERS] = {0};
     for (int64_t i = 0; i < t->observed_at; i++) {
         const Variable *v = variables(t) + i;
         if (v->role == SETTING)
@@ -77,7 +77,7 @@ void warn_beyond_tables(Instance *m)
 
 void survey(Instance *m, int is_start)
 {
-    double numbers[TOLD] = {0};
+    double numbers[MESSAGE_NUMBERS] = {0};
     int code = rotor_survey(m->block, in_block(m, m->table->omega_at), is_start);
     if (!code && is_start && (code = rotor_growth(m->block, numbers)) != 0)
         warn(m, code, numbers);
@@ -141,7 +141,7 @@ void choose_contacts(Instance *m)
 Status build(Instance *m)
 {
     const Table *t = m->table;
-    double drive = m->values[t->drive_at], speed = drive, rate = 0.0, numbers[TOLD] = {0};
+    double drive = m->values[t->drive_at], speed = drive, rate = 0.0, numbers[MESSAGE_NUMBERS] = {0};
     if (m->state->is_built)
         return OK;
     if (check_machine(m))

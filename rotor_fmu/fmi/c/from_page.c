@@ -3,13 +3,13 @@
 #ifdef __wasm__
 #include "instance.h"
 
-__attribute__((import_module("page"), import_name("tell"))) void tell(void *environment, int status,
-                                                                      const char *message);
+__attribute__((import_module("page"), import_name("log_message")))
+void log_message(void *environment, int status, const char *message);
 Instance *rotor_instantiate(const char *name, const void *table, size_t size,
                             void (*receiver)(void *, int, const char *), void *environment);
 
 EXPORT Instance *page_instantiate(const void *table, size_t size)
 {
-    return rotor_instantiate("rotor", table, size, tell, NULL);
+    return rotor_instantiate("rotor", table, size, log_message, NULL);
 }
 #endif

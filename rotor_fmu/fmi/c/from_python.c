@@ -35,7 +35,7 @@ static void receive(Instance *m, Status status, const char *category, const char
     ((Receive)(uintptr_t)m->host)(m->environment, status, message);
 }
 static const Skin SKIN = {receive, {"Real", "Integer", "Boolean", "Enumeration"}};
-/* An instance that tells all to `told`; the rest of its life is FMI 2.0's functions. */
+/* An instance whose messages go to `receiver`; the rest of its life is FMI 2.0's functions. */
 EXPORT Instance *rotor_instantiate(const char *name, const void *table, size_t size, Receive receiver,
                                    void *environment)
 {

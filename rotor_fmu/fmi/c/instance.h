@@ -88,7 +88,7 @@ typedef struct {
 
 enum { WARNINGS = 512 };
 typedef struct Instance Instance;
-/* A version of FMI: how its hosts are told, and what it calls the kinds of variables. */
+/* A version of FMI: how messages reach its hosts, and what it calls the kinds of variables. */
 typedef struct {
     void (*emit)(Instance *, Status, const char *category, const char *message);
     const char *kinds[NO_KIND];
@@ -100,7 +100,7 @@ struct Instance {
     double *continued; /* 1 where a slope is that of a step that ended early */
     void *before;            /* the state before a step that has to be done whole or not at all */
     int is_whole;
-    double limit_at; /* time at which the host was told of a limit, NaN before */
+    double limit_at; /* time at which a step ended at a limit, NaN before */
     uint8_t *block; /* of the kernels, aligned; its first bytes are the run */
     uint8_t warned[WARNINGS]; /* by the code of the sentence */
     unsigned categories; /* which of CATEGORIES the host wants to hear of */
@@ -114,8 +114,8 @@ enum { CATEGORY_COUNT = 6 };
 extern const char *const CATEGORIES[CATEGORY_COUNT];
 
 #define OTHER_KIND "instantiate: the FMU is for co-simulation alone"
-/* NULL, with the reason told, for what cannot be instantiated: `unfit` is one that the skin has, or
-   NULL. `host` is called by the skin. */
+/* NULL, with the reason logged, for what cannot be instantiated: `unfit` is one that the skin has,
+   or NULL. `host` is called by the skin. */
 Instance *create(const char *name, const char *guid, const char *resources, int is_logging,
                  const Skin *skin, void *host, void *environment, const char *unfit);
 /* The same with the table in memory, which has to outlive the instance. */

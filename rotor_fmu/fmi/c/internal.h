@@ -8,7 +8,7 @@
 #endif
 
 #define TABLE_FILE "machine.table"
-enum { LONGEST = 704, TOLD = 16 }; /* characters of a message, numbers of a sentence */
+enum { LONGEST = 704, MESSAGE_NUMBERS = 16 }; /* characters of a message, numbers of a sentence */
 enum { MOST_SETTINGS = 64 };       /* that the solver takes */
 
 /* Room for a run, and what is to be freed, NULL for none; NULL where memory is out. */

@@ -1,4 +1,4 @@
-/* What the host is told: sentences with their numbers, by the categories it wants to hear of. */
+/* Messages for the host: sentences with their numbers, by the categories it wants to hear of. */
 #include "internal.h"
 
 #include <math.h>

@@ -154,7 +154,7 @@ static Status take_step(Instance *m, double current, double size)
 {
     State *s = m->state;
     const Table *t = m->table;
-    double numbers[TOLD] = {0}, speed;
+    double numbers[MESSAGE_NUMBERS] = {0}, speed;
     if (allow(m, "doStep", 1u << STEPPING) || check_step(m, current, size))
         return ERROR;
     if (m->is_whole && take_state(m, &m->before))
@@ -162,7 +162,7 @@ static Status take_step(Instance *m, double current, double size)
     if (s->is_retuned && retune(m))
         return ERROR;
     take_loads(m);
-    /* told of before, whether the host went on from there or came there again by a state */
+    /* reported before, whether the host went on from there or came there again by a state */
     if (fabs(s->now - m->limit_at) <= SLACK * size)
         *(int64_t *)(m->block + t->is_past_limit_at) = 1;
     int status = rotor_advance(m->block, current - s->start + size, m->values[t->drive_at],

@@ -11,7 +11,7 @@
 #define IMPORTED(MODULE, NAME) __attribute__((import_module(MODULE), import_name(NAME)))
 #define METHOD(LABEL) EXPORTED(CO_SIMULATION "#[method]co-simulation-instance." LABEL)
 
-/* What a handle of the host stands for, and what the logger is told of. */
+/* What a handle of the host stands for, and the name that goes with its messages. */
 typedef struct {
     fmi3Instance instance;
     size_t length;
@@ -51,8 +51,8 @@ typedef struct {
 } Option;
 
 IMPORTED("fmi:fmi3/callbacks@3.0.0", "log-message")
-void tell(const char *name, size_t name_length, int status, const char *category,
-          size_t category_length, const char *message, size_t message_length);
+void log_message(const char *name, size_t name_length, int status, const char *category,
+                 size_t category_length, const char *message, size_t message_length);
 IMPORTED("[export]" CO_SIMULATION, "[resource-new]co-simulation-instance")
 int32_t new_handle(Held *);
 
@@ -137,8 +137,8 @@ static void pass_on(fmi3InstanceEnvironment environment, fmi3Status status, fmi3
                     fmi3String message)
 {
     const Held *held = environment;
-    tell(held->name, held->length, status, category, strlen(category), message,
-         strlen(message));
+    log_message(held->name, held->length, status, category, strlen(category), message,
+                strlen(message));
 }
 
 EXPORTED("fmi:fmi3/common@3.0.0#get-version") const Text *get_version(void)

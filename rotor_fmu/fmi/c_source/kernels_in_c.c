@@ -16,7 +16,7 @@ enum {
     GIVEN = 16,
     OWN = GIVEN + 8 * MOST_SETTINGS,
     ARGUMENTS = OWN + 8 * MOST_SETTINGS,
-    ROOM = ARGUMENTS + 8 * TOLD
+    ROOM = ARGUMENTS + 8 * MESSAGE_NUMBERS
 };
 
 typedef struct {
@@ -80,7 +80,7 @@ static void take_back(const uint8_t *block, int at, void *numbers, size_t size)
 static int32_t returned(const uint8_t *block, uint32_t status, int64_t *code, double *arguments)
 {
     if (arguments)
-        take_back(block, ARGUMENTS, arguments, TOLD * sizeof *arguments);
+        take_back(block, ARGUMENTS, arguments, MESSAGE_NUMBERS * sizeof *arguments);
     take_back(block, CODE, code, sizeof *code);
     return (int32_t)status;
 }

@@ -118,7 +118,7 @@ function hash() {
   return new URLSearchParams(Object.entries(values).map(([n, v]) => [n, String(v)])).toString();
 }
 
-// Take what the address says; what it cannot mean is told.
+// Take what the address says; what it cannot mean is reported.
 function readHash() {
   const unread = [];
   for (const name of Object.keys(values)) delete values[name];

@@ -9,14 +9,14 @@ const CALL = {
   Enumeration: "fmi2SetInteger",
 };
 
-// An instance of a machine. wasm, table: bytes; tell: is handed each message with its status.
-async function instanceOf(wasm, table, tell) {
+// An instance of a machine. wasm, table: bytes; log: is handed each message with its status.
+async function instanceOf(wasm, table, log) {
   let memory = null;
   const textAt = (at) => {
     const bytes = new Uint8Array(memory.buffer);
     return new TextDecoder().decode(bytes.slice(at, bytes.indexOf(0, at)));
   };
-  // What the C library asks of a system: there are no files, and what is printed is told anyway.
+  // What the C library asks of a system: there are no files, and what is printed is logged anyway.
   const system = {
     fd_write(file, list, count, written) {
       const view = new DataView(memory.buffer);
@@ -31,7 +31,7 @@ async function instanceOf(wasm, table, tell) {
   };
   const BAD_FILE = 8;
   const imports = {
-    page: { tell: (environment, status, message) => tell(status, textAt(message)) },
+    page: { log_message: (environment, status, message) => log(status, textAt(message)) },
     wasi_snapshot_preview1: new Proxy(system, { get: (of, name) => of[name] ?? (() => BAD_FILE) }),
   };
   const { instance } = await WebAssembly.instantiate(wasm, imports);
@@ -124,12 +124,12 @@ function* runOf(solver, plan, messages, chunk) {
 // What the worker does with { wasm, table, plan }.
 async function work({ wasm, table, plan }, post) {
   const messages = [];
-  const tell = (status, message) => {
+  const log = (status, message) => {
     messages.push(message);
     if (status === STATUS.WARNING) post({ warning: message });
   };
   try {
-    const run = runOf(await instanceOf(wasm, table, tell), plan, messages, 200);
+    const run = runOf(await instanceOf(wasm, table, log), plan, messages, 200);
     for (let next = run.next(); ; next = run.next()) {
       if (next.done) return post({ end: next.value });
       post({ rows: next.value }, [next.value.buffer]);

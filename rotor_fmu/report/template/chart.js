@@ -91,8 +91,8 @@ class Chart {
     );
   }
 
-  // What a person who does not see the picture is told.
-  tell(text) {
+  // The text for a person who does not see the picture.
+  describe(text) {
     this.holder.setAttribute("aria-label", `${this.caption}. ${text}`);
   }
 

@@ -123,8 +123,8 @@ class ResponseCurves {
       `branch ${response.branch[i] + 1}`,
     ].join(", ");
     field("reading").textContent = text;
-    this.orbit.tell(`Point ${i}: ${text}.`);
-    this.chart.tell(`${response.value.length} points. Point ${i}: ${text}.`);
+    this.orbit.describe(`Point ${i}: ${text}.`);
+    this.chart.describe(`${response.value.length} points. Point ${i}: ${text}.`);
   }
 }
 

@@ -36,13 +36,13 @@ function pick(station) {
   field("reading").textContent = text;
   field("station").setAttribute("aria-valuetext", speedOf(found[0].hz));
   for (const chart of [over.bode, over.phase, over.orbit, over.base, over.spectrum, over.polar]) {
-    chart.tell(text);
+    chart.describe(text);
   }
-  over.cascade.tell("Shades show the amplitude over order and speed. " + text);
-  over.poincare.tell("A point a turn; those near the speed picked stand out.");
-  over.whirl.tell("1 is a forward circle, -1 a backward one. " + text);
+  over.cascade.describe("Shades show the amplitude over order and speed. " + text);
+  over.poincare.describe("A point a turn; those near the speed picked stand out.");
+  over.whirl.describe("1 is a forward circle, -1 a backward one. " + text);
   for (const chart of [over.force, over.angle, over.energy]) {
-    chart.tell("Over the speed; the tables give its largest values.");
+    chart.describe("Over the speed; the tables give its largest values.");
   }
 }
 

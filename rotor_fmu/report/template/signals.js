@@ -131,7 +131,7 @@ class TimeChart {
     const margin = 0.05 * (high - low) || 1;
     if (Number.isFinite(low)) this.heights.setv({ start: low - margin, end: high + margin });
     for (const dots of this.dots) dots.visible = most < 250;
-    this.chart.tell(
+    this.chart.describe(
       `${this.label} from ${shown(start)} to ${shown(end)} s lies between ${shown(low)} and ` +
       `${shown(high)} ${this.unit}.`,
     );

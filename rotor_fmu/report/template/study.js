@@ -63,7 +63,7 @@ class StudyMap {
     }
     const of = (values, rows) => rows.map((i) => values[i]);
     this.runs.data = { x: of(x, good), y: of(y, good), c: of(c, good) };
-    // what has no value there is told at the bottom edge
+    // what has no value there is shown at the bottom edge
     const lowest = good.reduce((least, i) => Math.min(least, y[i]), Infinity);
     const floor = Number.isFinite(lowest) ? lowest : 0;
     const height = (i) => (Number.isFinite(y[i]) ? y[i] : floor);
@@ -127,15 +127,15 @@ class StudyMap {
       lines.at(-1).cells[1].replaceChildren(link);
     }
     field("picked").tBodies[0].replaceChildren(...lines);
-    const told = ["across", "up", "shade"].map((id) => field(id).value);
+    const chosen = ["across", "up", "shade"].map((id) => field(id).value);
     const value = (name) => {
       const { unit } = this.columns.get(name);
       return `${name} ${shown(study.values[name][row])}${unit && unit !== "-" ? ` ${unit}` : ""}`;
     };
-    const values = [...new Set(told)].map(value).join(", ");
+    const values = [...new Set(chosen)].map(value).join(", ");
     const text = `Run ${study.runs[row]}, ${study.ids[row]}: ${values}; ${study.status[row]}`;
     field("reading").textContent = text;
-    this.chart.tell(`${study.ids.length} runs. ${text}`);
+    this.chart.describe(`${study.ids.length} runs. ${text}`);
     this.drawCurve();
   }
 
@@ -161,7 +161,7 @@ class StudyMap {
     const [below, left] = [this.curve.plot.below[0], this.curve.plot.left[0]];
     below.axis_label = verbatim(`${kept.dimension} [${kept.coordinate_unit}]`);
     left.axis_label = verbatim(`${kept.name} [${kept.unit}]`);
-    this.curve.tell(`${kept.text} of run ${this.study.runs[this.row]}.`);
+    this.curve.describe(`${kept.text} of run ${this.study.runs[this.row]}.`);
   }
 }
 
