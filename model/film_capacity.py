@@ -16,8 +16,7 @@ def film_load(run, j):
     otherwise the load of the whole machine is returned."""
     structure, memory = run.structure, run.memory
     applied = run.motion.v_dot  # unused until the run begins
-    for i in range(len(applied)):
-        applied[i] = 0.0
+    applied[:] = 0.0
     add_applied(structure, static_spin(memory.record[0].omega), memory.loads, applied)
     total = moment = 0.0j
     for i in range(len(structure.weight)):

@@ -2,14 +2,13 @@
 the settings (see `message_templates`). `{where}` stands for the machine's own list of contact
 states, `{names}` for that of its contacts."""
 
-import re
 from collections.abc import Sequence
 
 import numpy as np
 
 from .message_templates import choice
+from .quantities import places
 from .settings import settings_messages as settings
-from .stability import whirl_messages as whirls
 from .warnings import FINER, RUN_WARNINGS, UNFINISHED
 
 GOOD = settings.GOOD
@@ -17,24 +16,20 @@ _WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
 _NO_REST = "no static equilibrium under gravity and the loads at the start"
 _LIMIT, _UNIT = choice(("limit.displacement", "limit.force")), choice((" m", " N"))
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
-
-
-def _positional(template: str, **texts: str) -> str:
-    """Return a template with named places as one with the unnamed places of `message_templates`."""
-    for name, text in texts.items():
-        template = template.replace(f"{{{name}}}", text)
-    return re.sub(r"\{\w*:([^{}]*)\}", r"{\1}", template)
-
-
-def _either(one: str, other: str, inside: str) -> str:
-    """Return a template that chooses between two templates by a flag, given before and after the
-    number that both contain."""
-    parts = zip(one.split(inside), other.split(inside), strict=True)
-    return inside.join(choice(pair) for pair in parts)
-
-
-_WAY = choice(whirls.WAYS)
-_DOES = _either(*whirls.DOES, "{seen:.3g}")
+_SLIPPING = " in contact and slipping"
+_AS_AT_REST = "the contacts as they carry the machine at rest"
+_WAY = choice(("forward", "backward"))
+_WHIRL = (
+    f"with {{where}} a {_WAY} whirl of {{.4g}} Hz ({{.4g}} rad/s) grows by {{.3g}} 1/s at "
+    "{.4g} rad/s"
+)
+# What numerical damping does to a growth, by a flag before and after the number: leaves some of it,
+# or more than takes it away.
+_DOES = f"{choice(('leaves ', 'damps it by '))}{{.3g}}{choice((' 1/s of it', ' 1/s'))}"
+_AT_REST = (
+    "unstable at rest: with no contact closed but what carries the machine {how}; look at the "
+    "damping and the stiffness of its bearings"
+)
 _SENTENCES = {
     "NOT_SUPPORTED": "no static equilibrium: the rotor is supported at {d} of its nodes and "
     "would tilt under gravity; at least 2 bearings or supports are needed",
@@ -72,16 +67,23 @@ _SENTENCES = {
     "shorter communication steps",
     "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
     "alpha_m <= alpha_f <= 0.5",
-    "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",
+    "WHIRLED_APART": f"{_WHERE}the run diverged by an instability of the machine (node {{d}} past "
+    f"{{.3g}} m or not finite): {_WHIRL}, and it was seen to whirl {_WAY} at {{.4g}} Hz; a shorter "
+    "step does not help: reduce friction or add damping",
     "STOPPED": f"{_WHERE}{UNFINISHED}",
     "PAST_LIMIT": f"t = {{.9g}} s: the next step passes {_LIMIT} = {{.6g}}{_UNIT}, with {{.6g}}"
     f"{_UNIT}",
     "CONTACT_CHANGED": f"t = {{.9g}} s: {{names}} {choice(('closed', 'opened'))}",
-    "OSCILLATES_AT_REST": _positional(whirls.AT_REST, how=whirls.OSCILLATES),
-    "MOVES_AT_REST": _positional(whirls.AT_REST, how=whirls.MOVES_AWAY),
-    "HIDES": _positional(whirls.HIDES, way=_WAY, does=_DOES),
-    "UNSTABLE": _positional(whirls.UNSTABLE, way=_WAY),
-    **{warning.since: _positional(warning.words) for warning in RUN_WARNINGS},
+    "OSCILLATES_AT_REST": _AT_REST.replace(
+        "{how}", "a mode of {.4g} Hz ({.4g} rad/s) grows, its logarithmic decrement being {.3g}"
+    ),
+    "MOVES_AT_REST": _AT_REST.replace(
+        "{how}", "it moves away from its equilibrium by {.3g} 1/s, without oscillating"
+    ),
+    "HIDES": f"solver steps of {{.3g}} s hide an instability: {_WHIRL}, and the integrator, at "
+    f"omega h = {{.2g}}, {_DOES}; take steps of at most {{g}} s, or the preset controlled",
+    "UNSTABLE": f"unstable: {_WHIRL}; the machine itself is past its threshold of stability",
+    **{warning.since: warning.words for warning in RUN_WARNINGS},
 }
 SENTENCES = (*settings.SENTENCES, *_SENTENCES.values())
 # The machine-readable code of each; empty for a message that ends a run.
@@ -93,33 +95,9 @@ _CODES = {
     **{warning.since: warning.code for warning in RUN_WARNINGS},
 }
 CODES = (*settings.CODES, *(_CODES.get(name, "") for name in _SENTENCES))
-_FIRST = len(settings.SENTENCES)
-(
-    NOT_SUPPORTED,
-    TOO_FAR,
-    NO_REST,
-    LOST_IN_ROUNDING,
-    UNSTABLE_REST,
-    START_BEYOND,
-    START_IN_FILM,
-    IN_STAGES,
-    NO_INERTIA,
-    LIMITED,
-    FILM_AT_REST,
-    FILM_BROKEN,
-    NOT_CONVERGED,
-    DIVERGED,
-    DIVERGED_UNSTABLE,
-    WHIRLED_APART,
-    STOPPED,
-    PAST_LIMIT,
-    CONTACT_CHANGED,
-    OSCILLATES_AT_REST,
-    MOVES_AT_REST,
-    HIDES,
-    UNSTABLE,
-    FIRST_RUN_WARNING,  # the first of `RUN_WARNINGS`
-) = range(_FIRST, _FIRST + len(_SENTENCES) - len(RUN_WARNINGS) + 1)
+# The code of each by its name.
+CODE = places(_SENTENCES, len(settings.SENTENCES))
+FIRST_RUN_WARNING = len(SENTENCES) - len(RUN_WARNINGS)
 
 
 def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
@@ -129,6 +107,6 @@ def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
     contacts: names of the interfaces.
     """
     walls = np.flatnonzero(interfaces.slips == 1).tolist()
-    together = whirls.AND.join(contacts[j] for j in walls)
-    alone = [f"{name}{whirls.SLIPPING}" for name in contacts]
-    return choice((whirls.OPEN, f"{together}{whirls.SLIPPING}", whirls.REST, *alone))
+    together = " and ".join(contacts[j] for j in walls)
+    alone = [f"{name}{_SLIPPING}" for name in contacts]
+    return choice(("all contacts open", f"{together}{_SLIPPING}", _AS_AT_REST, *alone))

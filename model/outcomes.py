@@ -40,27 +40,27 @@ def no_rest(run, status, arguments):
             arguments[0] = _node_of(structure, interface.dof)
             arguments[1] = modulus(relative(interface, run.motion.q))
             arguments[2] = interface.length
-            return messages.START_IN_FILM
+            return messages.CODE.START_IN_FILM
         farthest = _farthest(run)
         arguments[0] = structure.deflections[farthest, 1]
         arguments[1] = modulus(run.motion.q[structure.deflections[farthest, 0]])
         arguments[2] = numbers.bound
-        return messages.START_BEYOND
+        return messages.CODE.START_BEYOND
     if status == early_return.IN_STAGES:
-        return messages.IN_STAGES
+        return messages.CODE.IN_STAGES
     if status == early_return.NO_INERTIA:
         arguments[0], arguments[1] = numbers.inertia, least_inertia(structure)
-        return messages.NO_INERTIA
+        return messages.CODE.NO_INERTIA
     if status == early_return.LIMITED:
         r = run.memory.record[0]
         is_force = r.failed_at == early_return.PAST_FORCE
         arguments[0] = arguments[2] = arguments[4] = 1.0 if is_force else 0.0
         arguments[1] = r.limit_force if is_force else r.limit_displacement
         arguments[3] = r.failed_value
-        return messages.LIMITED
+        return messages.CODE.LIMITED
     arguments[0] = _supported_nodes(structure)
     if arguments[0] < 2.0:
-        return messages.NOT_SUPPORTED
+        return messages.CODE.NOT_SUPPORTED
     invalid = first_invalid_law(structure, run.trial.q, run.trial.internal_state)
     if invalid >= 0:
         load, is_its_own = film_load(run, invalid)
@@ -68,9 +68,9 @@ def no_rest(run, status, arguments):
         arguments[1] = run.memory.record[0].omega
         arguments[2], arguments[3] = 0.0 if is_its_own else 1.0, load
         arguments[4] = film_capacity(run, invalid)
-        return messages.FILM_AT_REST
+        return messages.CODE.FILM_AT_REST
     if status == equilibrium.UNSTABLE:
-        return messages.UNSTABLE_REST
+        return messages.CODE.UNSTABLE_REST
     stiffest, mass = 0.0, 0.0
     for i in range(len(structure.deflections)):
         dof = structure.deflections[i, 0]
@@ -78,9 +78,9 @@ def no_rest(run, status, arguments):
         mass += structure.mass_sum[dof]
     arguments[0], arguments[1] = stiffest, mass * numbers.lowest_omega * numbers.lowest_omega
     if _LOST * stiffest > arguments[1]:
-        return messages.LOST_IN_ROUNDING
+        return messages.CODE.LOST_IN_ROUNDING
     arguments[0] = numbers.bound
-    return messages.TOO_FAR if status == equilibrium.NOT_SUPPORTED else messages.NO_REST
+    return messages.CODE.TOO_FAR if status == equilibrium.NOT_SUPPORTED else messages.CODE.NO_REST
 
 
 @jit
@@ -123,9 +123,9 @@ def growth_at_rest(root, arguments):
     if root.imag > _ROUNDING * modulus(root):
         arguments[0], arguments[1] = root.imag / _TWO_PI, root.imag
         arguments[2] = -_TWO_PI * root.real / root.imag
-        return messages.OSCILLATES_AT_REST
+        return messages.CODE.OSCILLATES_AT_REST
     arguments[0] = root.real
-    return messages.MOVES_AT_REST
+    return messages.CODE.MOVES_AT_REST
 
 
 def grows_at_rest(root: complex) -> str:
@@ -160,7 +160,7 @@ def unstable(run, arguments):
         is_its_own = whirl[WHIRL.case] == OPEN or (lies and whirl[WHIRL.case] == REST)
         if is_its_own and is_present:
             _describe_whirl(whirl, arguments, 0)
-            return messages.UNSTABLE
+            return messages.CODE.UNSTABLE
     return messages.GOOD
 
 
@@ -189,7 +189,7 @@ def hidden(run, arguments):
     if longest == math.inf:
         return messages.GOOD
     arguments[11] = rounded_down(longest, _TWO_DIGITS)
-    return messages.HIDES
+    return messages.CODE.HIDES
 
 
 @jit
@@ -249,13 +249,13 @@ def failure(run, status, arguments):
     r = run.memory.record[0]
     arguments[0], arguments[1], arguments[2] = r.failed_at, r.omega, r.failed_h
     if status == NOT_CONVERGED:
-        return messages.NOT_CONVERGED
+        return messages.CODE.NOT_CONVERGED
     if status == FILM_INVALID:
         arguments[3] = _node_of_invalid_film(run)
-        return messages.FILM_BROKEN
+        return messages.CODE.FILM_BROKEN
     if status == UNFINISHED:
         arguments[3] = r.max_iterations
-        return messages.STOPPED
+        return messages.CODE.STOPPED
     ended = status - ENDED_EARLY
     if ended > early_return.GOES_ON:
         arguments[1] = r.failed_value
@@ -264,14 +264,14 @@ def failure(run, status, arguments):
             arguments[1] = arguments[3] = arguments[5] = 1.0 if is_force else 0.0
             arguments[2] = r.limit_force if is_force else r.limit_displacement
             arguments[4] = r.failed_value
-            return messages.PAST_LIMIT
+            return messages.CODE.PAST_LIMIT
         arguments[2] = ended - early_return.CLOSED
-        return messages.CONTACT_CHANGED
+        return messages.CODE.CONTACT_CHANGED
     arguments[3] = run.structure.deflections[_farthest(run), 1]
     arguments[4] = run.structure.numbers[0].bound
     if not is_stable(run.method.numbers[0]):
         arguments[5] = radius_at_infinity(run.method.numbers[0])
-        return messages.DIVERGED_UNSTABLE
+        return messages.CODE.DIVERGED_UNSTABLE
     if not _is_driven_by_loads(run) and _whirled_apart(run, arguments):
-        return messages.WHIRLED_APART
-    return messages.DIVERGED
+        return messages.CODE.WHIRLED_APART
+    return messages.CODE.DIVERGED

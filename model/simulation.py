@@ -238,7 +238,7 @@ class Simulation:
             since, warning = entry
             if since[0] == since[0]:
                 self._run_warnings.remove(entry)
-                self._warn(Message(warning.words.format(since[0]), warning.code))
+                self._warn(Message(fill_template(warning.words, since), warning.code))
 
     def derivatives(self) -> np.ndarray:
         """Return the first and second time derivatives of `observed` at the time reached, shape (2,

@@ -28,33 +28,33 @@ RUN_WARNINGS = (
     RunWarning(
         "trapped_at",
         "false-state",
-        "false state since t = {:.4g} s: numerical artefact, a journal jumps between opposite "
+        "false state since t = {.4g} s: numerical artefact, a journal jumps between opposite "
         "walls of its clearance every one or two steps; do not trust this run: take the preset "
         f"robust, or {FINER}",
     ),
     RunWarning(
         "overdamped_at",
         "overdamped",
-        "overdamped since t = {:.4g} s: while a journal rubs the integrator dissipates more energy "
+        "overdamped since t = {.4g} s: while a journal rubs the integrator dissipates more energy "
         "than the machine's own dampers, and may hide an instability; do not trust this run: take "
         f"the preset controlled, or {FINER}",
     ),
     RunWarning(
         "slow_at",
         "slow",
-        f"slow since t = {{:.4g}} s: a cycle of the motion takes more than {SLOW:,} iterations; "
+        f"slow since t = {{.4g}} s: a cycle of the motion takes more than {SLOW:,} iterations; "
         f"{_FASTER}",
     ),
     RunWarning(
         "coarse_at",
         "too-coarse",
-        "too coarse since t = {:.4g} s: at solver.h_min, the shortest step allowed, the tolerance "
+        "too coarse since t = {.4g} s: at solver.h_min, the shortest step allowed, the tolerance "
         "is not met; lower solver.h_min, or raise solver.tolerance",
     ),
     RunWarning(
         "blind_at",
         "too-coarse-in-contact",
-        "too coarse in contact since t = {:.4g} s: a contact closed in a step whose local error is "
+        "too coarse in contact since t = {.4g} s: a contact closed in a step whose local error is "
         "above a tenth of the motion, and the run may have jumped to another branch of solutions; "
         "take a smaller solver.h, or the preset controlled with a solver.tolerance of at most "
         f"{COARSEST_IN_CONTACT}, and compare them with --verify",

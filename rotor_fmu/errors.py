@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
+from .model.arguments import check_integer as check_integer
 from .model.arguments import check_positive as check_positive
 from .model.arguments import is_one_of as is_one_of
 from .model.arguments import listed as listed

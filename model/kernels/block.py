@@ -4,13 +4,15 @@ A named tuple declares type and extents of each of its arrays:
 
     q: Annotated[np.ndarray, complex, "size"]
 
-The extents are expressions in a few sizes at the head of the block. From these tuples follow the
-table (name, type, shape, offset) and `view`, which returns all arrays of a block: compiled, from
-the block or its address alone, or in plain Python.
+or, in a list, of each array of a tuple. The extents are expressions in a few sizes, which stand at
+the head of the block. From these tuples follow the table (name, type, shape, offset) and `view`,
+which returns all arrays of a block: compiled, from the block or its address alone, or in plain
+Python.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
@@ -30,45 +32,52 @@ class Field(NamedTuple):
     extents: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Group:
-    """A named tuple of the block: its name there, its type, and for members that are tuples of
-    arrays the types and extents of their arrays."""
+class Member(NamedTuple):
+    """A member of a named tuple of the block: one array, or a tuple of arrays."""
 
-    name: str
-    kind: type
-    tuples: Mapping[str, Sequence[tuple[np.dtype, tuple[str, ...]]]]
+    fields: tuple[Field, ...]
+    is_tuple: bool
 
-    def members(self) -> list[tuple[str, list[Field]]]:
-        """Return each member with its arrays: one, or those of its tuple."""
-        members = []
-        for name, hint in get_type_hints(self.kind, include_extras=True).items():
-            path = f"{self.name}.{name}"
-            if name in self.tuples:
-                entries = self.tuples[name]
-                fields = [Field(f"{path}[{i}]", t, e) for i, (t, e) in enumerate(entries)]
-            else:
-                dtype, *extents = hint.__metadata__
-                fields = [Field(path, np.dtype(dtype), tuple(extents))]
-            members.append((name, fields))
-        return members
+
+@cache
+def members(kind: type, name: str) -> tuple[Member, ...]:
+    """Return the members of a named tuple, which has this name in the block."""
+    result = []
+    for member, hint in get_type_hints(kind, include_extras=True).items():
+        path, (dtype, *extents) = f"{name}.{member}", hint.__metadata__
+        if isinstance(dtype, list):
+            arrays = tuple(Field(f"{path}[{i}]", *each) for i, each in enumerate(dtype))
+            result.append(Member(arrays, True))
+        else:
+            result.append(Member((Field(path, np.dtype(dtype), tuple(extents)),), False))
+    return tuple(result)
+
+
+def sizes_of(group: tuple) -> dict[str, int]:
+    """Return the extents of the arrays of a named tuple, the names of sizes among them."""
+    sizes: dict[str, int] = {}
+    for value, member in zip(group, members(type(group), ""), strict=True):
+        arrays = value if member.is_tuple else (value,)
+        for array, field in zip(arrays, member.fields, strict=True):
+            sizes |= zip(field.extents, array.shape, strict=True)
+    return sizes
 
 
 class Layout:
-    """The table of a block: groups one after another, sizes at the head.
+    """The table of a block: the named tuples of `run`, one after another, sizes at the head."""
 
-    run: the named tuple of all groups, in their order; size_names: the names of the sizes.
-    """
-
-    def __init__(self, run: type, groups: Sequence[Group], size_names: Sequence[str]) -> None:
+    def __init__(self, run: type) -> None:
         self.run = run
-        self.groups = tuple(groups)
-        self.size_names = tuple(size_names)
-        self.fields = [f for group in groups for _, fields in group.members() for f in fields]
-        self._slot = {f.path: 1 + len(size_names) + i for i, f in enumerate(self.fields)}
-        self.header_length = 1 + len(size_names) + len(self.fields)
+        self.groups = get_type_hints(run)
+        self._members = {name: members(kind, name) for name, kind in self.groups.items()}
+        self.fields = [f for of in self._members.values() for member in of for f in member.fields]
+        extents = " ".join(extent for field in self.fields for extent in field.extents)
+        self.size_names = tuple(dict.fromkeys(re.findall(r"[a-z]\w*", extents)))
+        self._slot = {f.path: 1 + len(self.size_names) + i for i, f in enumerate(self.fields)}
+        self.header_length = 1 + len(self.size_names) + len(self.fields)
         counts = ", ".join(" * ".join(f"({e})" for e in f.extents) or "1" for f in self.fields)
-        self._counts: Callable[..., list[int]] = eval(f"lambda {', '.join(size_names)}: [{counts}]")
+        names = ", ".join(self.size_names)
+        self._counts: Callable[..., list[int]] = eval(f"lambda {names}: [{counts}]")
         self.view_in_python: Callable[[np.ndarray], Any] = self._view(_array)
         self.view: Callable[[Any], Any] = (
             Kernel(self.view_in_python, self._made) if IS_COMPILED else self.view_in_python
@@ -100,7 +109,7 @@ class Layout:
     def extent(self, block: np.ndarray, group: str) -> slice:
         """Return the range of bytes of a group in a block."""
         header = block[: self.header_length * _HEADER_TYPE.itemsize].view(_HEADER_TYPE)
-        names = [g.name for g in self.groups]
+        names = list(self.groups)
         last = names.index(group) + 1
 
         def begin(of: str) -> int:
@@ -127,16 +136,15 @@ class Layout:
             shape = "".join(f"{extent}, " for extent in field.extents)
             return f"at(block, header[{self._slot[field.path]}], ({shape}), {kind})"
 
-        for group in self.groups:
-            scope[f"kind_{group.name}"] = group.kind
+        for group, kind in self.groups.items():
+            scope[f"kind_{group}"] = kind
             arguments = []
-            for name, fields in group.members():
-                spelled = [array(field) for field in fields]
-                is_tuple = name in group.tuples
-                arguments.append(f"({', '.join(spelled)},)" if is_tuple else spelled[0])
+            for member in self._members[group]:
+                spelled = ", ".join(map(array, member.fields))
+                arguments.append(f"({spelled},)" if member.is_tuple else spelled)
             joined = ",\n        ".join(arguments)
-            lines.append(f"    {group.name} = kind_{group.name}(\n        {joined},\n    )")
-        lines.append(f"    return run({', '.join(group.name for group in self.groups)})")
+            lines.append(f"    {group} = kind_{group}(\n        {joined},\n    )")
+        lines.append(f"    return run({', '.join(self.groups)})")
         exec("def view(block):\n" + "\n".join(lines), scope)
         view: Callable[[Any], Any] = scope["view"]
         return view

@@ -28,6 +28,13 @@ def scaled(factor, z):
 
 
 @jit
+def copy(values, out):
+    """Fill `out` with as many first values: an assignment to a slice would count references."""
+    for i in range(len(out)):
+        out[i] = values[i]
+
+
+@jit
 def inverse(z):
     """Return 1 / z of a complex number that neither overflows nor underflows when it is squared.
     Languages and libraries round the division of complex numbers differently; this is the same in

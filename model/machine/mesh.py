@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import accumulate, pairwise
 from typing import Any
 
+from ..arguments import check_integer
 from ..parts.shaft import Section
 from ..quantities import QuantityError
 
@@ -50,11 +51,7 @@ class Mesh:
 
     def node(self, where: str, number: Any) -> int:
         """Return the number of a node of the file's sections, from its number there."""
-        highest = len(self._given)
-        if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= highest:
-            raise QuantityError(
-                f"{where}.node = {number!r}: must be an integer from 1 to {highest}"
-            )
+        check_integer(f"{where}.node", number, 1, len(self._given), QuantityError)
         return self.node_at(self._given[number - 1])
 
 

@@ -11,6 +11,7 @@ describe one stretch after another, each of one or more elements:
 from itertools import pairwise
 from typing import Any
 
+from ..arguments import check_integer
 from ..parts.shaft import Material, Section
 from ..quantities import QuantityError, check, quantities
 from .table_reader import a_table, make, nearest, number, refuse_unknown, tables_of
@@ -92,10 +93,7 @@ def sections_in_turn(given: Any, materials: Materials) -> tuple[Section, ...]:
             raise QuantityError(f"{where}.length is missing")
         check(f"{where}.length", quantities(Section)["length"], table["length"])
         count = table.get("elements", 1)
-        if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_ELEMENTS:
-            raise QuantityError(
-                f"{where}.elements = {count!r}: must be an integer from 1 to {MOST_ELEMENTS}"
-            )
+        check_integer(f"{where}.elements", count, 1, MOST_ELEMENTS, QuantityError)
         if len(sections) + count > MOST_ELEMENTS:
             raise QuantityError(
                 f"{where}.elements = {count}: a shaft has at most {MOST_ELEMENTS} elements, and "

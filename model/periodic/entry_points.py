@@ -6,10 +6,10 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..kernels.block import Group, Layout
+from ..kernels.block import Layout
 from ..kernels.jit import jit
 from ..step.interface_problem import solve_columns
-from ..step.laws_along_motion import GROUPS, SIZES, Interfaces, Samples, fill_linearized
+from ..step.laws_along_motion import Interfaces, Samples, fill_linearized
 from ..step.step_status import DONE
 
 _TOLERANCE, _ITERATIONS = 1e-12, 30  # of forces, as a share of the largest; in a step
@@ -73,16 +73,7 @@ class OrbitData(NamedTuple):
     work: StepWork
 
 
-LAYOUT = Layout(
-    OrbitData,
-    [
-        *GROUPS,
-        Group("propagators", Propagators, {}),
-        Group("period", Period, {}),
-        Group("work", StepWork, {}),
-    ],
-    (*SIZES, "steps", "lengths", "modes", "b"),
-)
+LAYOUT = Layout(OrbitData)
 _view = LAYOUT.view
 
 

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from ..kernels.jit import jit
+from ..quantities import places
 from ..schemes.family import alphas, second_order
 from ..schemes.radau import ERROR_CONSTANT, STAGES
 from ..stability.resolution import is_stable
@@ -31,22 +32,11 @@ from .table import (
 )
 
 COUNT = len(NAMES)
-_METHOD, _SHAPE, _MODE, _FITTED, _TOLERANCE, _H, _H_MIN, _H_MAX = (
-    NAMES.index(name)
-    for name in ("method", SHAPES[0], "mode", "fitted", "tolerance", "h", "h_min", "h_max")
-)
-_EPS_MIN, _EPS_MAX, _INDICATOR, _NORM, _ATOL, _RTOL, _MAX_ITERATIONS, _NEWTON_LIMIT = (
-    NAMES.index(name)
-    for name in (
-        *("eps_min", "eps_max", "indicator", "norm", "atol", "rtol"),
-        *("max_iterations", "newton_limit"),
-    )
-)
+_AT = places(NAMES, 1)  # of `given`, whose first is the preset
 _SHAPES = len(SHAPES)
-_NEWMARK, _HHT, _WBZ, _CHUNG_HULBERT = (
-    list(METHODS).index(name) for name in ("newmark", "hht", "wbz", "chung-hulbert")
+_NEWMARK, _HHT, _WBZ, _CHUNG_HULBERT, _RADAU = (
+    list(METHODS).index(name) for name in ("newmark", "hht", "wbz", "chung-hulbert", IN_STAGES)
 )
-_RADAU = list(METHODS).index(IN_STAGES)
 _STABLE = 1e-12  # rounding in a stability condition
 
 
@@ -87,12 +77,12 @@ def resolve(given, numbers, arguments):
     Returns the code of a sentence, with its numbers in `arguments`, or `GOOD`.
     """
     preset = int(given[0])
-    base = int(_PRESETS[preset, _METHOD])
-    method = base if math.isnan(given[1 + _METHOD]) else int(given[1 + _METHOD])
+    base = int(_PRESETS[preset, _AT.method - 1])
+    method = base if math.isnan(given[_AT.method]) else int(given[_AT.method])
     for i in range(_SHAPES):
-        is_given = not math.isnan(given[1 + _SHAPE + i])
+        is_given = not math.isnan(given[_AT.alpha_f + i])
         if is_given and not _TAKES[method, i]:
-            arguments[0], arguments[1], arguments[2] = i, given[1 + _SHAPE + i], method
+            arguments[0], arguments[1], arguments[2] = i, given[_AT.alpha_f + i], method
             return settings_messages.NOT_TAKEN
         if _TAKES[method, i] and method != base and not is_given:
             arguments[0], arguments[1] = method, i
@@ -100,20 +90,21 @@ def resolve(given, numbers, arguments):
     for slot in range(COUNT):
         if math.isnan(given[1 + slot]):
             given[1 + slot] = _PRESETS[preset, slot]
-        is_used = not _SHAPE <= slot < _SHAPE + _SHAPES or _TAKES[method, slot - _SHAPE]
+        shape = 1 + slot - _AT.alpha_f
+        is_used = not 0 <= shape < _SHAPES or _TAKES[method, shape]
         if _IS_NUMBER[slot] and is_used and not _is_in_range(given[1 + slot], slot):
             arguments[0] = given[1 + slot]
             return settings_messages.OUT_OF_RANGE + slot
-    mode = int(_MODES[int(given[1 + _MODE])])
-    h, h_min, h_max = given[1 + _H], given[1 + _H_MIN], given[1 + _H_MAX]
+    mode = int(_MODES[int(given[_AT.mode])])
+    h, h_min, h_max = given[_AT.h], given[_AT.h_min], given[_AT.h_max]
     if varies(mode) and not (h_min <= h <= h_max):
         arguments[0], arguments[1], arguments[2] = h, h_min, h_max
         return settings_messages.STEP_OUTSIDE
-    if mode == ADAPTIVE and not given[1 + _EPS_MIN] < given[1 + _EPS_MAX]:
-        arguments[0], arguments[1] = given[1 + _EPS_MIN], given[1 + _EPS_MAX]
+    if mode == ADAPTIVE and not given[_AT.eps_min] < given[_AT.eps_max]:
+        arguments[0], arguments[1] = given[_AT.eps_min], given[_AT.eps_max]
         return settings_messages.LIMITS_CROSSED
     if method == _RADAU and mode != CONTROLLED:
-        arguments[0], arguments[1] = method, given[1 + _MODE]
+        arguments[0], arguments[1] = method, given[_AT.mode]
         return settings_messages.UNCONTROLLED
     alpha_f, alpha_m = _alphas(given, method)
     if alpha_f - alpha_m <= -1.0:
@@ -137,38 +128,38 @@ def _is_in_range(value, slot):
 def _alphas(given, method):
     """Return alpha_f and alpha_m of a method of the generalized-alpha family."""
     if method == _CHUNG_HULBERT:
-        return alphas(given[3 + _SHAPE])
-    alpha_f = 0.0 if method in (_WBZ, _NEWMARK, _RADAU) else given[1 + _SHAPE]
-    alpha_m = 0.0 if method in (_HHT, _NEWMARK, _RADAU) else given[2 + _SHAPE]
+        return alphas(given[_AT.rho])
+    alpha_f = 0.0 if method in (_WBZ, _NEWMARK, _RADAU) else given[_AT.alpha_f]
+    alpha_m = 0.0 if method in (_HHT, _NEWMARK, _RADAU) else given[_AT.alpha_m]
     return alpha_f, alpha_m
 
 
 @jit
 def _fill(numbers, given, mode, scheme):
     shift = (scheme.alpha_m - scheme.alpha_f) / 2
-    indicator = int(given[1 + _INDICATOR])
+    indicator = int(given[_AT.indicator])
     numbers.alpha_m, numbers.alpha_f = scheme.alpha_m, scheme.alpha_f
     numbers.beta, numbers.gamma = scheme.beta, scheme.gamma
     numbers.mode = mode
-    numbers.h_min, numbers.h_max = given[1 + _H_MIN], given[1 + _H_MAX]
-    numbers.eps_min = given[1 + _EPS_MIN]
-    numbers.eps_max = 1.0 if keeps_tolerance(mode) else given[1 + _EPS_MAX]
+    numbers.h_min, numbers.h_max = given[_AT.h_min], given[_AT.h_max]
+    numbers.eps_min = given[_AT.eps_min]
+    numbers.eps_max = 1.0 if keeps_tolerance(mode) else given[_AT.eps_max]
     numbers.indicator = _INDICATORS[indicator]
     numbers.beta_error = scheme.beta + (shift if _CORRECTED[indicator] else 0.0)
-    numbers.norm = _NORMS[int(given[1 + _NORM])]
-    numbers.atol, numbers.rtol = given[1 + _ATOL], given[1 + _RTOL]
-    numbers.tolerance = given[1 + _TOLERANCE]
+    numbers.norm = _NORMS[int(given[_AT.norm])]
+    numbers.atol, numbers.rtol = given[_AT.atol], given[_AT.rtol]
+    numbers.tolerance = given[_AT.tolerance]
     numbers.error_constant = scheme.beta + shift - 1 / 6
-    numbers.is_fitted = int(given[1 + _FITTED])
+    numbers.is_fitted = int(given[_AT.fitted])
     numbers.stages = 0
-    numbers.newton_limit = int(given[1 + _NEWTON_LIMIT]) if mode == REALTIME else 0
+    numbers.newton_limit = int(given[_AT.newton_limit]) if mode == REALTIME else 0
 
 
 @jit
 def begin(given, r):
     """Write the initial step length and the limit of iterations into the record of a run."""
-    r.h = given[1 + _H]
-    r.max_iterations = given[1 + _MAX_ITERATIONS]
+    r.h = given[_AT.h]
+    r.max_iterations = given[_AT.max_iterations]
 
 
 @jit
@@ -194,15 +185,15 @@ def warning(given, own, numbers, arguments, slot):
 
     own: the settings as given, before `resolve` filled in the others.
     """
-    method = int(given[1 + _METHOD])
+    method = int(given[_AT.method])
     if slot == COUNT:
         if is_stable(numbers):
             return settings_messages.GOOD
         arguments[0], arguments[1], arguments[2] = method, numbers.alpha_f, numbers.alpha_m
         arguments[3] = radius_at_infinity(numbers)
         return settings_messages.UNSTABLE
-    mode, norm = int(given[1 + _MODE]), int(given[1 + _NORM])
-    if slot == _FITTED and method == _RADAU and own[1 + slot] > 0.0:
+    mode, norm = int(given[_AT.mode]), int(given[_AT.norm])
+    if slot == _AT.fitted - 1 and method == _RADAU and own[1 + slot] > 0.0:
         arguments[0], arguments[1] = given[1 + slot], method
         return settings_messages.FITTED_IN_STAGES
     if math.isnan(own[1 + slot]) or not _IS_IDLE[mode, norm, slot]:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..kernels.block import Group, Layout
+from ..kernels.block import Layout
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts import LAWS
 from ..parts.law import Kinematics, Law, StateSlopes, Weights
@@ -17,7 +17,7 @@ from .step_status import DONE
 class Interfaces(NamedTuple):
     """The laws' tables, and the interfaces to be evaluated."""
 
-    laws: tuple
+    laws: Annotated[tuple, LAW_TABLES]
     interfaces: Annotated[np.recarray, INTERFACE, "interfaces"]
 
 
@@ -50,9 +50,7 @@ class LawData(NamedTuple):
     samples: Samples
 
 
-GROUPS = [Group("machine", Interfaces, {"laws": LAW_TABLES}), Group("samples", Samples, {})]
-SIZES = ("interfaces", "samples", "states", *(f"rows_{law.name}" for law in LAWS), "tables")
-LAYOUT = Layout(LawData, GROUPS, SIZES)
+LAYOUT = Layout(LawData)
 _view = LAYOUT.view
 
 

@@ -139,9 +139,8 @@ def _free_response(structure, spin, h, old, stages):
     forces."""
     n = len(structure.weight)
     at_start, by_time, scratch = stages.scratch[0], stages.scratch[1], stages.scratch[2]
-    for i in range(n):
-        at_start[i] = 0.0
-        by_time[i] = 0.0
+    at_start[:] = 0.0
+    by_time[:] = 0.0
     add_internal(structure, spin, -1.0, 1.0, old.q, old.v, scratch, at_start)
     add_internal(structure, spin, -1.0, 0.0, old.v, old.v, scratch, by_time)
     right, modal = stages.scratch[3], stages.modal
@@ -150,8 +149,7 @@ def _free_response(structure, spin, h, old, stages):
             modal[i, s] = scaled(OF_START[s], at_start[i]) + scaled(h * OF_TIME[s], by_time[i])
     for k in range(STAGES):
         ahead = C[k] * h
-        for i in range(n):
-            right[i] = 0.0
+        right[:] = 0.0
         at = spin_of_stage(stages, k)
         add_applied(structure, at, stages.loads[k], right)
         add_bows(structure, at, ahead, old, right)

@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.band import add_product, factorize, solve
-from ..kernels.functions import modulus, scaled
+from ..kernels.functions import copy, modulus, scaled
 from ..kernels.jit import jit
 from ..parts.housing import masses
 from ..parts.law import Weights
@@ -97,8 +97,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
     factor of a `fitting`."""
     n = structure.M.shape[0]
     f = motion.v_dot[:n]
-    for i in range(n):
-        f[i] = 0.0
+    f[:] = 0.0
     add_applied(structure, spin, loads, f)
     add_bows(structure, spin, 0.0, motion, f)
     add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
@@ -169,8 +168,7 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
     flexibility = problem.flexibility
     for j in range(m):
         column = work.columns[j]
-        for i in range(n):
-            column[i] = 0.0
+        column[:] = 0.0
         if interfaces[j].dof < n:
             column[interfaces[j].dof] = share
             solve(factors, column, interfaces[j].dof)
@@ -200,9 +198,8 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     n = structure.M.shape[0]
     predict(scheme, h, old.q, old.v, old.a, new.q, new.v)
     free, scratch = new.a[:n], work.scratch
-    for i in range(n):
-        free[i] = 0.0
-        scratch[i] = 0.0
+    free[:] = 0.0
+    scratch[:] = 0.0
     add_applied(structure, spin, loads, free)
     add_bows(structure, spin, h, old, free)
     for i in range(n):
@@ -305,8 +302,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, li
         return NOT_FINITE, 0
     b_rate = predict_internal_state(scheme, h, old, problem.free)
     weights_of_laws = Weights(scheme.beta * h * h, scheme.gamma * h, b_rate)
-    for i in range(len(problem.internal_state)):
-        problem.internal_state[i] = problem.free[i]
+    copy(problem.free, problem.internal_state)
     _predict_contacts(problem, interfaces, old, weights_of_laws.displacement)
     is_converged, iterations = solve_interfaces(
         problem, structure.laws, interfaces, spin, weights_of_laws, limit
@@ -323,8 +319,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, li
     for i in range(len(structure.deflections)):
         if not is_finite_within(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
-    for i in range(len(problem.internal_state)):
-        new.internal_state[i] = problem.internal_state[i]
+    copy(problem.internal_state, new.internal_state)
     if first_invalid_law(structure, new.q, new.internal_state) >= 0:
         return FILM_INVALID, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)

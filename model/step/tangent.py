@@ -15,6 +15,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.band import add_product, solve
+from ..kernels.functions import copy
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from .bows import add_bows_along
@@ -153,8 +154,7 @@ def step_row(structure, scheme, fit, spin, h, row, old, out, d_spin, new, step, 
     am, share = fit.mass * scheme.alpha_m, 1.0 - af
     predict(scheme, h, old.q, old.v, old.a, out.q, out.v)
     free, scratch = out.a[:n], step.scratch
-    for i in range(n):
-        free[i] = 0.0
+    free[:] = 0.0
     for i in range(len(structure.load_dof)):
         load = load_of(row, i)
         if load != 0.0:
@@ -270,8 +270,7 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
     displacements, velocities and internal states do not depend on the input."""
     n = structure.M.shape[0]
     f = out.v_dot[:n]
-    for i in range(n):
-        f[i] = 0.0
+    f[:] = 0.0
     for i in range(len(structure.load_dof)):
         load = load_of(row, i)
         if load != 0.0:
@@ -281,8 +280,7 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
     d_base = _loads_on_base(structure, row)
     for j in range(len(structure.housings)):
         out.v_dot[n + j] = -housing_forces(structure.housings[j], -d_base, 0j, 0j)
-    for i in range(len(work.d_free)):
-        work.d_free[i] = 0.0
+    work.d_free[:] = 0.0
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         first = interface.internal_state
@@ -308,7 +306,5 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
         *(structure, spin, d_spin, 0.0, motion, motion.internal_state, out, out.internal_state),
         *(True, work),
     )
-    for i in range(len(out.a)):
-        out.a[i] = out.v_dot[i]
-    for i in range(len(out.internal_rate)):
-        out.internal_rate_carried[i] = out.internal_rate[i]
+    copy(out.v_dot, out.a)
+    copy(out.internal_rate, out.internal_rate_carried)

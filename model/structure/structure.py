@@ -4,6 +4,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from ..kernels import block
 from ..parts import LAWS
 from ..parts.base import ReleaseElement
 from ..parts.housing import HousingQuantities
@@ -96,7 +97,7 @@ class Structure(NamedTuple):
     bow_stiffness: Annotated[np.ndarray, float, "bows", "bows"]
     housings: Annotated[np.recarray, HOUSING, "housings"]
     interfaces: Annotated[np.recarray, INTERFACE, "interfaces"]
-    laws: Annotated[tuple[np.ndarray, ...], "one a law, tables"]
+    laws: Annotated[tuple[np.ndarray, ...], LAW_TABLES]
     stores: Annotated[np.ndarray, np.int64, "stores"]
     losses: Annotated[np.ndarray, np.int64, "losses"]
     numbers: Annotated[np.recarray, NUMBERS, "1"]
@@ -117,28 +118,12 @@ def sizes_of_laws(laws: tuple) -> dict[str, int]:
 def sizes_of(structure: Structure) -> dict[str, int]:
     """Return the sizes on which the extents of the arrays depend; `size`: of a motion, ground
     included."""
-    n, width = structure.M.shape
-    housings, interfaces = len(structure.housings), len(structure.interfaces)
-    return {
-        "n": n,
-        "width": width,
-        "weights": len(structure.weights),
-        "housings": housings,
-        "size": n + housings + 1,
-        "deflections": len(structure.deflections),
-        "loads": len(structure.load_dof),
-        "probes": len(structure.probes),
-        "velocities": len(structure.velocities),
-        "releases": len(structure.releases),
-        "unbalances": len(structure.unbalances),
-        "springs": len(structure.springs),
-        "bows": len(structure.bows),
-        "interfaces": interfaces,
-        "internal_states": int(structure.interfaces.states.sum()),
-        "most_states": int(structure.interfaces.states.max(initial=0)),
-        "stores": len(structure.stores),
-        "losses": len(structure.losses),
-        **sizes_of_laws(structure.laws),
+    sizes = block.sizes_of(structure)
+    states = structure.interfaces.states
+    return sizes | {
+        "size": sizes["n"] + sizes["housings"] + 1,
+        "internal_states": int(states.sum()),
+        "most_states": int(states.max(initial=0)),
     }
 
 

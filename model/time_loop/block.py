@@ -4,8 +4,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..kernels.block import Group, Layout
-from ..parts import LAWS
+from ..kernels.block import Layout
 from ..schemes.family import Scheme
 from ..stability.survey_block import WhirlSurvey, coarse_shaft
 from ..step.interface_problem import InterfaceProblem
@@ -14,7 +13,7 @@ from ..step.stages import Stages
 from ..step.step import Motion, Workspace
 from ..step.tangent import Tangent, TangentWork
 from ..structure.ledger import FLOWS, STORES
-from ..structure.structure import LAW_TABLES, Structure, sizes_of, starts_of
+from ..structure.structure import Structure, sizes_of, starts_of
 from ..warnings import RUN_WARNINGS
 from .control import Control
 from .memory import Memory
@@ -65,58 +64,7 @@ class RunData(NamedTuple):
     moved: Motion
 
 
-_SIZES = (
-    *(
-        "n",
-        "width",
-        "weights",
-        "housings",
-        "size",
-        "deflections",
-        "loads",
-        "probes",
-        "velocities",
-        "releases",
-        "unbalances",
-        "springs",
-        "bows",
-    ),
-    *(
-        "interfaces",
-        "internal_states",
-        "most_states",
-        "stores",
-        "losses",
-        "all_stores",
-        "flows",
-        "most_losses",
-        "outputs",
-    ),
-    *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width"),
-    *("single_contacts", "single_contact_dofs"),
-    *(f"rows_{law.name}" for law in LAWS),
-)
-LAYOUT = Layout(
-    RunData,
-    [
-        Group("structure", Structure, {"laws": LAW_TABLES}),
-        Group("method", Integrator, {}),
-        Group("motion", Motion, {}),
-        Group("memory", Memory, {}),
-        Group("tangent", Tangent, {}),
-        Group("trial", Motion, {}),
-        Group("work", Workspace, {}),
-        Group("problem", InterfaceProblem, {}),
-        Group("stages", Stages, {}),
-        Group("outputs", OutputArrays, {}),
-        Group("recorder", Recorder, {}),
-        Group("survey", WhirlSurvey, {}),
-        Group("tangent_after", Tangent, {}),
-        Group("tangent_work", TangentWork, {}),
-        Group("moved", Motion, {}),
-    ],
-    _SIZES,
-)
+LAYOUT = Layout(RunData)
 
 
 def new_block(

@@ -8,6 +8,7 @@ accelerations on both sides are those of the equation of motion.
 
 import math
 
+from ..kernels.functions import copy
 from ..kernels.jit import jit, jit_inlined, jit_not_inlined
 from ..quantities import places
 from ..step.excitation import spin_of
@@ -79,12 +80,9 @@ def by_time(run, tangents):
     spin = spin_now(memory.record)
     fastest = max(abs(r.omega), structure.numbers[0].slowest)
     step = _SHARE / max(fastest, math.sqrt(r.characteristic_frequency_squared))
-    for i in range(len(memory.work)):
-        tangents.work.ledger[i] = memory.work[i]
-    for i in range(len(memory.load_work)):
-        tangents.work.load_work[i] = memory.load_work[i]
-    for i in range(len(second)):
-        second[i] = 0.0
+    copy(memory.work, tangents.work.ledger)
+    copy(memory.load_work, tangents.work.load_work)
+    second[:] = 0.0
     alpha_rate = _jerk(structure, motion, memory, work, tangents, spin, step)
     for place in range(len(_PLACES)):
         signed = step * _PLACES[place]
@@ -98,10 +96,8 @@ def by_time(run, tangents):
         elif place > 1:
             for i in range(len(second)):
                 second[i] += _WEIGHTS[place] * now[i]
-    for i in range(len(memory.work)):
-        memory.work[i] = tangents.work.ledger[i]
-    for i in range(len(memory.load_work)):
-        memory.load_work[i] = tangents.work.load_work[i]
+    copy(tangents.work.ledger, memory.work)
+    copy(tangents.work.load_work, memory.load_work)
     for i in range(len(second)):
         second[i] /= _NORM * step * step
     rates = tangents.after.spin[0]
@@ -130,16 +126,12 @@ def _jerk(structure, motion, memory, work, tangents, spin, step):
     """Fill in the rates of change of the accelerations and of the laws' rates; return that of the
     rotation's rate [rad/s3]."""
     moved = tangents.moved
-    for i in range(len(motion.q)):
-        moved.jerk[i] = 0.0
-    for i in range(len(motion.internal_state)):
-        moved.internal_rate_carried[i] = 0.0
+    moved.jerk[:] = 0.0
+    moved.internal_rate_carried[:] = 0.0
     _along_time(motion, -step, moved)
     _, behind = _balanced(structure, memory, work, tangents, spin, 0.0, -step)
-    for i in range(len(motion.q)):
-        moved.a[i] = moved.v_dot[i]
-    for i in range(len(motion.internal_state)):
-        tangents.work.shifted[i] = moved.internal_rate[i]
+    copy(moved.v_dot, moved.a)
+    copy(moved.internal_rate, tangents.work.shifted)
     _along_time(motion, step, moved)
     _, ahead = _balanced(structure, memory, work, tangents, spin, 0.0, step)
     for i in range(len(motion.q)):

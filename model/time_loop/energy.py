@@ -43,8 +43,7 @@ def powers(structure, spin, loads, motion, scratch, out):
         rate = v[n + k]
         damper = structure.housings[k]
         housing += damper.cx * rate.real**2 + damper.cy * rate.imag**2
-    for i in range(_MACHINE_FLOWS, len(out)):
-        out[i] = 0.0
+    out[_MACHINE_FLOWS:] = 0.0
     braking = 0.0
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
@@ -136,8 +135,7 @@ def total_energy(structure, spin, motion, out):
     out[STORE.kinetic] = kinetic
     out[STORE.elastic] = elastic
     out[STORE.gravity] = gravity
-    for i in range(_MACHINE_STORES, len(out)):
-        out[i] = 0.0
+    out[_MACHINE_STORES:] = 0.0
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         d, internal_state = (

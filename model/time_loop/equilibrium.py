@@ -9,7 +9,7 @@ not slide meanwhile, so that there is no friction.
 
 import math
 
-from ..kernels.functions import angle, direction, modulus
+from ..kernels.functions import angle, copy, direction, modulus
 from ..kernels.jit import jit, jit_inlined, jit_not_inlined
 from ..parts.housing import masses
 from ..parts.law import Weights
@@ -75,12 +75,9 @@ def release(structure, motion, loads):
 
 @jit
 def _copy_state(motion, trial):
-    for i in range(len(motion.q)):
-        motion.q[i] = trial.q[i]
-    for j in range(len(motion.force)):
-        motion.force[j] = trial.force[j]
-    for i in range(len(motion.internal_state)):
-        motion.internal_state[i] = trial.internal_state[i]
+    copy(trial.q, motion.q)
+    copy(trial.force, motion.force)
+    copy(trial.internal_state, motion.internal_state)
 
 
 @jit_not_inlined
@@ -154,8 +151,7 @@ def _move_off_unstable_equilibrium(
     widest = 0.0
     for i in range(len(deflections)):
         widest = max(widest, abs(structure.one_body[1, deflections[i, 0]]))
-    for i in range(len(motion.q)):
-        start[i] = motion.q[i]
+    copy(motion.q, start)
     push = _PUSH * structure.numbers[0].clearance
     for i in range(len(structure.weight)):
         shape = structure.one_body[0, i] + _TILTED / widest * structure.one_body[1, i]
@@ -228,25 +224,18 @@ def _converge(structure, spin, motion, trial, memory, work, problem):
     """Find an equilibrium, whether it is stable or not: by steps of which none is expensive, and,
     if these lead nowhere, again from the start by steps that try everything."""
     start, states = motion.v_dot, motion.internal_rate_carried  # unused until the run begins
-    for i in range(len(start)):
-        start[i] = motion.q[i]
-    for i in range(len(states)):
-        states[i] = motion.internal_state[i]
+    copy(motion.q, start)
+    copy(motion.internal_state, states)
     status, iterations = _search(
         structure, spin, motion, trial, memory, work, problem, TOWARDS_REST, 0
     )
     if status != AT_EQUILIBRIUM:
-        for i in range(len(start)):
-            motion.q[i] = start[i]
-        for i in range(len(states)):
-            motion.internal_state[i] = states[i]
-        for j in range(len(motion.force)):
-            motion.force[j] = 0.0
+        copy(start, motion.q)
+        copy(states, motion.internal_state)
+        motion.force[:] = 0.0
         status, _ = _search(structure, spin, motion, trial, memory, work, problem, 0, iterations)
-    for i in range(len(start)):
-        start[i] = 0.0
-    for i in range(len(states)):
-        states[i] = 0.0
+    start[:] = 0.0
+    states[:] = 0.0
     return status
 
 
@@ -310,8 +299,7 @@ def _polish(structure, spin, motion, trial, memory, work, problem):
     they lead away from it."""
     lowest = structure.numbers[0].lowest_omega
     result = motion.v_dot  # unused until the run begins
-    for i in range(len(motion.q)):
-        result[i] = motion.q[i]
+    copy(motion.q, result)
     for _ in range(_POLISHES):
         tau = _POLISH / lowest
         step_status, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem, 0)

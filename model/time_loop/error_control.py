@@ -8,7 +8,7 @@ Equations I, sec. II.4; PI control: Gustafsson 1991).
 import math
 from typing import NamedTuple
 
-from ..kernels.functions import fifth_root, scaled
+from ..kernels.functions import copy, fifth_root, scaled
 from ..kernels.jit import jit
 from ..step.laws import law_gap, relative
 
@@ -101,8 +101,7 @@ def first_size(structure, omega, motion, memory):
     """Initialize the size of the motion: that of a swing with the speed of rotation, or with that
     of the slowest motion, that has the accelerations of the start."""
     fastest = max(structure.numbers[0].slowest, abs(omega))
-    for i in range(len(memory.center)):
-        memory.center[i] = motion.q[i]
+    copy(motion.q, memory.center)
     # the start taken as both ends of a step
     start = measure(structure.weights, 1.0 + 0.0j, motion, motion)
     r = memory.record[0]

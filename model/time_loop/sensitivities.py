@@ -211,15 +211,13 @@ def propagate(structure, scheme, fit, spin, h, ratio, t, new, memory, work, prob
 
 @jit
 def _clear(row):
-    for i in range(len(row.q)):
-        row.q[i] = 0.0
-        row.v[i] = 0.0
-        row.a[i] = 0.0
-        row.v_dot[i] = 0.0
-    for i in range(len(row.internal_state)):
-        row.internal_state[i] = 0.0
-        row.internal_rate[i] = 0.0
-        row.internal_rate_carried[i] = 0.0
+    row.q[:] = 0.0
+    row.v[:] = 0.0
+    row.a[:] = 0.0
+    row.v_dot[:] = 0.0
+    row.internal_state[:] = 0.0
+    row.internal_rate[:] = 0.0
+    row.internal_rate_carried[:] = 0.0
 
 
 @jit_not_inlined

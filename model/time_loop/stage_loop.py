@@ -3,7 +3,7 @@ monitors and recorder."""
 
 import math
 
-from ..kernels.functions import scaled
+from ..kernels.functions import copy, scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..schemes.radau import EXPECTED, STAGES, A, C, weight_at, weight_until
 from ..step.excitation import spin_of
@@ -226,8 +226,7 @@ def record_stages(structure, h, motion, trial, memory, work, stages, recorder, o
     r.h_last = h / parts
     if parts > 1:
         t, omega, theta, alpha, torque = r.t, r.omega, r.theta, r.alpha, r.torque
-        for i in range(len(memory.work)):
-            stages.ledger[i] = memory.work[i]
+        copy(memory.work, stages.ledger)
         for k in range(1, parts):
             x = k / parts
             _move_within(h, x, motion, trial, memory, stages)
@@ -235,8 +234,7 @@ def record_stages(structure, h, motion, trial, memory, work, stages, recorder, o
             if is_due(structure, memory.record, recorder.head):
                 write(structure, trial, memory, work, recorder, out)
         r.t, r.omega, r.theta, r.alpha, r.torque = t, omega, theta, alpha, torque
-        for i in range(len(memory.work)):
-            memory.work[i] = stages.ledger[i]
+        copy(stages.ledger, memory.work)
     if is_due(structure, memory.record, recorder.head):
         write(structure, motion, memory, work, recorder, out)
     r.h_last = h
@@ -250,10 +248,8 @@ def _move_within(h, x, motion, trial, memory, stages):
     _displace_within(h, x, motion, trial, stages)
     for i in range(len(motion.q)):
         trial.v[i], trial.v_dot[i] = motion.v[i], 0.0
-    for i in range(len(motion.internal_state)):
-        trial.internal_state[i] = motion.internal_state[i]
-    for i in range(len(memory.work)):
-        memory.work[i] = stages.ledger[i]
+    copy(motion.internal_state, trial.internal_state)
+    copy(stages.ledger, memory.work)
     r.omega, r.theta = _turned_within(h, x, stages)
     r.alpha = r.torque = 0.0
     for k in range(STAGES):

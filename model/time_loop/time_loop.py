@@ -8,7 +8,7 @@ integrator.
 import math
 from typing import NamedTuple
 
-from ..kernels.functions import direction
+from ..kernels.functions import copy, direction
 from ..kernels.jit import jit, jit_inlined
 from ..step.excitation import Spin
 from ..step.fitting import Fit, characteristic_frequency_after, unfitted
@@ -56,18 +56,15 @@ def _commit(run, control, h, spin, torque):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
     work, r = run.work, memory.record[0]
-    for i in range(len(motion.q)):
-        motion.q[i] = trial.q[i]
-        motion.v[i] = trial.v[i]
-        motion.a[i] = trial.a[i]
-        motion.v_dot[i] = trial.v_dot[i]
-        motion.jerk[i] = trial.jerk[i]
-    for j in range(len(motion.force)):
-        motion.force[j] = trial.force[j]
-    for i in range(len(motion.internal_state)):
-        motion.internal_state[i] = trial.internal_state[i]
-        motion.internal_rate_carried[i] = trial.internal_rate_carried[i]
-        motion.internal_rate[i] = trial.internal_rate[i]
+    copy(trial.q, motion.q)
+    copy(trial.v, motion.v)
+    copy(trial.a, motion.a)
+    copy(trial.v_dot, motion.v_dot)
+    copy(trial.jerk, motion.jerk)
+    copy(trial.force, motion.force)
+    copy(trial.internal_state, motion.internal_state)
+    copy(trial.internal_rate_carried, motion.internal_rate_carried)
+    copy(trial.internal_rate, motion.internal_rate)
     r.steps += 1
     r.h_last = h
     if control.stages > 0:

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib.resources import files
@@ -65,7 +65,7 @@ class LibraryError(RunFailed):
 
 
 # What an extra brings: numba for the kernels, zig for platforms other than this machine's.
-_TOOLS = {"kernels": "numba", "build": "ziglang"}
+_TOOLS = {"kernels": ("numba", "platformdirs"), "build": ("numba", "platformdirs", "ziglang")}
 
 
 def emitted_digest() -> str:
@@ -106,7 +106,7 @@ def library(platform: Platform) -> Path:
     if extra:
         raise LibraryError(
             f"there is no library of the solver for {platform.name}, and none can be made: "
-            f"{_TOOLS[extra]} is not installed: pip install 'rotor-fmu[{extra}]'"
+            f"{missing_tool(extra)} is not installed: pip install 'rotor-fmu[{extra}]'"
         )
     print(f"making the library for {platform.name}", file=sys.stderr, flush=True)
     folder = _folder()
@@ -123,13 +123,13 @@ def missing_extra(platform: Platform) -> str:
     compiler."""
     if find(platform.name, sources_digest()):
         return ""
-    links = platform.name == here() and _has_cc()
-    if links and all(find_spec(name) for name in ("numba", "platformdirs")):
-        return ""
-    if links:
-        return "kernels"
-    is_there = all(find_spec(name) for name in ("numba", "platformdirs", "ziglang"))
-    return "" if is_there else "build"
+    extra = "kernels" if platform.name == here() and _has_cc() else "build"
+    return extra if missing_tool(extra) else ""
+
+
+def missing_tool(extra: str = "build") -> str:
+    """Return the first package of an extra that is not installed, "" for none."""
+    return next((name for name in _TOOLS[extra] if find_spec(name) is None), "")
 
 
 def missing_here() -> str:
@@ -164,17 +164,27 @@ def _put(folder: Path, platform: Platform, content: bytes) -> Path:
 
 def kernels() -> Path:
     """Return the folder with the kernels' LLVM IR, which no platform is in yet."""
+    return made_once("kernels", emitted_digest(), _emit)
+
+
+def _emit(folder: Path) -> None:
+    emit = [sys.executable, "-m", f"{__package__}.emit"]
+    files = (str(folder / f"{names[0]}.ll") for names in _EMITTED_TOGETHER)
+    commands = zip(files, _EMITTED_TOGETHER, strict=True)
+    _run_all([[*emit, file, *names] for file, names in commands], "the kernels")
+
+
+def made_once(kind: str, digest: str, write: Callable[[Path], None]) -> Path:
+    """Return the folder of what is made once for each version of its sources, which `write` fills
+    where there is none; of each kind few versions stay."""
     versions = made_here()
-    folder = versions / f"kernels-{emitted_digest()}"
+    folder = versions / f"{kind}-{digest}"
     if folder.is_dir():
         os.utime(folder)
     else:
-        forget_old(versions, "kernels-*")
+        _forget_old(versions, f"{kind}-*")
         with unfinished_folder(folder) as work:
-            emit = [sys.executable, "-m", f"{__package__}.emit"]
-            files = (str(work / f"{names[0]}.ll") for names in _EMITTED_TOGETHER)
-            commands = zip(files, _EMITTED_TOGETHER, strict=True)
-            _run_all([[*emit, file, *names] for file, names in commands], "the kernels")
+            write(work)
     return folder
 
 
@@ -201,7 +211,7 @@ def unfinished_folder(target: Path) -> Iterator[Path]:
             shutil.rmtree(work, ignore_errors=True)
 
 
-def forget_old(versions: Path, pattern: str) -> None:
+def _forget_old(versions: Path, pattern: str) -> None:
     """Take away the oldest of the folders of a kind, so that few are left with the next."""
     if not versions.is_dir():
         return
@@ -232,7 +242,7 @@ def link(platform: Platform, parts: list[Path], target: Path) -> None:
     if find_spec("ziglang") is None:
         raise LibraryError(
             f"the library for {platform.name} could not be linked by cc for a Linux with GLIBC "
-            f"{'.'.join(map(str, _GLIBC))}, and {_TOOLS['build']} is not installed: "
+            f"{'.'.join(map(str, _GLIBC))}, and ziglang is not installed: "
             "pip install 'rotor-fmu[build]'"
         )
     zig = [sys.executable, "-m", "ziglang", "cc", "-target", platform.zig]

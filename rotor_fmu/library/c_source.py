@@ -4,24 +4,23 @@
 
 import shutil
 import subprocess
-from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import InputError
 from ..files import scratch_folder
-from ..model.kernels.digest import made_here, syntax_digest
+from ..model.kernels.digest import syntax_digest
 from .build import (
     C_SOURCES,
     WASM,
     LibraryError,
     emitted_digest,
     fmi_headers,
-    forget_old,
     kernels,
     link_kernels,
+    made_once,
+    missing_tool,
     objects,
     sources_digest,
-    unfinished_folder,
 )
 
 _C_SOURCE = C_SOURCES.parent / "c_source"
@@ -66,13 +65,8 @@ def source_files(fmi: int) -> dict[str, bytes]:
     Raises `InputError` where a tool that makes C of the kernels is not there, and `LibraryError`
     where it fails.
     """
-    versions = made_here()
-    about = f"{emitted_digest()} {WASM}"
-    folder = versions / f"c-{syntax_digest([Path(__file__)], about)}"
-    if not folder.is_dir():
-        forget_old(versions, "c-*")
-        with unfinished_folder(folder) as work:
-            _write_kernels(work)
+    version = syntax_digest([Path(__file__)], f"{emitted_digest()} {WASM}")
+    folder = made_once("c", version, _write_kernels)
     result = {file.name: file.read_bytes() for file in folder.iterdir()}
     sources = f'#define SOURCES "{sources_digest()}"\n{_BEFORE}'.encode()
     headers = sorted(fmi_headers().glob(f"fmi{fmi}*.h"))
@@ -114,9 +108,8 @@ def _tool() -> str:
     done = subprocess.run([found, "--version"], capture_output=True, text=True, check=False)
     if done.stdout.strip() != _VERSION:
         raise InputError(f"--source: {_TOOL} {done.stdout.strip()}: must be {_VERSION}: {advice}")
-    missing = [name for name in ("numba", "platformdirs", "ziglang") if find_spec(name) is None]
-    if missing:
-        raise InputError(f"--source: {missing[0]} is not installed: pip install 'rotor-fmu[build]'")
+    if missing := missing_tool():
+        raise InputError(f"--source: {missing} is not installed: pip install 'rotor-fmu[build]'")
     return found
 
 

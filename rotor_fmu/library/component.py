@@ -7,23 +7,22 @@ import hashlib
 import shutil
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import InputError
 from ..files import scratch_folder
-from ..model.kernels.digest import made_here, syntax_digest
+from ..model.kernels.digest import syntax_digest
 from .build import (
     C_SOURCES,
     WASM,
     LibraryError,
     fmi_headers,
-    forget_old,
     kernels,
     link_module,
+    made_once,
+    missing_tool,
     objects,
     sources_digest,
-    unfinished_folder,
 )
 from .platforms import COMPONENT
 from .wasm_memory import with_data
@@ -47,16 +46,11 @@ def empty_component() -> bytes:
     Raises `InputError` where a tool that makes components is not there, and `LibraryError` where
     one fails.
     """
-    versions = made_here()
     digest = hashlib.sha256(sources_digest().encode())
     for file in sorted(_FOLDER.iterdir()):
         digest.update(file.name.encode() + b"\0" + file.read_bytes().replace(b"\r\n", b"\n"))
-    folder = versions / f"component-{syntax_digest([Path(__file__)], digest.hexdigest())}"
-    if not folder.is_dir():
-        forget_old(versions, "component-*")
-        with unfinished_folder(folder) as work:
-            make(work / _FILE)
-    return (folder / _FILE).read_bytes()
+    version = syntax_digest([Path(__file__)], digest.hexdigest())
+    return (made_once("component", version, lambda work: make(work / _FILE)) / _FILE).read_bytes()
 
 
 def make(target: Path) -> None:
@@ -94,9 +88,8 @@ def _tools() -> list[str]:
             f"{asked}: {tool}, which makes components, is not there: install Node.js and "
             f"npm install -g {_PACKAGE}"
         )
-    missing = [name for name in ("numba", "platformdirs", "ziglang") if find_spec(name) is None]
-    if missing:
-        raise InputError(f"{asked}: {missing[0]} is not installed: pip install 'rotor-fmu[build]'")
+    if missing := missing_tool():
+        raise InputError(f"{asked}: {missing} is not installed: pip install 'rotor-fmu[build]'")
     return [node, str(_FOLDER / "make_component.mjs"), jco]
 
 

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import check_integer
 from ..short_repr import ShortRepr
-from .turns import TURN, Synchronous, check_count, hann, summed, synchronous
+from .turns import TURN, Synchronous, hann, summed, synchronous
 
 _FEWEST = 3  # turns by which a whirl is recognized
 _NOTHING = 1e-12  # share of a mean square that rounding may leave of nothing
@@ -165,7 +166,7 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
 def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:
     """Return the first turns of blocks, and their length: `turns`, or as many consecutive ones as
     there are."""
-    check_count("turns", turns)
+    check_integer("turns", turns, 1)
     signal.needs(least)
     turns = min(turns, signal.longest)
     return signal.blocks(turns), turns

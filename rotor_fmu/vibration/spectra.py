@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import check_integer
 from ..short_repr import ShortRepr
-from .turns import LEAST_ROWS, TURN, Synchronous, TooFewRows, check_count, hann, synchronous
+from .turns import LEAST_ROWS, TURN, Synchronous, TooFewRows, hann, synchronous
 
 MOST_ORDER = 8.0
 
@@ -112,7 +113,7 @@ def cascade_of(
 ) -> Cascade:
     """Return `cascade` of a signal that is already resampled."""
     signal.needs(turns)
-    check_count("lines", lines)
+    check_integer("lines", lines, 1)
     first = signal.blocks(turns)
     first = first[np.unique(np.linspace(0, len(first) - 1, lines).round().astype(int))]
     order, amplitude = _spectra(signal, first, turns, most_order)

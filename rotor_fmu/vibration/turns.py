@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import InputError, number
+from ..errors import InputError, check_integer, number
 from ..short_repr import ShortRepr
 
 if TYPE_CHECKING:
@@ -39,13 +39,6 @@ class TooFewTurns(ValueError):
 
 class TooFewRows(TooFewTurns):
     """A signal that was recorded too coarsely; the message gives its rows per turn."""
-
-
-def check_count(name: str, count: int) -> None:
-    """Raise `InputError` for a count, of turns, lines or samples, that is not a whole number from 1
-    on."""
-    if not (isinstance(count, (int, np.integer)) and count >= 1):
-        raise InputError(f"{name} = {count!r}: must be a whole number, at least 1")
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,7 +76,7 @@ class Turns(ShortRepr):
     def needs(self, turns: int) -> None:
         """Raise `TooFewTurns` where no passage holds so many turns, and `InputError` for a number
         of turns that is not whole and above 0."""
-        check_count("turns", turns)
+        check_integer("turns", turns, 1)
         if self.longest < turns:
             on_end = " on end" if len(self.passage) > self.longest else ""
             raise TooFewTurns(
@@ -199,7 +192,7 @@ def synchronous(
     result = _joined([passage.turns for passage in passages])
     result.needs(turns)
     if per_turn is not None:
-        check_count("per_turn", per_turn)
+        check_integer("per_turn", per_turn, 1)
     else:
         per_turn = _fine(np.concatenate([np.diff(passage.reached) for passage in passages]))
     instants, resampled = [], []

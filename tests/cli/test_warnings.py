@@ -17,7 +17,7 @@ from ..processes import run_anew
 # In a process of its own, with one more declaration before anything is made of them.
 DECLARED = """
 from rotor_fmu.model import warnings
-added = warnings.RunWarning("far_at", "far", "far from the axis since t = {:.4g} s")
+added = warnings.RunWarning("far_at", "far", "far from the axis since t = {.4g} s")
 warnings.RUN_WARNINGS += (added,)
 
 from rotor_fmu.model.machine.toml import rig
@@ -60,7 +60,7 @@ def test_the_library_returns_the_code_of_the_warning_that_holds(sim, warning):
     assert messages.CODES[code] == warning.code
     assert message_templates.fill_template(
         messages.SENTENCES[code], arguments
-    ) == warning.words.format(0.25)
+    ) == message_templates.fill_template(warning.words, [0.25])
 
 
 def test_of_several_warnings_the_library_returns_the_one_that_began_last(sim):

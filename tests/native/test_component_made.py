@@ -15,6 +15,7 @@ from lxml import etree
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.library import build
 from rotor_fmu.library import component as making
 from rotor_fmu.library.build import LibraryError
 from rotor_fmu.library.platforms import COMPONENT, DRAFT, PLATFORMS
@@ -157,7 +158,7 @@ def test_a_tool_that_is_missing_is_named_and_how_it_is_installed(tmp_path, there
 
 def test_zig_that_is_missing_is_named(monkeypatch):
     monkeypatch.setattr(making.shutil, "which", lambda name, path=None: name)
-    monkeypatch.setattr(making, "find_spec", lambda name: None if name == "ziglang" else name)
+    monkeypatch.setattr(build, "find_spec", lambda name: None if name == "ziglang" else name)
     with pytest.raises(InputError, match=r"ziglang is not installed: pip install 'rotor-fmu\[bui"):
         making._tools()
 

@@ -16,7 +16,7 @@ from fmpy.validation import validate_fmu
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.machine_table import FILE
 from rotor_fmu.fmi.packing.native_fmu import build_source
-from rotor_fmu.library import c_source
+from rotor_fmu.library import build, c_source
 from rotor_fmu.library.platforms import PLATFORMS
 
 from ..processes import ROTOR_FMU, run_anew
@@ -198,7 +198,7 @@ def test_a_tool_that_is_missing_or_another_is_one_sentence(tmp_path, script, sai
 
 def test_zig_that_is_missing_is_named(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", tool(tmp_path, "echo 1.0.32"))
-    monkeypatch.setattr(c_source, "find_spec", lambda name: None if name == "ziglang" else name)
+    monkeypatch.setattr(build, "find_spec", lambda name: None if name == "ziglang" else name)
     with pytest.raises(
         InputError, match=r"ziglang is not installed: pip install 'rotor-fmu\[build"
     ):

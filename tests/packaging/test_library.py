@@ -102,6 +102,13 @@ def test_what_is_to_be_installed_is_what_a_platform_takes(monkeypatch):
     assert missing_extra(mine) == "build"
 
 
+def test_the_package_that_is_missing_is_named(monkeypatch):
+    monkeypatch.setattr(build, "find", lambda *_: None)
+    monkeypatch.setattr(build, "find_spec", lambda name: name != "numba" or None)
+    with pytest.raises(LibraryError, match=r"numba is not installed: pip install 'rotor-fmu\[bui"):
+        build.library(PLATFORMS["win64"])
+
+
 @pytest.mark.parametrize(
     "make",
     [lambda target: build.library(WASM), component.make, c_source._write_kernels],
