@@ -90,7 +90,7 @@ class LawsAlongMotion:
         is_damped = np.array([part.c > 0 for part in walls], bool)
         self.corner_owner = np.concatenate([owners, owners[is_damped]])
         self._sampled: dict[int, _SampleBlock] = {}
-        # pads that tilt are solved once for force and rates with their derivatives, twice without
+        # films with states are solved once for force, rates and all derivatives, twice without
         self._is_solved_once = any(i.states and LAWS[i.law].linearize for i in interfaces)
         # laws of whose states differences are taken, each by itself
         self._alone = {
