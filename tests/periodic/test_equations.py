@@ -7,7 +7,7 @@ import rotor_fmu as rf
 
 from ..parts.machines import bearings, rigid
 from ..parts.rings import RING, rigid_in_rings
-from .machines import OMEGA, jeffcott
+from .machines import CLEARANCE, OMEGA, jeffcott
 
 CONTACT = """
 node = 2
@@ -75,6 +75,22 @@ def test_beside_a_corner_the_derivative_by_a_clearance_is_that_of_its_own_side(s
     _, _, by = problem.linearized_with_parameter(x, r * (1.0 + 1e-9 * side))
     expected = -force * problem.row_scale[1] * rotor.parameters()["contact[1].k"].value * 1e-3 / r
     assert by == pytest.approx(expected * x, rel=1e-5, abs=1e-8 * problem.row_scale[1])
+
+
+@pytest.mark.parametrize("kind", ["sticking", "race"])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_beside_a_corner_the_derivatives_of_rates_are_those_of_their_own_side(kind, side):
+    from rotor_fmu.model.periodic.linear_structure import CondensedMachine
+
+    laws = CondensedMachine(rf.parse(rigid(parts=bearings(1e4, 20.0) + KINDS[kind])).rotor).laws
+    v, states = np.array([[0.0, 0.1]]), np.zeros((1, laws.states))
+    beside, near = (
+        laws.tangents(np.array([[r, 0.0]]), v, states, laws.state_scales(OMEGA), OMEGA)
+        for r in (CLEARANCE * (1.0 + side * far) for far in (1e-8, 1e-4))
+    )
+    assert (side > 0) == near.rates_by_d.any()
+    apart = np.abs(beside.rates_by_d - near.rates_by_d).max()
+    assert apart <= 0.05 * np.abs(near.rates_by_d).max()
 
 
 PADS = """
