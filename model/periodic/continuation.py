@@ -259,12 +259,12 @@ def _joined(branches: Sequence[Branch], branch: Branch) -> int | None:
         is_lost = any(end.startswith(LOST) for end in other.ends)
         if not is_lost or len(pair) < 2 or other.points[0].orbit.turns != pair[0].orbit.turns:
             continue
-        gaps = [_gap(other, point.orbit, point.value) for point in pair]
-        if gaps[0] is None or gaps[1] is None:
+        before, after = (_gap(other, point.orbit, point.value) for point in pair)
+        if before is None or after is None:
             continue
-        H = max(len(gap) // 2 for gap in gaps)
+        H = max(len(before), len(after)) // 2
         first, second = (resized(point.orbit.b, H) for point in pair)
-        change = np.linalg.norm(resized(gaps[1], H) - resized(gaps[0], H))
+        change = np.linalg.norm(resized(after, H) - resized(before, H))
         if change < 0.5 * np.linalg.norm(second - first):
             return number
     return None
