@@ -31,6 +31,9 @@ _ABOVE = np.array([0.1, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
 _AROUND = np.concatenate([-_ABOVE[::-1], _ABOVE])
 _ROUNDING = 1e-10  # of the largest answer: what is smaller has no peaks
 _FLAT = 1e-4  # of a peak: what rises less is rounding beside an undamped mode that nothing drives
+# Of a speed: so near a peak, though far from how exactly it is found, the response is the same on
+# both sides, in what it falls by; less than that, of the peak, is rounding.
+_BESIDE, _FALLS = 1e-6, 1e-8
 # Damping ratio: a sharper peak is not looked at more closely. Ten times as close, the rounding of
 # some machines rises by 1e-5.
 _SHARPEST = 1e-5 / (2 * math.pi)
@@ -111,11 +114,22 @@ def peaks(response: Callable[[float], float], speeds: Sequence[float] | np.ndarr
     """Return the peaks of a response over ascending speeds [rad/s], each exact to rounding.
 
     response: of a speed; speeds: so close together that each peak has one of them higher than its
-    neighbours.
+    neighbours. A step of the response is none.
     """
     at = np.asarray(speeds, dtype=float)
     values = np.array([response(speed) for speed in at])
-    return [_peak(response, at, values, i) for i in inner_peaks(values)]
+    tops = ((i, *top(response, at, i)) for i in inner_peaks(values))
+    return [
+        _peak(response, at, values, *each) for each in tops if not _is_step(response, *each[1:])
+    ]
+
+
+def _is_step(response: Callable[[float], float], speed: float, largest: float) -> bool:
+    """Return whether a response does not fall alike on both sides of what was found as its top: it
+    has a step there, as where a pad that tilts begins to bear. No mode is near then, and a factor
+    of amplification means nothing."""
+    less, more = sorted(1.0 - response(speed * (1.0 + by)) / largest for by in (-_BESIDE, _BESIDE))
+    return max(-less, more) > _FALLS and less < 0.5 * more
 
 
 def inner_peaks(values: np.ndarray) -> list[int]:
@@ -153,8 +167,15 @@ def largest(
     return max(found, key=lambda of: of[1])
 
 
-def _peak(response: Callable[[float], float], at: np.ndarray, values: np.ndarray, i: int) -> Peak:
-    speed, largest = top(response, at, i)
+def _peak(
+    response: Callable[[float], float],
+    at: np.ndarray,
+    values: np.ndarray,
+    i: int,
+    speed: float,
+    largest: float,
+) -> Peak:
+    """Return the peak with its top between the neighbours of the i-th of speeds."""
 
     def excess(s: float) -> float:
         return response(s) - HALF_POWER * largest

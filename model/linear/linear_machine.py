@@ -56,9 +56,10 @@ _FAR = 1e9  # what is more than any displacement [m]
 _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
 _SHARES = tuple(0.5**i for i in range(41))  # of such a step, down to what is rounding of it
 _MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
-# Of the displacements, and of `small` where they are none but rounding; the latter of a change that
-# no longer shrinks, as where a pad is about to bear, whose force sets in with an infinite slope.
-_CHANGE, _STEADY = 1e-12, 1e-6
+# Of the displacements, and of `small` where they are none but rounding; the second of a change that
+# no longer shrinks, the third where shorter steps still lead nearer, as where a pad is about to
+# bear, whose force sets in with an infinite slope; of shares that are none but rounding.
+_CHANGE, _STEADY, _STEADY_ASTRIDE, _SHORT = 1e-12, 1e-6, 1e-9, 1e-7
 
 
 class LinearMachine:
@@ -188,7 +189,7 @@ class LinearMachine:
         where it ends, lead hardly further than they did from where it began, which is no worse in
         other units (Deuflhard 2011)."""
         linear = self._linear(speed, rest)
-        least = _CHANGE * self.structure.numbers[0].small
+        least, before = _CHANGE * self.structure.numbers[0].small, 0.0
         for _ in range(_ITERATIONS):
             lead = self._leading(linear, force)
             result, _ = lead(rest, linear.laws.force)
@@ -201,9 +202,11 @@ class LinearMachine:
                 if left <= _MORE * change:
                     break
             rest = linear.rest
-            is_steady = left <= _STEADY * size and left >= 0.5 * change
+            steady = _STEADY_ASTRIDE if _SHORT < share < 1.0 else _STEADY
+            is_steady = change <= steady * size and change >= 0.5 * before > 0.0
             if left <= max(_CHANGE * size, least) or is_steady:
                 return linear._replace(pull=pull)
+            before = change
         return None
 
     def _leading(

@@ -23,9 +23,11 @@ from .film_law import POINTS, check_film, film_table, whole_circle
 from .floating_ring_states import (
     STATE,
     WEIGHT,
+    linearize_ring,
     ring_at_rest,
     ring_of_states,
     ring_over_step,
+    ring_rates,
     store_ring,
 )
 from .law import Law
@@ -118,9 +120,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
-    at = ring_of_states(part, tables, kinematics, internal_state)
-    gain = at.force * (1.0 / part.ring_mass)
-    store_ring(out, at.velocity, gain, at.torque / part.ring_inertia)
+    ring_rates(part, ring_of_states(part, tables, kinematics, internal_state), out)
 
 
 @jit
@@ -221,6 +221,7 @@ FLOATING_RING_BEARING = Law(
     rates=_rates,
     breaks=_breaks,
     vibrate=_vibrate,
+    linearize=linearize_ring,
     weigh=_weigh,
     outputs=OUTPUTS,
     stores=STORES,

@@ -1,10 +1,10 @@
-"""The ring of a floating ring bearing: its position, velocity and speed of rotation in equilibrium
-and over a step, which are states of the bearing's law (`floating_ring_bearing`)."""
+"""The ring of a floating ring bearing: its position, velocity and speed of rotation in equilibrium,
+over a step and linearized, which are states of the bearing's law (`floating_ring_bearing`)."""
 
 from typing import Any, NamedTuple
 
 from ..film.bearing_film import FilmBearing
-from ..film.floating_ring import ring_response, sheared, torque_of
+from ..film.floating_ring import ring_response, sheared, stiffness, torque_by, torque_of
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import places
@@ -152,3 +152,54 @@ def ring_over_step(part, tables, kinematics, weights, free, internal_state):
             break
     store_ring(internal_state, x_before + b * v, v, speed)
     return force, p, q
+
+
+@jit
+def ring_rates(part, at, out):
+    """Fill in the rates of the states of a `Ring`."""
+    gain = at.force * (1.0 / part.ring_mass)
+    store_ring(out, at.velocity, gain, at.torque / part.ring_inertia)
+
+
+@jit
+def _store_slopes(part, slopes, place, force, torque):
+    """Fill in how the rates change with a state, from the change of force and torque on the
+    ring."""
+    slopes.by_states[STATE.vx, place] = force.real / part.ring_mass
+    slopes.by_states[STATE.vy, place] = force.imag / part.ring_mass
+    slopes.by_states[STATE.speed, place] = torque / part.ring_inertia
+
+
+@jit_not_inlined
+def linearize_ring(part, tables, kinematics, internal_state, solved, slopes):
+    """Return the force on the journal and its tangents, and fill in the `StateSlopes`: the
+    `Law.linearize` of a bearing with a floating ring."""
+    at = ring_of_states(part, tables, kinematics, internal_state)
+    ring_rates(part, at, slopes.rates)
+    slopes.by_states[:5, :5] = 0.0
+    slopes.by_states[STATE.x, STATE.vx] = slopes.by_states[STATE.y, STATE.vy] = 1.0
+    for by_v in range(2):
+        by_d, moves = complex(1 - by_v, 0.0), complex(by_v, 0.0)
+        inner, outer = stiffness(at.inner, by_d, moves), stiffness(at.outer, by_d, moves)
+        # of a real number that changes by g a + conj(g) conj(a) with z = a
+        driven = torque_by(at.inner, 1.0, inner, by_d)[0]
+        braked = torque_by(at.outer, -1.0, outer, by_d)[0]
+        of_journal = slopes.by_v if by_v else slopes.by_d
+        gain = -1.0 / part.ring_mass
+        of_journal[STATE.x] = of_journal[STATE.y] = 0.0j
+        of_journal[STATE.vx] = gain * (inner.aa.conjugate() + inner.ab)
+        of_journal[STATE.vy] = gain * (1j * inner.aa.conjugate() - 1j * inner.ab)
+        of_journal[STATE.speed] = 2.0 * driven.conjugate() / part.ring_inertia
+        for i in range(2):  # the ring's own motion, along x and y
+            e = 1j if i else 1.0 + 0.0j
+            of_inner = inner.aa * e + inner.ab * e.conjugate()
+            of_outer = outer.aa * e + outer.ab * e.conjugate()
+            place = 2 * by_v + i
+            slopes.force[place] = -of_inner
+            torque = -2.0 * ((driven + braked) * e).real
+            _store_slopes(part, slopes, place, of_inner + of_outer, torque)
+    slopes.force[STATE.speed] = at.inner.turned
+    turned = at.inner.z * at.inner.turned.conjugate() + at.outer.z * at.outer.turned.conjugate()
+    torque = 0.5 * turned.imag - at.inner.drag - at.outer.drag
+    _store_slopes(part, slopes, STATE.speed, at.outer.turned - at.inner.turned, torque)
+    return at.inner.force, at.inner.p_d, at.inner.q_d, at.inner.p_v, at.inner.q_v

@@ -72,9 +72,8 @@ def bifurcations_between(
     """Return the bifurcations between two points, at which the motions are `last` and `now`, in
     their order along the curve; where these have no multipliers, the folds alone."""
     step = _Piece(before, after, last.multipliers, now.multipliers, last.orbit, now.orbit)
-    if not step.least_count:  # a mere look must not change the steps with which the curve goes on
-        problem = copy(problem)
-    return [_bifurcation(problem, each) for each in _located_on(problem, step, _HALVINGS)]
+    looked_at = copy(problem)  # the search must not change the steps with which the curve goes on
+    return [_bifurcation(looked_at, each) for each in _located_on(looked_at, step, _HALVINGS)]
 
 
 class _Piece(NamedTuple):

@@ -116,6 +116,12 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
                 # where it turns is that branch's period doubling, or where rest loses its stability
                 branch.bifurcations = [b for b in branch.bifurcations if b.behind != behind]
                 break
+            joined = None if task.is_whirl else _joined(result.branches[:-1], branch)
+            if joined is not None:
+                tracer.end = f"joins branch {joined}"
+                branch.points.pop()
+                branch.bifurcations = [b for b in branch.bifurcations if b.behind != behind]
+                break
         ended = search.log.replay(EndEvent)
         if ended is None:
             why = tracer.end or LOST + _reason_lost(tracer, branch, accuracy)
@@ -217,23 +223,48 @@ def is_known(
 ) -> bool:
     """Return whether a branch passes through an orbit, at the same phase or whole revolutions
     later, or, for self-excited whirl, at any phase."""
-    for branch in branches:
-        for a, b in zip(branch.points, branch.points[1:], strict=False):
-            if not min(a.value, b.value) <= value <= max(a.value, b.value) or a.value == b.value:
-                continue
-            share = (value - a.value) / (b.value - a.value)
-            turns = math.lcm(a.orbit.turns, orbit.turns)
-            H = max(o.H * turns // o.turns for o in (a.orbit, b.orbit, orbit))
-            first, second, b_of_orbit = (
-                resized(repeated(o.b, turns // o.turns), H) for o in (a.orbit, b.orbit, orbit)
-            )
-            middle, near = first + share * (second - first), 0.5 * np.linalg.norm(second - first)
-            angles = [2 * math.pi * turn / turns for turn in range(turns)]
-            if is_whirl:  # whose phase is free
-                once = amplitudes(middle)[1].conj() @ amplitudes(b_of_orbit)[1]
-                angles = [-float(np.angle(once))]
-            for angle in angles:
-                gap = np.linalg.norm(middle - shifted(b_of_orbit, angle))
-                if gap <= _SAME * np.linalg.norm(b_of_orbit) + near:
-                    return True
-    return False
+    return any(_gap(branch, orbit, value, is_whirl) is not None for branch in branches)
+
+
+def _gap(branch: Branch, orbit: Orbit, value: float, is_whirl: bool = False) -> np.ndarray | None:
+    """Return what a branch lacks to an orbit, a series of b [m], where it passes through it; else
+    None."""
+    for a, b in zip(branch.points, branch.points[1:], strict=False):
+        if not min(a.value, b.value) <= value <= max(a.value, b.value) or a.value == b.value:
+            continue
+        share = (value - a.value) / (b.value - a.value)
+        turns = math.lcm(a.orbit.turns, orbit.turns)
+        H = max(o.H * turns // o.turns for o in (a.orbit, b.orbit, orbit))
+        first, second, b_of_orbit = (
+            resized(repeated(o.b, turns // o.turns), H) for o in (a.orbit, b.orbit, orbit)
+        )
+        middle, near = first + share * (second - first), 0.5 * np.linalg.norm(second - first)
+        angles = [2 * math.pi * turn / turns for turn in range(turns)]
+        if is_whirl:  # whose phase is free
+            once = amplitudes(middle)[1].conj() @ amplitudes(b_of_orbit)[1]
+            angles = [-float(np.angle(once))]
+        for angle in angles:
+            gap = middle - shifted(b_of_orbit, angle)
+            if np.linalg.norm(gap) <= _SAME * np.linalg.norm(b_of_orbit) + near:
+                return gap
+    return None
+
+
+def _joined(branches: Sequence[Branch], branch: Branch) -> int | None:
+    """Return the number, from 1, of a branch that was lost and that another one has just gone on
+    along: its last two motions lie on it, and it moves there as they do, which the other side of
+    a fold does not; None where there is none."""
+    pair = branch.points[-2:]
+    for number, other in enumerate(branches, 1):
+        is_lost = any(end.startswith(LOST) for end in other.ends)
+        if not is_lost or len(pair) < 2 or other.points[0].orbit.turns != pair[0].orbit.turns:
+            continue
+        before, after = (_gap(other, point.orbit, point.value) for point in pair)
+        if before is None or after is None:
+            continue
+        H = max(len(before), len(after)) // 2
+        first, second = (resized(point.orbit.b, H) for point in pair)
+        change = np.linalg.norm(resized(after, H) - resized(before, H))
+        if change < 0.5 * np.linalg.norm(second - first):
+            return number
+    return None

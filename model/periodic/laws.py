@@ -27,6 +27,7 @@ from . import entry_points
 _CALLED = call_laws, linearize_laws, find_gaps
 _BLOCKS = 4  # blocks, one for each number of samples that is asked for
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
+_LEAST_STEP = 1e-9  # of one beside a corner
 
 
 class Forces(NamedTuple):
@@ -90,7 +91,7 @@ class LawsAlongMotion:
         is_damped = np.array([part.c > 0 for part in walls], bool)
         self.corner_owner = np.concatenate([owners, owners[is_damped]])
         self._sampled: dict[int, _SampleBlock] = {}
-        # pads that tilt are solved once for force and rates with their derivatives, twice without
+        # films with states are solved once for force, rates and all derivatives, twice without
         self._is_solved_once = any(i.states and LAWS[i.law].linearize for i in interfaces)
         # laws of whose states differences are taken, each by itself
         self._alone = {
@@ -209,9 +210,9 @@ class LawsAlongMotion:
             own = slice(first, first + self._interfaces[j].states)
             if j in self._alone:
                 motion = np.hstack([d[:, ends], v[:, ends], states[:, own]])
-                steps = self.length[j] * np.array([1.0, 1.0, frequency, frequency])
-                steps = _STEP * np.append(steps, scale[own])
-                of_force, *of_rates = self._alone[j].differences(motion, steps, speed)
+                of_force, *of_rates = self._alone[j].differences(
+                    motion, frequency, scale[own], speed
+                )
             else:
                 of_force = _parts(samples.force_by_states[:, own]).transpose(0, 2, 1)
                 of_rates = [_parts(by[:, own]) for by in (samples.rates_by_d, samples.rates_by_v)]
@@ -222,19 +223,26 @@ class LawsAlongMotion:
         return result
 
     def differences(
-        self, motion: np.ndarray, steps: np.ndarray, speed: float
+        self, motion: np.ndarray, frequency: float, scale: np.ndarray, speed: float
     ) -> tuple[np.ndarray, ...]:
-        """Return the derivatives of a single law's force by its s states, shape (n, 2, s), and of
-        their rates by displacement, velocity and states, from central differences; motion: these
-        three, shape (n, 4 + s), moved by `steps`."""
-        force, rates = [], []
-        for step, moved in zip(steps, np.diag(steps), strict=True):
+        """Return the derivatives of a single law's force by its s states, of sizes `scale`, shape
+        (n, 2, s), and of their rates by displacement, velocity and states, from central
+        differences; motion: these three, shape (n, 4 + s), of a frequency [rad/s]."""
+        length, force, rates = self.length[0], [], []
+        steps = _STEP * np.tile([1.0, 1.0, frequency, frequency], (len(motion), 1)) * length
+        steps = np.hstack([steps, _STEP * np.tile(scale, (len(motion), 1))])
+        # not across the corner in which a contact begins
+        apart = 0.5 * np.abs(self.gaps(motion[:, :2]))
+        steps[:, :2] = np.clip(apart, _LEAST_STEP * length, steps[:, :2])
+        for i in range(motion.shape[1]):
+            step = np.where(np.arange(motion.shape[1]) == i, steps, 0.0)
             above, below = (
                 self.forces(x[:, :2], x[:, 2:4], x[:, 4:], speed)
-                for x in (motion + moved, motion - moved)
+                for x in (motion + step, motion - step)
             )
-            force.append((above.force - below.force) / (2 * step))
-            rates.append((above.rates - below.rates) / (2 * step))
+            twice = 2 * steps[:, i, None]
+            force.append((above.force - below.force) / twice)
+            rates.append((above.rates - below.rates) / twice)
         by_d, by_v, by_states = np.split(np.stack(rates, axis=-1), [2, 4], axis=-1)
         return np.stack(force[4:], axis=-1), by_d, by_v, by_states
 

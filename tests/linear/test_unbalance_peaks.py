@@ -2,10 +2,17 @@
 every output of a command has the same one."""
 
 import json
+import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import critical_peaks, response_with_peaks, unbalance_check
+from rotor_fmu.model.linear import (
+    critical_peaks,
+    response_with_peaks,
+    unbalance_check,
+    unbalance_response,
+)
+from rotor_fmu.model.linear.amplification import peaks
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear import acceptance
@@ -100,3 +107,51 @@ def test_the_clearance_that_is_checked_is_the_one_that_closes_in_the_runs():
     ends = response_with_peaks(rotor, [closing.begin, gap.speed, closing.end], nodes=[4])
     taken = np.interp([closing.begin, closing.end], ends.speeds, ends.major[:, 3])
     np.testing.assert_allclose(taken + closing.sag, gap.clearance, rtol=1e-4)
+
+
+@pytest.mark.parametrize("less", [0.5, 0.99])
+def test_a_step_of_the_response_is_no_critical_speed(less):
+    """Upwards where it falls anyway, downwards where it rises, beside a resonance at 1 rad/s."""
+
+    def response(s):
+        step = 1.0 if s < 0.7 else less
+        return step * (1.0 if s < 1.4 else 1.0 / less) / abs(1.0 - s * s + 0.2j * s)
+
+    (peak,) = peaks(response, np.linspace(0.1, 2.0, 39))
+    assert peak.speed == pytest.approx(math.sqrt(1.0 - 2.0 * 0.1**2), rel=1e-6)
+
+
+PADS = """
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.5, 1.0]
+diameters = [0.08, 0.08]
+[[disc]]
+node = 2
+diameter = 0.4
+width = 0.05
+e = 1e-5
+"""
+PADS += "".join(
+    f"""
+[[journal_bearing]]
+node = {node}
+journal_radius = 0.04
+length = 0.04
+clearance = 6e-5
+viscosity = 0.02
+tilting = true
+pads = [0.7853981634, 2.3561944902, 3.926990817, 5.4977871438]
+arc = 1.3
+preload = 0.05
+"""
+    for node in (1, 3)
+)
+
+
+def test_the_response_just_beyond_where_pads_begin_to_bear_does_not_depend_on_the_way_there():
+    """The upper pads do at 360.90 rad/s, with a force whose slope is infinite there."""
+    seen = [unbalance_response(parse_rotor(PADS), [first, 360.91]) for first in (360.5, 360.92)]
+    assert seen[0].major[1] == pytest.approx(seen[1].major[1], rel=1e-3)

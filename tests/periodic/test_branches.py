@@ -8,7 +8,11 @@ import pytest
 from rotor_fmu.model.periodic import starting_points
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.branch import Branch
-from rotor_fmu.model.periodic.problem import Response, Task
+from rotor_fmu.model.periodic.checkpoint import EventLog
+from rotor_fmu.model.periodic.continuation import BranchSearch, follow, start_at
+from rotor_fmu.model.periodic.harmonic_count import Accuracy
+from rotor_fmu.model.periodic.newton import solve
+from rotor_fmu.model.periodic.problem import Response, Task, machines_of
 from rotor_fmu.model.periodic.response import response
 
 import rotor_fmu as rf
@@ -92,6 +96,24 @@ def test_a_branch_of_one_point_is_drawn_without_a_warning(isola):
     result = Response(FAINT_RUB.rotor, Task(60.0, 240.0), [one])
     low, high = ResponseResult(result).figure().axes[0].get_xlim()
     assert low < isola.points[0].value / (2 * math.pi) < high
+
+
+def test_a_branch_that_comes_to_one_that_was_lost_ends_there(curve):
+    """Beyond the fold at 202.2 rad/s, before which its motions are close to those of the lost one,
+    but none of these."""
+    whole = curve.branches[0].points
+    lost = Branch(points=whole[:120], ends=("start", "lost: at a corner"))
+    steps = ContinuationSteps(longest=0.3)
+    task = Task(60.0, 240.0, accuracy=Accuracy(has_stability=False), steps=steps)
+    rotor, fast = jeffcott().rotor, whole[-1]
+    machines = machines_of(rotor, task)
+    search = BranchSearch(Response(rotor, task, [lost]), machines, EventLog(), lambda *_: None)
+    equations = task.problem(machines, fast.value, fast.orbit.H)
+    x = solve(equations, equations.join(fast.orbit), fast.value)
+    branch = follow(search, start_at(equations, x, fast.value, -1.0))
+    assert branch.ends == ("start", "joins branch 1")
+    assert [b.kind for b in branch.bifurcations] == ["grazing", "fold"]
+    assert branch.points[-1].value == pytest.approx(lost.points[-1].value, rel=0.01)
 
 
 def test_a_seed_where_nothing_else_is_says_so():

@@ -6,7 +6,8 @@ import pytest
 import rotor_fmu as rf
 
 from ..parts.machines import bearings, rigid
-from .machines import OMEGA, jeffcott
+from ..parts.rings import RING, rigid_in_rings
+from .machines import CLEARANCE, OMEGA, jeffcott
 
 CONTACT = """
 node = 2
@@ -76,6 +77,22 @@ def test_beside_a_corner_the_derivative_by_a_clearance_is_that_of_its_own_side(s
     assert by == pytest.approx(expected * x, rel=1e-5, abs=1e-8 * problem.row_scale[1])
 
 
+@pytest.mark.parametrize("kind", ["sticking", "race"])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_beside_a_corner_the_derivatives_of_rates_are_those_of_their_own_side(kind, side):
+    from rotor_fmu.model.periodic.linear_structure import CondensedMachine
+
+    laws = CondensedMachine(rf.parse(rigid(parts=bearings(1e4, 20.0) + KINDS[kind])).rotor).laws
+    v, states = np.array([[0.0, 0.1]]), np.zeros((1, laws.states))
+    beside, near = (
+        laws.tangents(np.array([[r, 0.0]]), v, states, laws.state_scales(OMEGA), OMEGA)
+        for r in (CLEARANCE * (1.0 + side * far) for far in (1e-8, 1e-4))
+    )
+    assert (side > 0) == near.rates_by_d.any()
+    apart = np.abs(beside.rates_by_d - near.rates_by_d).max()
+    assert apart <= 0.05 * np.abs(near.rates_by_d).max()
+
+
 PADS = """
 [[journal_bearing]]
 node = 2
@@ -89,6 +106,30 @@ arc = 1.3
 preload = 0.5
 offset = 0.55
 """
+
+
+def errors_of_derivatives(laws, motion, sizes, speed):
+    """Differences of the derivatives of forces and rates of two interfaces from differences, as
+    shares of the largest of each row; motion: d, v and states, of these sizes."""
+
+    def split(x):
+        return x[:, :4], x[:, 4:8], x[:, 8:]
+
+    seen = laws.tangents(*split(motion), sizes[8:], speed)
+    force, rates = laws.forces(*split(motion), speed)
+    for mine, other in ((seen.force, force), (seen.rates, rates)):
+        assert np.abs(mine - other).max() <= 1e-14 * np.abs(other).max()
+    mine = np.zeros((len(motion), 4 + laws.states, len(sizes)))
+    for at in (slice(0, 2), slice(2, 4)):
+        mine[:, at, at], mine[:, at, 4:8][..., at] = (by[:, at.start // 2] for by in seen[1:3])
+    mine[:, :4, 8:], mine[:, 4:, 8:] = seen.by_states, seen.rates_by_states
+    mine[:, 4:, :4], mine[:, 4:, 4:8] = seen.rates_by_d, seen.rates_by_v
+    mine *= sizes
+    slopes = np.zeros_like(mine)
+    for i, step in enumerate(np.diag(1e-5 * sizes)):
+        above, below = (laws.forces(*split(x), speed) for x in (motion + step, motion - step))
+        slopes[:, :, i] = (np.hstack(above) - np.hstack(below)) / 2e-5
+    return np.abs(mine - slopes) / np.maximum(np.abs(mine).max(axis=2, keepdims=True), 1e-12)
 
 
 @pytest.mark.parametrize(("inertia", "pivot"), [(0.0, 0.0), (2e-3, 0.0), (2e-3, 3e8)])
@@ -109,26 +150,20 @@ def test_derivatives_of_pads_are_those_of_force_and_rates(inertia, pivot, wall):
     if pivot:  # which the film presses outwards
         motion[:, 8:-1] = np.abs(motion[:, 8:-1])
 
-    def split(x):
-        return x[:, :4], x[:, 4:8], x[:, 8:]
-
-    seen = laws.tangents(*split(motion), sizes[8:], speed)
-    force, rates = laws.forces(*split(motion), speed)
-    for mine, other in ((seen.force, force), (seen.rates, rates)):
-        assert np.abs(mine - other).max() <= 1e-14 * np.abs(other).max()
-    mine = np.zeros((n, 4 + laws.states, len(sizes)))
-    for at in (slice(0, 2), slice(2, 4)):
-        mine[:, at, at], mine[:, at, 4:8][..., at] = (by[:, at.start // 2] for by in seen[1:3])
-    mine[:, :4, 8:], mine[:, 4:, 8:] = seen.by_states, seen.rates_by_states
-    mine[:, 4:, :4], mine[:, 4:, 4:8] = seen.rates_by_d, seen.rates_by_v
-    mine *= sizes
-    slopes = np.zeros_like(mine)
-    for i, step in enumerate(np.diag(1e-5 * sizes)):
-        above, below = (laws.forces(*split(x), speed) for x in (motion + step, motion - step))
-        slopes[:, :, i] = (np.hstack(above) - np.hstack(below)) / 2e-5
+    errors = errors_of_derivatives(laws, motion, sizes, speed)
     # a pad on which nothing presses may be anywhere between its edges of rupture: most bear
-    errors = np.abs(mine - slopes) / np.maximum(np.abs(mine).max(axis=2, keepdims=True), 1e-12)
     assert np.median(errors, axis=0).max() < 1e-5
+
+
+@pytest.mark.parametrize("short", [True, False])
+def test_derivatives_of_a_floating_ring_are_those_of_force_and_rates(short):
+    from rotor_fmu.model.periodic.linear_structure import CondensedMachine
+
+    laws, speed, n = CondensedMachine(rf.parse(rigid_in_rings(short=short)).rotor).laws, 500.0, 4
+    c = RING["clearance"]
+    sizes = np.array([c] * 4 + [c * speed] * 4 + [c, c, c * speed, c * speed, speed] * 2)
+    motion = 0.3 * sizes * np.random.default_rng(5).uniform(-1, 1, (n, len(sizes)))
+    assert errors_of_derivatives(laws, motion, sizes, speed).max() < 1e-6
 
 
 @pytest.mark.parametrize("turns", [30, pytest.param(100, marks=pytest.mark.slow)])

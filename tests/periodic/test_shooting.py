@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 import scipy.integrate
 from rotor_fmu.model.periodic import mesh
+from rotor_fmu.model.periodic.arclength import with_tangent
+from rotor_fmu.model.periodic.bifurcation_search import bifurcations_between
+from rotor_fmu.model.periodic.branch import solution
 from rotor_fmu.model.periodic.branch_switching import follow_switched
 from rotor_fmu.model.periodic.checkpoint import EventLog
 from rotor_fmu.model.periodic.continuation import BranchSearch, follow, start_at
@@ -109,6 +112,17 @@ def test_steps_are_shorter_where_forces_change_and_end_in_their_corners(shot):
     gap = np.abs(np.hypot(at[:, 0], at[:, 1]) - CLEARANCE)
     assert np.sort(gap)[:2].max() < 1e-4 * CLEARANCE
     assert h.min() < 0.1 * h.max()
+
+
+def test_a_bifurcation_that_is_located_leaves_the_steps_of_the_curve_as_they_are(shot):
+    equations, x, _ = shot
+    ends = [with_tangent(equations, x, SPEED, 1.0)]
+    ends.append(with_tangent(equations, solve(equations, x, 250.0), 250.0, 1.0))
+    motions = [solution(equations, end, Accuracy()) for end in ends]
+    steps = equations._ends
+    (seen,) = bifurcations_between(equations, *ends, *motions)
+    assert seen.kind == "period doubling"
+    assert equations._ends is steps
 
 
 @pytest.mark.slow
