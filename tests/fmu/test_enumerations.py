@@ -8,7 +8,7 @@ from xml.etree.ElementTree import fromstring
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from rotor_fmu.model.settings import METHODS, PRESETS
+from rotor_fmu.model.settings import METHODS, MODES, PRESETS
 
 import rotor_fmu as rf
 from rotor_fmu.cli.fmus import build
@@ -47,7 +47,7 @@ def test_the_description_names_the_values(fmu):
     for name, expected in (
         ("solver.preset", tuple(PRESETS)),
         ("solver.method", ("as the preset", *METHODS)),
-        ("solver.adaptive", ("as the preset", "fixed", "adaptive", "controlled", "realtime")),
+        ("solver.adaptive", ("as the preset", *MODES)),
         ("speed_continuation", ("linear", "hold")),
     ):
         variable = described[name]
