@@ -166,8 +166,8 @@ def unbalance(
     """Compute the steady response to unbalance, its critical speeds with amplification factors,
     and, with --range, separation margins, probe limits and clearances by API 617.
 
-    x, y, major semi-axis and phase at any node, of more than 12 speeds also at the peaks between
-    them. The probes are the nodes shown.
+    The answer has x, y, major semi-axis and phase at each node shown, of more than 12 speeds also
+    at the peaks between them. These nodes are the probes.
     """
     speeds, machine = speed_range(speed, _SPEEDS), machine_in_units(rotor, units)
     given = [_unbalance(text) for text in at] if at else None

@@ -70,7 +70,7 @@ Starts = Annotated[
         "--set",
         metavar="NAME=VALUE",
         help="Start value of a solver parameter or of a choice in the FMU, such as "
-        "solver.preset=robust, for hosts that cannot set it. May be given several times.",
+        "solver.preset=robust, for hosts that cannot set it; repeatable.",
     ),
 ]
 
@@ -115,7 +115,8 @@ def build(
 def libraries(platforms: Platforms = None) -> dict[str, Any]:
     """Build the solver library of each platform ahead of runs, FMUs and pages.
 
-    Without it every run compiles the solver first, and `build` makes the libraries that it needs.
+    Without it the first run compiles the solver, once on this machine, and `build` makes
+    the libraries that it needs.
     """
     names = _known(platforms, tuple(LIBRARIES)) or list(LIBRARIES)
     made = {name: library(LIBRARIES[name]) for name in names}
