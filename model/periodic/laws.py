@@ -83,7 +83,7 @@ class LawsAlongMotion:
         self.place = np.arange(self.states) - interfaces.internal_state[self.owner]
         self.starts = starts_of(interfaces)
         self.length = np.array([i.length for i in interfaces], float)
-        walls = np.flatnonzero(interfaces.has_wall)
+        walls: list[int] = np.flatnonzero(interfaces.has_wall).tolist()
         # a law of another kind may have a wall too, with quantities of its own
         self.rubbing = [
             j for j in walls if issubclass(LAWS[interfaces.law[j]].kind, ContactQuantities)
@@ -91,7 +91,7 @@ class LawsAlongMotion:
         damped = [j for j in self.rubbing if self._part(j).c > 0]
         self._damped = [self._part(j) for j in damped]
         # of each corner of a force its interface
-        self.corner_owner = np.append(walls, damped).astype(int)
+        self.corner_owner = np.array([*walls, *damped], int)
         self._sampled: dict[int, _SampleBlock] = {}
         # pads that tilt are solved once for force and rates with their derivatives, twice without
         self._is_solved_once = any(i.states and LAWS[i.law].linearize for i in interfaces)
