@@ -190,7 +190,7 @@ def read_text(option: str, path: Path) -> str:
     try:
         if not path.is_file():
             path.stat()  # says why there is none
-            kind = "is a folder" if path.is_dir() else "is no file"
+            kind = "is a folder" if path.is_dir() else "is not a file"
             raise InputError(f"{given}: cannot be read: {kind}")
         size = path.stat().st_size
         if size > _MOST_BYTES:

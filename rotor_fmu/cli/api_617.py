@@ -174,7 +174,7 @@ def unbalance(
     ends = operating_range(operating, rated, machine)
     gaps = clearances_of(clearance)
     if mode is not None and given:
-        raise InputError("--mode and --unbalance: only one of both may place unbalances")
+        raise InputError("--mode, --unbalance: only one of them may place unbalances")
     if mode is None and factor is not None:
         raise InputError(f"--factor {factor:g}: needs --mode, whose unbalances it multiplies")
     if (mode is not None or gaps) and ends is None:

@@ -137,7 +137,7 @@ def _known(platforms: list[str] | None, allowed: tuple[str, ...]) -> list[str]:
     mine = here()
     if platforms and "here" in platforms and mine is None:
         raise InputError("--platform here: there is no library for this machine")
-    platforms = [mine if name == "here" and mine else name for name in platforms or ()]
-    for name in platforms:
-        check_one_of(f"--platform {name}", name, allowed)
-    return platforms
+    known = (*allowed, "here") if mine in allowed else allowed
+    for name in platforms or ():
+        check_one_of(f"--platform {name}", name, known)
+    return [mine if name == "here" and mine else name for name in platforms or ()]

@@ -59,7 +59,7 @@ from ..processes import run_anew
         (["--nonsense"], "--nonsense"),
         (["--rotor", "none.toml"], "--rotor none.toml: cannot be read"),
         (["--input", "none.csv"], "rotor-fmu: none.csv: cannot be read: No such file"),
-        (["--input", "/dev/zero"], "/dev/zero: cannot be read: is no file"),
+        (["--input", "/dev/zero"], "/dev/zero: cannot be read: is not a file"),
         (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
     ],
 )
@@ -89,7 +89,7 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
         ("response --set a=1", "--set a: no quantity of the machine; the nearest is gravity"),
         ("response --over a=1:2", "--over a: no quantity of the machine; the nearest is gravity"),
         ("response --fold-over a=1:2", "--fold-over a: no quantity of the machine; the nearest"),
-        ("response --load a=1", "--load: 'a' is no force on a port; the nearest is disc[1].fx"),
+        ("response --load a=1", "--load: 'a' is not a force on a port; the nearest is disc[1].fx"),
         ("balance --speed 10 --plane 99", "--plane 99: must be from 1 to 8"),
         ("balance --speed 10 --plane 4 --node 0", "--node 0: must be from 1 to 8"),
     ],

@@ -132,8 +132,11 @@ def test_a_jump_can_be_held_from_the_build_on(tmp_path):
             "--set solver.max_iterations = 1.5: must be an integer from 0 to 2e+09",
         ),
         ("solver.reduction=3", "--set solver.reduction: is chosen by --reduction"),
-        ("bearing[1].mu=0.1", "--set bearing[1].mu: is no parameter of the solver and no choice"),
-        ("limit.force=1", "--set limit.force: is no parameter of the solver and no choice"),
+        (
+            "bearing[1].mu=0.1",
+            "--set bearing[1].mu: is neither a parameter of the solver nor a choice",
+        ),
+        ("limit.force=1", "--set limit.force: is neither a parameter of the solver nor a choice"),
         ("weight=1", "--set weight: unknown name; known: solver.adaptive, solver.alpha_f, solv"),
     ],
 )
