@@ -17,7 +17,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 import rotor_fmu as rf
 from rotor_fmu.api.simulate import plan
-from rotor_fmu.cli import COMMANDS
+from rotor_fmu.cli import COMMANDS, _loaded
 
 from ..processes import run_anew
 
@@ -145,6 +145,24 @@ def test_a_misspelt_command_is_told_its_neighbour(input_error):
     assert "'buidl'. Did you mean 'build'?" in input_error("buidl")
 
 
+# what a command asks for beside the machine
+ASKED = {
+    "balance": ("--speed", "10", "--plane", "4"),
+    "frequency-response": ("--force", "1"),
+    "stability": ("--rated", "100"),
+}
+
+
+def test_every_command_refuses_a_machine_file_that_is_not_there(input_error):
+    """In one line, with the option and the file."""
+    names = [name for panel in COMMANDS.values() for name in panel]
+    of_machines = [n for n in names if any(p.name == "rotor" for p in _loaded(n).params)]
+    assert {"run-down", "build", "modes", *ASKED} <= set(of_machines)
+    for name in of_machines:
+        said = input_error(name, *ASKED.get(name, ()), "--rotor", "none.toml")
+        assert said == "rotor-fmu: --rotor none.toml: cannot be read: No such file or directory"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
@@ -155,7 +173,7 @@ def test_a_misspelt_command_is_told_its_neighbour(input_error):
         ("0.043,", "0.0,", "length = 0 m: must be > 0"),
     ],
 )
-def test_bad_rotors_are_refused_in_one_line_by_every_command(
+def test_bad_rotors_are_refused_in_one_line_by_runs_and_builds(
     input_error, tmp_path, old, new, expected
 ):
     assert old in rig_toml()
