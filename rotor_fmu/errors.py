@@ -69,8 +69,11 @@ def run(app: Callable[..., int | None]) -> None:
 
 def _one_line(error: "typer.TyperException") -> str:
     """Return the parser's error in one line: of a value that cannot be read the option once, with
-    what was typed behind it."""
-    for option in getattr(getattr(error, "param", None), "opts", ()):
+    what was typed behind it; of a missing argument its name as the help shows it."""
+    param: Any = getattr(error, "param", None)
+    if getattr(param, "param_type_name", "") == "argument" and hasattr(error, "param_type"):
+        return f"{param.metavar or param.name.upper()}: must be given"
+    for option in getattr(param, "opts", ()):
         if values := _typed().get(option):
             reason = " ".join(str(getattr(error, "message", error)).split())
             said = re.sub(r"^Input should (.*?)(, unable .*)?$", r"must \1", reason)
@@ -191,7 +194,7 @@ def read_text(option: str, path: Path) -> str:
     try:
         if not path.is_file():
             path.stat()  # says why there is none
-            kind = "is a folder" if path.is_dir() else "is no file"
+            kind = "is a folder" if path.is_dir() else "is not a file"
             raise InputError(f"{given}: cannot be read: {kind}")
         size = path.stat().st_size
         if size > _MOST_BYTES:

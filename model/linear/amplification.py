@@ -52,7 +52,7 @@ class Peak:
 
     @property
     def amplification(self) -> float:
-        """AF = Nc / (N2 - N1); where one of both is missing the other one's distance counts twice;
+        """AF = Nc / (N2 - N1); where one of them is missing the other one's distance counts twice;
         NaN where both are; infinite without damping [1]."""
         width = self.above - self.below
         if math.isnan(self.below):

@@ -112,7 +112,7 @@ def speeds_and_loads(
         return given, np.array([-machine.loaded(float(s)).laws.force[place] for s in given])
     loads = 0.0 - 1j * np.atleast_1d(load)
     if len(loads) > 1 < len(given):
-        raise LinearError(f"{len(given)} speeds and {len(loads)} loads: one of both may vary")
+        raise LinearError(f"{len(given)} speeds and {len(loads)} loads: only one of them may vary")
     given, loads = np.broadcast_arrays(given, loads)
     return given, loads
 

@@ -37,7 +37,7 @@ def interfaces(rotor: Rotor) -> Iterator[InterfaceElement]:
 
 
 def walls(rotor: Rotor) -> dict[str, InterfaceElement]:
-    """Return the interfaces with a wall, whose sources have a `clearance`, by the parts' names."""
+    """Return the interfaces with a wall, whose `length` is its radius, by the parts' names."""
     return {where: e for where, e in rotor.elements_of_kind(InterfaceElement) if e.law.has_wall}
 
 

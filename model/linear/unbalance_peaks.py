@@ -34,10 +34,10 @@ class Gap(NamedTuple):
 
 def gaps(rotor: Rotor, machine: LinearMachine) -> list[Gap]:
     """Return the clearances of a machine's contacts."""
-    dofs, ends = machine.structure.interfaces.dof, machine.structure.interfaces.end
+    at = machine.structure.interfaces[machine.pinned]
     return [
-        Gap(name, float(wall.source.clearance), int(dofs[i]), int(ends[i]))
-        for i, (name, wall) in zip(machine.pinned, walls(rotor).items(), strict=True)
+        Gap(name, float(i.length), int(i.dof), int(i.end))
+        for name, i in zip(walls(rotor), at, strict=True)
     ]
 
 

@@ -137,8 +137,8 @@ class UndampedMachine:
 
     def own_stiffness(self, speed: float) -> np.ndarray:
         """Return the direct stiffness in x and y of each bearing [N/m] where gravity holds the
-        machine at a speed [rad/s], shape (bearings, 2); of a pinned contact that of the wall. NaN
-        where nothing is found that holds it."""
+        machine at a speed [rad/s], shape (bearings, 2); of a pinned contact that of the wall under
+        its load there. NaN where nothing is found that holds it."""
         if speed not in self._own:
             try:
                 laws = self._loaded.at(speed).laws
@@ -149,9 +149,20 @@ class UndampedMachine:
             result = np.concatenate([np.column_stack([springs, springs]), interfaces])[self._held]
             for i, part in enumerate(self.bearings.values()):
                 if isinstance(part, ContactQuantities):
-                    result[i] = part.k
+                    result[i] = part.k if part.exponent == 1.0 else self._wall(i, part, speed)
             self._own[speed] = result
         return self._own[speed]
+
+    def _wall(self, i: int, part: ContactQuantities, speed: float) -> float:
+        """Return the slope of the elastic force of bearing i, a wall, under its load [N/m]."""
+        machine, m = self._loaded, part.exponent
+        try:
+            linear = machine.loaded(speed)
+        except LinearError:
+            return np.nan
+        loads = machine.loads(linear, linear.rest, linear.pull, machine.weight, 0.0)
+        load = float(np.linalg.norm(loads[self._held[i]]))
+        return float(m * part.k ** (1.0 / m) * load ** (1.0 - 1.0 / m))
 
     def planar_shapes(self, speed: float) -> np.ndarray:
         """Return the deflections of the modes at standstill along the nodes, the largest 1, by

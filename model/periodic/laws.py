@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import backend
+from ..contact.wall import ContactQuantities
 from ..linear.real_matrices import in_plane
 from ..parts import LAWS
 from ..parts.law_probe import BY_D
@@ -83,13 +84,15 @@ class LawsAlongMotion:
         self.place = np.arange(self.states) - interfaces.internal_state[self.owner]
         self.starts = starts_of(interfaces)
         self.length = np.array([i.length for i in interfaces], float)
-        self.has_wall = np.asarray(interfaces.has_wall == 1)
-        walls = [self._part(j) for j in range(self.count) if self.has_wall[j]]
-        self._damped = [part for part in walls if part.c > 0]
+        walls: list[int] = np.flatnonzero(interfaces.has_wall).tolist()
+        # a law of another kind may have a wall too, with quantities of its own
+        self.rubbing = [
+            j for j in walls if issubclass(LAWS[interfaces.law[j]].kind, ContactQuantities)
+        ]
+        damped = [j for j in self.rubbing if self._part(j).c > 0]
+        self._damped = [self._part(j) for j in damped]
         # of each corner of a force its interface
-        owners = np.flatnonzero(self.has_wall)
-        is_damped = np.array([part.c > 0 for part in walls], bool)
-        self.corner_owner = np.concatenate([owners, owners[is_damped]])
+        self.corner_owner = np.array([*walls, *damped], int)
         self._sampled: dict[int, _SampleBlock] = {}
         # films with states are solved once for force, rates and all derivatives, twice without
         self._is_solved_once = any(i.states and LAWS[i.law].linearize for i in interfaces)

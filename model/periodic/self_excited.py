@@ -110,8 +110,8 @@ def rolling_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
     machine = problem.machine_at(value)
     speed = problem.speed_at(value)
     tried: list[tuple[float, Orbit]] = []
-    for j in np.flatnonzero(machine.laws.has_wall):
-        log = machine.laws.journal_radius(int(j))
+    for j in machine.laws.rubbing:
+        log = machine.laws.journal_radius(j)
         for r in _RADII * machine.laws.length[j]:
             omega = log * speed / r
             d = np.zeros(2 * machine.laws.count, complex)
@@ -124,7 +124,7 @@ def rolling_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
             orbit = Orbit(b, own, float(omega), 1, speed, value)
             S = machine.dynamic_stiffness(float(omega), speed, 1, 0).S[1]
             pull = (S @ (b[1] - 1j * b[2])) @ np.conj(machine.b_of_displacements(d))
-            inward = -(machine.laws.wall_force(int(j), r) * r)
+            inward = -(machine.laws.wall_force(j, r) * r)
             size = abs(pull.real) + abs(inward)
             # half of |d|^2 = 2 r^2 is that of x and of y
             tried.append((abs(0.5 * pull.real - inward) / max(size, 1e-300), orbit))

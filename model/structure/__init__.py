@@ -1,1 +1,1 @@
-"""A machine in matrices: shaft elements, assembly, reduction, equilibrium."""
+"""A machine in matrices: shaft elements, assembly, reduction, entries of the energy ledger."""

@@ -1,1 +1,2 @@
-"""The loop over steps: memory, step control, energy ledger, monitors, what can be read."""
+"""The loop over steps: equilibrium at the start, memory, step control, energy ledger, monitors,
+outputs."""

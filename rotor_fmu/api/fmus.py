@@ -130,7 +130,7 @@ def simulate_fmu(
     Raises
     ------
     InputError
-        If the file is no FMU of a machine, or a torque drives it, or an argument cannot be.
+        If the file is not the FMU of a machine, or a torque drives it, or an argument cannot be.
 
     Warns
     -----
@@ -152,7 +152,7 @@ def simulate_fmu(
             toml = archive.read(_MACHINE).decode()
             is_free = b'name="tau_drive"' in archive.read("modelDescription.xml")
     except (OSError, KeyError, UnicodeDecodeError, zipfile.BadZipFile) as error:
-        raise InputError(f"{file}: is no FMU of a machine") from error
+        raise InputError(f"{file}: is not the FMU of a machine") from error
     if is_free:
         raise InputError(f"{file}: is driven by a torque; simulate_fmu drives by a speed")
     machine = parse(toml)

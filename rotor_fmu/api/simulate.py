@@ -146,7 +146,7 @@ def plan(
     step = None if step is None else number("step", step)
     loads, parameters = mapped("loads", loads), mapped("parameters", parameters)
     if "speed" in loads:
-        raise InputError("loads: speed is no load: give it as speed")
+        raise InputError("loads: speed is not a load: give it as speed")
     signals = _signals(table, {"speed": speed, **loads}, stop)
     stop = float(signals.t[-1]) if stop is None else float(stop)
     if step is not None and not 0 < step <= stop:

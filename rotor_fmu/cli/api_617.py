@@ -166,15 +166,15 @@ def unbalance(
     """Compute the steady response to unbalance, its critical speeds with amplification factors,
     and, with --range, separation margins, probe limits and clearances by API 617.
 
-    x, y, major semi-axis and phase at any node, of more than 12 speeds also at the peaks between
-    them. The probes are the nodes shown.
+    The answer has x, y, major semi-axis and phase at each node shown, of more than 12 speeds also
+    at the peaks between them. These nodes are the probes.
     """
     speeds, machine = speed_range(speed, _SPEEDS), machine_in_units(rotor, units)
     given = [_unbalance(text) for text in at] if at else None
     ends = operating_range(operating, rated, machine)
     gaps = clearances_of(clearance)
     if mode is not None and given:
-        raise InputError("--mode and --unbalance: only one of both may place unbalances")
+        raise InputError("--mode, --unbalance: only one of them may place unbalances")
     if mode is None and factor is not None:
         raise InputError(f"--factor {factor:g}: needs --mode, whose unbalances it multiplies")
     if (mode is not None or gaps) and ends is None:

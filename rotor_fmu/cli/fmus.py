@@ -70,7 +70,7 @@ Starts = Annotated[
         "--set",
         metavar="NAME=VALUE",
         help="Start value of a solver parameter or of a choice in the FMU, such as "
-        "solver.preset=robust, for hosts that cannot set it. May be given several times.",
+        "solver.preset=robust, for hosts that cannot set it; repeatable.",
     ),
 ]
 
@@ -115,7 +115,8 @@ def build(
 def libraries(platforms: Platforms = None) -> dict[str, Any]:
     """Build the solver library of each platform ahead of runs, FMUs and pages.
 
-    Without it every run compiles the solver first, and `build` makes the libraries that it needs.
+    Without it the first run compiles the solver, once on this machine, and `build` makes
+    the libraries that it needs.
     """
     names = _known(platforms, tuple(LIBRARIES)) or list(LIBRARIES)
     made = {name: library(LIBRARIES[name]) for name in names}
@@ -136,7 +137,7 @@ def _known(platforms: list[str] | None, allowed: tuple[str, ...]) -> list[str]:
     mine = here()
     if platforms and "here" in platforms and mine is None:
         raise InputError("--platform here: there is no library for this machine")
-    platforms = [mine if name == "here" and mine else name for name in platforms or ()]
-    for name in platforms:
-        check_one_of(f"--platform {name}", name, allowed)
-    return platforms
+    known = (*allowed, "here") if mine in allowed else allowed
+    for name in platforms or ():
+        check_one_of(f"--platform {name}", name, known)
+    return [mine if name == "here" and mine else name for name in platforms or ()]

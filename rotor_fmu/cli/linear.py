@@ -169,7 +169,7 @@ def frequency_response(
     if frequency is not None and (len(ends) < 2 or ends[0] <= 0):
         raise InputError(f"--frequency {frequency}: must be FROM:TO, both above 0")
     if (force is None) == (loop is None):
-        raise InputError("--force and --loop: one of both must be given")
+        raise InputError("--force, --loop: one of them must be given, and only one")
     if zones is not None and loop is None:
         raise InputError(f"--zones {zones}: are of --loop, which is not given")
     bounds = () if zones is None else _zones(zones)

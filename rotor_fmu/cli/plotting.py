@@ -128,9 +128,9 @@ def report(
     """Write the report page of a run, of two runs compared with each other, of a study, or, with
     --rotor, of a machine: statics, critical speeds, modes, response, stability, contact.
 
-    The report of a machine holds it against API 617 and 684 in the operating range of --range or
-    --rated, and carries the check on into contact: where its response closes a clearance it is run
-    up and down with its contacts.
+    The report of a machine checks it by API 617 and 684 in the operating range of --range or
+    --rated, and continues into contact: where its response closes a clearance it is run up and down
+    with its contacts.
     """
     of_machine = {
         "--range": operating,

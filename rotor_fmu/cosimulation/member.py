@@ -32,7 +32,7 @@ class Member:
             description = fmpy.read_model_description(str(fmu))
         except Exception as error:  # of many kinds, the parser's of XML too
             reason = getattr(error, "strerror", None) or " ".join(str(error).split())
-            raise InputError(f"{fmu}: is no FMU that can be read: {reason}") from error
+            raise InputError(f"{fmu}: is not an FMU that can be read: {reason}") from error
         if description.fmiVersion != "2.0":
             raise InputError(f"{fmu}: is of FMI {description.fmiVersion}; must be of FMI 2.0")
         self._folder = str(fmu) if self._is_extracted else fmpy.extract(str(fmu))

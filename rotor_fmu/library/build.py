@@ -303,12 +303,23 @@ def _run_all(commands: list[list[str]], what: str) -> None:
     with ThreadPoolExecutor(len(commands)) as pool:
         for done in pool.map(_run, commands):
             if done.returncode:
-                lines = [line for line in done.stderr.splitlines() if "rror" in line]
-                reason = lines[-1].strip() if lines else "no reason given"
+                reason = _reason(done.stderr)
                 if of_system := re.search(r"\[Errno (\d+)\] (.*)", reason):
                     number, reason = of_system.groups()
                     raise OSError(int(number), f"{what} could not be made: {reason}")
                 raise LibraryError(f"{what} could not be made: {reason}")
+
+
+def _reason(said: str) -> str:
+    """Return what a program's standard error gives as the reason of its failure: the last error, or
+    numba's, with the place in the kernels. numba begins with where it was in its own work."""
+    _, of_numba, text = said.rpartition("numba.core.errors.")
+    lines = [line.strip() for line in text.splitlines()[1:] if "in nopython mode" not in line]
+    place = re.search(r'^File "(.+)", line (\d+)', text, re.M)
+    if of_numba and place and any(lines):
+        return f"{place[1]}:{place[2]}: {next(filter(None, lines))}"
+    lines = [line.strip() for line in said.splitlines() if "rror" in line]
+    return lines[-1] if lines else "no reason given"
 
 
 def _run(command: list[str]) -> subprocess.CompletedProcess[str]:

@@ -1,1 +1,1 @@
-"""The report of a machine: what API 617 and 684 ask for, carried on into contact."""
+"""The report of a machine: what API 617 and 684 ask for, continued into contact."""

@@ -123,7 +123,7 @@ def machine_report(
         ],
         "Into contact": _contact(rub),
     }
-    about = f"by API 617 and 684 {range_with_unit(low, high)}, carried on into contact"
+    about = f"by API 617 and 684 {range_with_unit(low, high)}, continued into contact"
     html = page(
         title=rotor.name,
         about=f"Rotor dynamics {about}",

@@ -1,4 +1,4 @@
-"""The check of clearances carried on into contact: where the linear response closes a clearance,
+"""The check of clearances continued into contact: where the linear response closes a clearance,
 the machine is run up and down with its contacts, and the runs say what the rub does."""
 
 import math

@@ -39,7 +39,7 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
     for name, value in loads.items():
         if name not in known:
             near = nearest(name, known)
-            raise InputError(f"loads: {name!r} is no force on a port; the nearest is {near}")
+            raise InputError(f"loads: {name!r} is not a force on a port; the nearest is {near}")
         if not math.isfinite(number(f"loads: {name}", value)):
             raise InputError(f"loads: {name} = {value}: must be finite")
         place, factor = known[name]

@@ -201,4 +201,4 @@ def load_recording(path: Path) -> Recording:
             name = path.resolve().parent.name
             return Recording(data["t"], columns, head["units"], head["about"], name)
     except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: is no recording of a run") from error
+        raise InputError(f"{path}: is not a recording of a run") from error

@@ -51,7 +51,7 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
     others = {v.name for v in every} - {v.name for v in table}
     for name in (text.partition("=")[0].strip() for text in settings):
         if name in others:
-            raise InputError(f"--set {name}: is no parameter of the solver and no choice")
+            raise InputError(f"--set {name}: is neither a parameter of the solver nor a choice")
     values = parse_settings(table, settings)
     if REDUCTION.name in values:
         raise InputError(f"--set {REDUCTION.name}: is chosen by --reduction")

@@ -1,4 +1,4 @@
-"""Studies: many runs of one machine, kept as rows, opened as one dataset."""
+"""Studies: many runs of any subject, stored as rows, opened as one dataset."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

@@ -200,7 +200,7 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
 def worst(data: "xarray.Dataset", name: str, count: int = 10) -> list[dict[str, Any]]:
     """Return the runs with the largest absolute value of a column, those that failed first."""
     if name not in data or data[name].ndim != 1:
-        raise InputError(f"{name}: is no number that the study keeps")
+        raise InputError(f"{name}: is not a number that the study stores")
     values = np.abs(data[name].values)
     failed = np.char.startswith(data.status.values.astype(str), FAILED)
     order = np.lexsort((-values, ~failed))  # a nan is behind all others

@@ -124,7 +124,7 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
         (["unbalance", "--clearance", "1"], "--clearance 1: must be NODE:RADIUS"),
         (
             ["unbalance", "--range", "10:50Hz", "--mode", "1", "--unbalance", "3:1e-5"],
-            "only one of both",
+            "only one of them",
         ),
         (
             ["unbalance", "--range", "10:50Hz", "--mode", "99"],

@@ -67,7 +67,7 @@ def test_a_film_over_its_load_is_that_of_each_load_and_whirls_below_its_threshol
     at = bearing_curves(rotor, [900.0], load=threshold)
     assert at.critical_mass[0] == pytest.approx(threshold / 9.81, rel=1e-6)
     assert over.critical_mass[0] < loads[0] / 9.81
-    with pytest.raises(LinearError, match="2 speeds and 5 loads: one of both may vary"):
+    with pytest.raises(LinearError, match="2 speeds and 5 loads: only one of them may vary"):
         bearing_curves(rotor, [900.0, 950.0], load=loads)
 
 

@@ -17,7 +17,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 import rotor_fmu as rf
 from rotor_fmu.api.simulate import plan
-from rotor_fmu.cli import COMMANDS
+from rotor_fmu.cli import COMMANDS, _loaded
 
 from ..processes import run_anew
 
@@ -59,7 +59,7 @@ from ..processes import run_anew
         (["--nonsense"], "--nonsense"),
         (["--rotor", "none.toml"], "--rotor none.toml: cannot be read"),
         (["--input", "none.csv"], "rotor-fmu: none.csv: cannot be read: No such file"),
-        (["--input", "/dev/zero"], "/dev/zero: cannot be read: is no file"),
+        (["--input", "/dev/zero"], "/dev/zero: cannot be read: is not a file"),
         (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
     ],
 )
@@ -81,6 +81,8 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
         ("build --reduction -1", "--reduction -1: "),
         ("response --share x", "--share x: "),
         ("unbalance --node 3 --node x", "--node 3, x: "),
+        ("plot bode", "RUN: must be given"),
+        ("study", "STUDY.toml: must be given"),
         ("bearing none.toml", "bearing none.toml: cannot be read: No such file"),
         ("modes --contacts shut", "--contacts shut: must be one of open, pinned"),
         ("response --share 0", "--share 0: must be above 0 and below 1"),
@@ -89,7 +91,7 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
         ("response --set a=1", "--set a: no quantity of the machine; the nearest is gravity"),
         ("response --over a=1:2", "--over a: no quantity of the machine; the nearest is gravity"),
         ("response --fold-over a=1:2", "--fold-over a: no quantity of the machine; the nearest"),
-        ("response --load a=1", "--load: 'a' is no force on a port; the nearest is disc[1].fx"),
+        ("response --load a=1", "--load: 'a' is not a force on a port; the nearest is disc[1].fx"),
         ("balance --speed 10 --plane 99", "--plane 99: must be from 1 to 8"),
         ("balance --speed 10 --plane 4 --node 0", "--node 0: must be from 1 to 8"),
     ],
@@ -143,6 +145,24 @@ def test_a_misspelt_command_is_told_its_neighbour(input_error):
     assert "'buidl'. Did you mean 'build'?" in input_error("buidl")
 
 
+# what a command asks for beside the machine
+ASKED = {
+    "balance": ("--speed", "10", "--plane", "4"),
+    "frequency-response": ("--force", "1"),
+    "stability": ("--rated", "100"),
+}
+
+
+def test_every_command_refuses_a_machine_file_that_is_not_there(input_error):
+    """In one line, with the option and the file."""
+    names = [name for panel in COMMANDS.values() for name in panel]
+    of_machines = [n for n in names if any(p.name == "rotor" for p in _loaded(n).params)]
+    assert {"run-down", "build", "modes", *ASKED} <= set(of_machines)
+    for name in of_machines:
+        said = input_error(name, *ASKED.get(name, ()), "--rotor", "none.toml")
+        assert said == "rotor-fmu: --rotor none.toml: cannot be read: No such file or directory"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
@@ -153,7 +173,7 @@ def test_a_misspelt_command_is_told_its_neighbour(input_error):
         ("0.043,", "0.0,", "length = 0 m: must be > 0"),
     ],
 )
-def test_bad_rotors_are_refused_in_one_line_by_every_command(
+def test_bad_rotors_are_refused_in_one_line_by_runs_and_builds(
     input_error, tmp_path, old, new, expected
 ):
     assert old in rig_toml()

@@ -31,7 +31,7 @@ NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
             {"stop": 1.0, "tolerance": 1e-2, "parameters": {"solver.tolerance": 1e-4}},
             r"^tolerance = 0.01: parameters give solver.tolerance too",
         ),
-        ({"stop": 1.0, "loads": {"speed": 50.0}}, "loads: speed is no load: give it as speed"),
+        ({"stop": 1.0, "loads": {"speed": 50.0}}, "loads: speed is not a load: give it as speed"),
         ({"stop": 1.0, "record": ["disc[3].z"]}, "the nearest name is"),
         ({"stop": 1.0, "per_turn": 0}, "per_turn = 0: must be > 0"),
         ({"stop": "1 s"}, "stop = '1 s': must be a number"),

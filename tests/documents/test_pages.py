@@ -4,6 +4,7 @@ In an environment of its own, a copy of the project with what its README install
 the top. A block of TOML that begins with the name of a file is saved under it.
 """
 
+import itertools
 import os
 import re
 import shutil
@@ -13,6 +14,8 @@ import sys
 import pytest
 
 from tools.checkout import ROOT, lay_out
+
+from ..processes import run_anew
 
 PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/*/*.md"), *ROOT.glob("examples/*/README.md")])
 RUN = {"sh": ["sh", "-e", "-c"], "python": ["python", "-c"]}
@@ -95,3 +98,23 @@ def test_commands_stand_in_blocks_that_are_run():
             r"^    (?:rotor-fmu|make|pip|fmpy|python) .*$", page.read_text(), re.M
         )
         assert not indented, f"{page.name}: {indented}"
+
+
+SELECTING = """
+import shlex, sys, pytest
+for command in sys.argv[1:]:
+    if status := pytest.main([*shlex.split(command), "--collect-only", "-qq"]):
+        print("nothing:", command, status)
+"""
+
+
+@pytest.mark.slow
+def test_every_command_of_tests_in_a_page_selects_some():
+    """A test that a default leaves out, as slow, needs the mark in the command too."""
+    texts = (page.read_text(encoding="utf-8").replace("\n", " ") for page in PAGES)
+    found = (re.findall(r"`(?:pytest |(?=-m native ))([^`]+)`", text) for text in texts)
+    commands = sorted(set(itertools.chain(*found)))
+    assert len(commands) > 40
+    done = run_anew(SELECTING, *commands, cwd=ROOT)
+    assert "nothing:" not in done.stdout, re.findall(r"nothing:.*", done.stdout)
+    assert done.returncode == 0, done.stderr

@@ -195,9 +195,9 @@ def test_pairs_that_are_none_are_refused(fmu, tmp_path):
 @pytest.mark.parametrize(
     ("files", "expected"),
     [
-        (None, r"other\.fmu: is no FMU that can be read: No such file or directory$"),
-        ({"a": "b"}, r"other\.fmu: is no FMU that can be read: .*modelDescription"),
-        ({"modelDescription.xml": "<a"}, r"other\.fmu: is no FMU that can be read: "),
+        (None, r"other\.fmu: is not an FMU that can be read: No such file or directory$"),
+        ({"a": "b"}, r"other\.fmu: is not an FMU that can be read: .*modelDescription"),
+        ({"modelDescription.xml": "<a"}, r"other\.fmu: is not an FMU that can be read: "),
     ],
 )
 def test_a_file_that_is_no_fmu_is_refused_in_one_line(

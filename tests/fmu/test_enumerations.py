@@ -8,7 +8,7 @@ from xml.etree.ElementTree import fromstring
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from rotor_fmu.model.settings import METHODS, PRESETS
+from rotor_fmu.model.settings import METHODS, MODES, PRESETS
 
 import rotor_fmu as rf
 from rotor_fmu.cli.fmus import build
@@ -47,7 +47,7 @@ def test_the_description_names_the_values(fmu):
     for name, expected in (
         ("solver.preset", tuple(PRESETS)),
         ("solver.method", ("as the preset", *METHODS)),
-        ("solver.adaptive", ("as the preset", "fixed", "adaptive", "controlled", "realtime")),
+        ("solver.adaptive", ("as the preset", *MODES)),
         ("speed_continuation", ("linear", "hold")),
     ):
         variable = described[name]
@@ -132,8 +132,11 @@ def test_a_jump_can_be_held_from_the_build_on(tmp_path):
             "--set solver.max_iterations = 1.5: must be an integer from 0 to 2e+09",
         ),
         ("solver.reduction=3", "--set solver.reduction: is chosen by --reduction"),
-        ("bearing[1].mu=0.1", "--set bearing[1].mu: is no parameter of the solver and no choice"),
-        ("limit.force=1", "--set limit.force: is no parameter of the solver and no choice"),
+        (
+            "bearing[1].mu=0.1",
+            "--set bearing[1].mu: is neither a parameter of the solver nor a choice",
+        ),
+        ("limit.force=1", "--set limit.force: is neither a parameter of the solver nor a choice"),
         ("weight=1", "--set weight: unknown name; known: solver.adaptive, solver.alpha_f, solv"),
     ],
 )

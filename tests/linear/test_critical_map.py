@@ -2,6 +2,7 @@
 (tests/reference/make_ross_api.py made ROSS' numbers)."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from rotor_fmu.model.linear import (
     static,
 )
 from rotor_fmu.model.machine.toml import parse_rotor, rig
+from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 
 from tests.linear.api_617 import CLOSE, ROSS, SHAFT, example, support
@@ -151,6 +153,19 @@ def test_the_own_stiffness_of_a_film_is_listed_where_it_meets_the_lines():
         listed = np.interp(crossing.speed, own.speed[known], own.stiffness[known])
         assert own.speed[known][0] < crossing.speed
         assert listed == pytest.approx(crossing.stiffness, rel=0.05)
+
+
+def test_the_own_stiffness_of_a_hertzian_wall_is_that_under_its_static_load():
+    """Its k is no stiffness, in N/m^1.5: the load presses by (load / k)^(2/3)."""
+    bearings = (replace(bearing, k=1e9, exponent=1.5) for bearing in rig().bearings)
+    rotor = rig().with_parts(Bearing, *bearings)
+    at_rest = static(rotor)
+    pressed = dict(zip(at_rest.supports, (np.abs(at_rest.load_y) / 1e9) ** (2 / 3), strict=True))
+    crossings = critical_map(rotor, [1e6, 1e7, 1e8], count=1).crossings
+    assert {c.bearing for c in crossings} == {"bearing[1]", "bearing[2]"}
+    for crossing in crossings:
+        expected = 1.5 * 1e9 * math.sqrt(pressed[crossing.bearing])
+        assert crossing.stiffness == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_own_stiffness_of_a_damper_is_that_of_its_springs():

@@ -219,7 +219,7 @@ def test_the_command_tells_the_peaks_of_a_port(command):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        ([], "--force and --loop: one of both must be given"),
+        ([], "--force, --loop: one of them must be given, and only one"),
         (["--force", "left_magnett"], "the nearest name is left_magnet"),
         (["--force", "99"], "must be a node from 1 to"),
         (["--force", "1", "--frequency", "0:5Hz"], "must be FROM:TO, both above 0"),

@@ -124,8 +124,8 @@ POSIX = pytest.mark.skipif(os.name != "posix", reason="devices and named pipes a
 @pytest.mark.parametrize(
     ("base", "why"),
     [
-        pytest.param("/dev/zero", "is no file", marks=POSIX),
-        pytest.param("pipe", "is no file", marks=POSIX),
+        pytest.param("/dev/zero", "is not a file", marks=POSIX),
+        pytest.param("pipe", "is not a file", marks=POSIX),
         (".", "is a folder"),
         ("missing.toml", "No such file"),
         ("a\\u0000b", "must be the name of a file"),

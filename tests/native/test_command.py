@@ -26,6 +26,7 @@ def test_a_build_says_where_the_fmu_is_and_takes_no_compiler_once_the_library_is
             "--platform vax: must be one of linux64, win64",
         ),
         (("library", "--platform", "vax"), "--platform vax: must be one of linux64, win64"),
+        (("library", "--platform", "her"), "wasm32, here; did you mean here?"),
     ],
 )
 def test_what_cannot_be_built_is_refused_in_one_line(arguments, sentence):

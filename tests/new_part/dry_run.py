@@ -1,4 +1,4 @@
-"""What `test_new_part` runs in a copy of the package that knows one part more."""
+"""What `test_new_part` runs in a copy of the package that knows two parts more."""
 
 import json
 import sys
@@ -6,9 +6,12 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.model.linear.linear_machine import LinearMachine
+from rotor_fmu.model.linear.unbalance_peaks import gaps
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.cubic_spring import CUBIC
 from rotor_fmu.model.parts.law import Kinematics, Weights
+from rotor_fmu.model.periodic.laws import LawsAlongMotion
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
@@ -18,6 +21,7 @@ from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
 
 TOML = Path(sys.argv[1]).read_text()
+STOP = "\n[[elastic_stop]]\nnode = 2\nroom = 3e-4\nstiffness = 1e7\n"
 SPEED, DURATION = 180.0, 0.02
 
 
@@ -56,6 +60,9 @@ _, p, q = CUBIC.tangent(
 )
 linear = derivative(record, d, d_dot, dz, 1.0, 0.02)
 runs = [run(steps) for steps in (40, 80, 160)]
+stopped = LinearMachine(parse_rotor(TOML + STOP))
+walls = LawsAlongMotion(stopped.structure, stopped.structure.interfaces.has_wall == 1)
+moved = np.array([[1e-4, 0.0], [0.0, -4e-4]])
 variables = interface(parse_rotor(TOML))
 files = documents(Described(parse_rotor(TOML), "RotorBearing", needs_python=True), variables, fmi=2)
 seen = {
@@ -67,6 +74,9 @@ seen = {
     "table": {v.name: [v.causality, v.unit, v.text] for v in variables},
     "misspelt": input_error(TOML.replace("cubic = ", "cubik = ")),
     "impossible": input_error(TOML.replace("4e12", "-4e12")),
+    "clearances": [(gap.name, gap.clearance) for gap in gaps(stopped.rotor, stopped)],
+    "corners": walls.corner_gaps(moved, 0.0 * moved)[:, 0].tolist(),
+    "rolling": len(walls.rubbing),
     "page": files["documentation/index.html"].decode(),
 }
 print(json.dumps(seen))

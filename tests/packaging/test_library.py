@@ -173,3 +173,30 @@ def test_two_processes_may_put_the_same_library_at_once(tmp_path, monkeypatch):
     monkeypatch.setattr(build, "CARRIED", tmp_path)
     monkeypatch.setattr(Path, "write_bytes", the_other_is_quicker)
     assert build._put(tmp_path, WASM, b"a library").read_bytes() == b"a library"
+
+
+REFUSED = """  File "numba/core/dispatcher.py", line 363, in error_rewrite
+    raise e.with_traceback(None)
+numba.core.errors.TypingError: Failed in nopython mode pipeline (step: nopython frontend)
+Failed in nopython mode pipeline (step: nopython frontend)
+Unknown attribute 'slip' of type Places(int64 x 4)
+
+File "model/time_loop/observe.py", line 205:
+def observe(structure, motion, memory, work, out, has_energies):
+    <source elided>
+
+During: resolving callee type: type(CPUDispatcher(<function observe at 0x7f10636b7e20>))
+During: typing of call at model/time_loop/entry_points.py (92)
+
+File "model/time_loop/entry_points.py", line 92:
+def start(block, speed, drive, rate):
+"""
+
+
+def test_a_kernel_that_numba_refuses_is_named_with_the_reason(monkeypatch, tmp_path):
+    failed = subprocess.CompletedProcess([], 1, "", REFUSED)
+    monkeypatch.setattr(build, "_run", lambda command: failed)
+    monkeypatch.setattr(build, "made_here", lambda: tmp_path)
+    expected = "kernels could not be made: model/time_loop/observe.py:205: Unknown attribute 'slip'"
+    with pytest.raises(LibraryError, match=expected):
+        build.kernels()

@@ -15,7 +15,7 @@ import rotor_fmu.model
 import rotor_fmu
 
 HERE = Path(__file__).parents[1] / "new_part"
-LINE = "from .cubic_spring import CubicSpring\n"
+PARTS = {"cubic_spring": "CubicSpring", "elastic_stop": "ElasticStop"}
 
 
 def copied(folder):
@@ -29,15 +29,17 @@ def copied(folder):
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
-    """The folder of a copy of the package that has one file and one line more."""
+    """The folder of a copy of the package that has one file and one line more for each part."""
     folder = tmp_path_factory.mktemp("copy")
     copy = copied(folder)
-    shutil.copy(HERE / "cubic_spring.py", copy / "model" / "parts")
+    for name in PARTS:
+        shutil.copy(HERE / f"{name}.py", copy / "model" / "parts")
     register = copy / "model" / "parts" / "__init__.py"
     before = "from .disc import"
     text = register.read_text()
     assert text.count(before) == 1
-    register.write_text(text.replace(before, LINE + before))
+    lines = "".join(f"from .{name} import {kind}\n" for name, kind in PARTS.items())
+    register.write_text(text.replace(before, lines + before))
     return folder
 
 
@@ -97,6 +99,12 @@ def test_its_energy_is_in_the_ledger(seen):
 def test_the_motion_converges_with_the_square_of_the_step(seen):
     coarse, fine = seen["x"]
     assert 3.4 < coarse / fine < 4.6
+
+
+def test_a_wall_with_quantities_of_its_own_is_one_to_linear_analyses_and_periodic_motions(seen):
+    assert seen["clearances"] == [["elastic_stop[1]", 3e-4]]
+    assert seen["corners"] == pytest.approx([2e-4, -1e-4])
+    assert seen["rolling"] == 0  # of a wall without friction
 
 
 @pytest.mark.slow

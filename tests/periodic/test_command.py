@@ -126,7 +126,7 @@ def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process,
         (("--fold-over", "contact[1].mu=-1:1"), "contact[1].mu = -1"),
         (("--period", "0"), "--period 0: must be"),
         (("--share", "2"), "--share 2: must be"),
-        (("--load", "disc=3"), "is no force on a port"),
+        (("--load", "disc=3"), "is not a force on a port"),
         (
             ("--speed", "50:400", "--seed", "1000"),
             "--seed 159.15: must be from 7.9577 to 63.662 Hz",

@@ -24,7 +24,7 @@ def test_a_recording_comes_back_from_its_file_as_it_was(tmp_path):
 def test_another_file_is_refused_by_its_name(tmp_path, content):
     path = tmp_path / "summary.npz"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=r"summary\.npz: is no recording"):
+    with pytest.raises(InputError, match=r"summary\.npz: is not a recording"):
         load_recording(path)
 
 
