@@ -91,6 +91,7 @@ def little_room(kilobytes):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are POSIX")
 def test_a_full_temporary_folder_is_said_with_its_name(process, tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
@@ -102,6 +103,7 @@ def test_a_full_temporary_folder_is_said_with_its_name(process, tmp_path, monkey
     assert said.endswith(": cannot be read or written: File too large")
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are POSIX")
 @pytest.mark.parametrize("writer", WRITERS)
 def test_every_writer_says_a_full_disk_in_one_sentence_and_leaves_nothing_half_written(

@@ -107,6 +107,7 @@ def test_the_load_of_a_rolling_bearing_is_that_of_the_machine_at_rest():
     assert -found.y[0] == pytest.approx(-whole.y[0], rel=1e-6)
 
 
+@pytest.mark.usefixtures("drawn")
 def test_coefficients_written_for_a_rolling_bearing_give_the_modes_of_the_machine(
     command, tmp_path
 ):

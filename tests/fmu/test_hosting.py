@@ -71,6 +71,7 @@ def run(instance, steps=STEPS):
 """
 
 
+@pytest.mark.slow  # a few are stepped from threads below
 def test_a_hundred_instances_each_give_the_result_they_give_alone(fmu):
     seen = in_a_process(
         fmu,

@@ -116,7 +116,7 @@ def test_the_cache_of_the_users_own_numba_functions_stays_where_it_is(here, tmp_
     here.setattr(numba.config, "CACHE_DIR", own)
     assert kernel_in(tmp_path).cube(2.0) == 8.0
     assert list((tmp_path / "numba").iterdir())
-    assert numba.config.CACHE_DIR == own
+    assert own == numba.config.CACHE_DIR
     assert not Path(own).exists()
 
 

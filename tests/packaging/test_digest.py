@@ -61,7 +61,7 @@ def module(tree, *path):
 
 
 def digest_of(tree):
-    """The module `digest` of a copy, as a process begins with it; what a source says it may know."""
+    """The module `digest` of a copy, as a process begins with it, which has parsed all before."""
     result = module(tree, "model", "kernels", "digest")
     result._parsed = installed._parsed
     return result
