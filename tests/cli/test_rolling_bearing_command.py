@@ -24,7 +24,9 @@ BALLS = RollingBearing(
 )
 
 
-@pytest.mark.parametrize(("exponent", "factor"), [(1.5, 4.370), (1.111111, 4.085)])
+@pytest.mark.parametrize(
+    ("exponent", "factor"), [(1.5, 4.370), pytest.param(1.111111, 4.085, marks=pytest.mark.slow)]
+)
 def test_many_elements_without_clearance_carry_what_the_closed_form_says(exponent, factor):
     """Stribeck: the largest carries factor times the load over the count, half of them carry, and
     of a force that goes with x^n the stiffness is n F / x."""

@@ -13,6 +13,7 @@ import fmpy
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.python_fmu import build, package_name
 
 from ..processes import run_anew, run_python
@@ -244,7 +245,7 @@ show(wrapper=wrapper)
         arguments=[str(tmp_path)],
     )
     assert "resources" in seen.wrapper
-    assert (tmp_path / fmu.name).read_bytes() == fmu.read_bytes()
+    assert contents_of(tmp_path / fmu.name) == contents_of(fmu)
 
 
 @pytest.mark.parametrize("order", ["foreign first", "foreign last"])

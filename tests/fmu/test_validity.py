@@ -278,7 +278,7 @@ def test_it_carries_no_caches_and_says_what_it_needs(fmu):
     assert "Python 3.11" in needs
 
 
-@pytest.mark.parametrize("is_free", [False, True])
+@pytest.mark.parametrize("is_free", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_reduction_is_built_in_and_named(tmp_path, is_free):
     """The host sees it among the start values, and cannot change it."""
     reduced = build(tmp_path, is_free=is_free, reduction=4)

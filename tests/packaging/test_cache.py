@@ -113,6 +113,7 @@ def test_the_cache_of_the_users_own_numba_functions_stays_where_it_is(here, tmp_
     import numba
 
     own = str(tmp_path / "own")
+    here.setenv("NUMBA_CACHE_DIR", own)  # which numba reads again after a change
     here.setattr(numba.config, "CACHE_DIR", own)
     assert kernel_in(tmp_path).cube(2.0) == 8.0
     assert list((tmp_path / "numba").iterdir())
