@@ -156,6 +156,5 @@ def _padded(size: int) -> int:
 
 def _array(block, offset, shape, dtype):
     """Return the array of this shape and type at an offset [bytes] in a block."""
-    size = int(np.prod(shape)) * dtype.itemsize
-    result = block[offset : offset + size].view(dtype).reshape(shape)
+    result = np.ndarray(shape, dtype, block, offset)
     return result.view(np.recarray) if dtype.names else result

@@ -96,7 +96,10 @@ def campbell(
         eigenvalues=np.array(
             [[m.eigenvalues[p] if p >= 0 else _LOST for p in of] for m, of in followed]
         ),
-        whirl=tuple(tuple(m.whirl[p] if p >= 0 else "" for p in of) for m, of in followed),
+        whirl=tuple(
+            tuple(words[p] if p >= 0 else "" for p in of)
+            for words, of in ((m.whirl, of) for m, of in followed)
+        ),
         harmonics=harmonics,
         critical=tuple(sorted(critical, key=lambda c: c.speed)),
         threshold=_threshold(follow, seen),

@@ -166,7 +166,7 @@ class FirstForward:
         at = float(brentq(lambda q: -self.coupled(q).least.real, low, high, rtol=1e-10))
         if self.coupled(high).least.imag == 0.0:
             return self._coupled, at
-        driven = _Followed(self._with_coupling, {high: self.coupled(high).least})
+        driven = _Followed(self._coupled.modes, {high: self.coupled(high).least})
         for smaller in sorted((k for k in self._coupled.known if k < high), reverse=True):
             driven(smaller)
         return driven, at

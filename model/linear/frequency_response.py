@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
-import scipy.signal
 import scipy.sparse as sp
 
 from ..arguments import listed, number, numbers, shown_value
@@ -265,6 +264,8 @@ class _Plant:
 def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
     """Return the poles of the machine with its closed loops [1/s], delays approximated by Pade's
     rational functions."""
+    from scipy.signal import tf2ss  # which takes longer than most analyses
+
     linear = plant.linear
     M, D, K = (matrix.toarray() for matrix in (linear.M, linear.D, linear.K))
     for loop in loops:
@@ -284,7 +285,7 @@ def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
                 f"loop {loop.name}: filter_frequency or amplifier_time is required; otherwise the "
                 "loop gain is unbounded at high frequency"
             )
-        system = scipy.signal.tf2ss(numerator, denominator)
+        system = tf2ss(numerator, denominator)
         for axis in (0, 1):
             whole.append(system[0])
             read.append((plant.selection([loop.sensor])[axis], system))

@@ -1,6 +1,7 @@
 """The picture of the machine to scale, from the outlines of its parts."""
 
 from collections.abc import Callable
+from functools import lru_cache
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,6 +19,7 @@ _LAYER = "#dddddd"
 _SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
 
 
+@lru_cache(maxsize=4)  # an FMU is compared with what it would hold, and then built
 def machine_picture(rotor: Rotor) -> bytes:
     """Return a picture of the machine to scale as a PNG, for the importing tool's icon."""
     figure = empty_figure(6.0, 2.6, dpi=100)

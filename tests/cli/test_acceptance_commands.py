@@ -24,6 +24,7 @@ COMPRESSOR = str(ROSS / "compressor.toml")
 PNG = b"\x89PNG"
 
 
+@pytest.mark.usefixtures("drawn")
 def test_critical_map_tells_where_bearings_meet_it(command, tmp_path):
     said = command("critical-map", "--rotor", COMPRESSOR, "--stiffness", "1e7:1e9:5")
     assert "linear_bearing[1] kxx     1" in said
@@ -55,6 +56,7 @@ def test_the_stiffnesses_of_four_bearings_look_different_in_a_critical_map(tmp_p
     assert len({(line.get_color(), str(line._unscaled_dash_pattern)) for line in lines}) == 7
 
 
+@pytest.mark.usefixtures("drawn")
 def test_stability_of_both_levels(command, tmp_path):
     stage = ["--stage", "3:500e3:0.3:0.02:2.5", "--cross-coupling", "4:1e5"]
     said = command("stability", "--rotor", COMPRESSOR, "--rated", "9000rpm", *stage)
@@ -67,6 +69,7 @@ def test_stability_of_both_levels(command, tmp_path):
     assert (tmp_path / "out" / "stability.png").read_bytes().startswith(PNG)
 
 
+@pytest.mark.usefixtures("drawn")
 def test_unbalance_is_held_against_the_range(command, tmp_path):
     said = command(
         *("unbalance", "--rotor", str(ROSS / "under_tension.toml"), "--range", "1500:2000rpm"),

@@ -26,6 +26,7 @@ from .bearing_machines import EXAMPLES, OIL, PNG, ROLLING, SQUEEZE, with_part
 # --- coefficients for a linear bearing ---
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_damper_is_said_with_coefficients_that_a_linear_bearing_takes(command, tmp_path):
     table = tmp_path / "damper.toml"
     said = command("bearing", str(SQUEEZE), "--speed", "250", "--load", "0", "--table", str(table))

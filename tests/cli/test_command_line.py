@@ -242,7 +242,6 @@ def test_a_run_that_diverges_ends_with_status_1_and_a_reason(process, tmp_path):
     assert json.loads((tmp_path / "summary.json").read_text())["status"].startswith("failed")
 
 
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(("how", "level"), [([], "warning"), (["--direct"], "note")])
 def test_a_setting_without_effect_is_said(process, tmp_path, how, level):
     done = process(
@@ -255,7 +254,6 @@ def test_a_setting_without_effect_is_said(process, tmp_path, how, level):
     assert sentence in json.loads((tmp_path / "summary.json").read_text())["messages"]
 
 
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("order", [1, -1])
 def test_parameters_that_go_together_are_taken_together(process, tmp_path, order):
     sets = ["shaft.eta_h=0.01", "shaft.rotating_damping=true"][::order]
@@ -311,7 +309,7 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
     )
     try:
         assert process.stdout.readline() == "running\n"
-        time.sleep(0.5)
+        time.sleep(0.1)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=600)
     finally:
@@ -343,7 +341,6 @@ def test_ctrl_c_while_an_fmu_is_instantiated_ends_the_run_in_one_line(process, m
     assert "stopped" in done.stderr
 
 
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("limit", [400e-6, 600e-6])
 def test_a_run_that_a_limit_ends_ends_there_with_and_without_the_fmu(process, tmp_path, limit):
     """Also in its first step, of which the FMU leaves no row."""
@@ -358,7 +355,6 @@ def test_a_run_that_a_limit_ends_ends_there_with_and_without_the_fmu(process, tm
     assert summary["recorded_apart"] == 0.0
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_run_with_a_reduced_shaft_drives_an_fmu_that_was_built_with_it(process, tmp_path):
     done = process(
         *("run-down", "--set", "solver.reduction=4", "--set", "speed=150"),

@@ -13,6 +13,7 @@ import pytest
 
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.files import unfinished
+from rotor_fmu.fmi.packing import python_fmu
 
 from ..recordings import recorded
 
@@ -94,6 +95,7 @@ def little_room(kilobytes):
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are POSIX")
 def test_a_full_temporary_folder_is_said_with_its_name(process, tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(python_fmu, "_WRAPPED", {})  # as of a process that has built none
     with little_room(30):
         done = process("build", "--out", str(tmp_path / "out"))
     (said,) = done.stderr.strip().splitlines()
@@ -102,6 +104,7 @@ def test_a_full_temporary_folder_is_said_with_its_name(process, tmp_path, monkey
     assert said.endswith(": cannot be read or written: File too large")
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are POSIX")
 @pytest.mark.parametrize("writer", WRITERS)
 def test_every_writer_says_a_full_disk_in_one_sentence_and_leaves_nothing_half_written(

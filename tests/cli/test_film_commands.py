@@ -22,6 +22,7 @@ TURBOCHARGER = EXAMPLES / "turbocharger" / "rotor.toml"
 PNG = b"\x89PNG"
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, tmp_path):
     table = tmp_path / "linear.toml"
     said = command("bearing", str(OIL_FILM), "--speed", "300:900:4", "--table", str(table))
@@ -60,7 +61,6 @@ def test_a_rotor_that_turns_backwards_has_its_critical_speeds_and_threshold_mirr
     np.testing.assert_allclose([[-x, y] for x, y in circles[1]][::-1], circles[0], rtol=1e-6)
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_the_linear_commands_name_the_films(command):
     said = command("modes", "--rotor", str(OIL_FILM), "--speed", "400")
     assert "where its journal rests at that speed: journal_bearing[1], journal_bearing[2]" in said
@@ -109,7 +109,6 @@ def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_sea
     assert "oil films, each linearized where its journal rests at that speed" in report.html
 
 
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("arguments", [["modes", "--speed"], ["stability", "--rated"]])
 def test_an_answer_about_floating_rings_says_how_they_follow(command, arguments):
     turbocharger = OIL_FILM.parents[1] / "turbocharger" / "rotor.toml"
@@ -117,7 +116,7 @@ def test_an_answer_about_floating_rings_says_how_they_follow(command, arguments)
     assert "their rings follow a vibration at the frequency of rotation; slower whirls" in said
 
 
-@pytest.mark.usefixtures("undrawn", "coarse_report")
+@pytest.mark.usefixtures("coarse_report")
 @pytest.mark.parametrize(
     "shape", ["", 'offset = 1.0\npads = [1.5708, 4.71239]\narc = 2.8\nrupture = "guembel"\n']
 )
@@ -148,10 +147,10 @@ def test_a_place_that_is_not_there_is_named_before_a_missing_equilibrium(refusal
         assert message in refusal("frequency-response", *arguments)
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_the_response_to_unbalance_begins_at_standstill_on_oil_films_too(command):
     said = command("unbalance", "--rotor", str(OIL_FILM), "--speed", "0:200:3", "--node", "3")
     assert "contacts open" in said
+    assert "unstable" not in said
     result = answers.unbalance_response(OIL_FILM, [0.0, 1.0, 200.0])
     assert not result.x[0].any()
     assert not result.load_x[0].any()

@@ -63,6 +63,7 @@ def test_the_coefficients_are_of_both_films_in_series_with_the_mass_of_the_ring(
     assert np.abs(outer).max() < np.abs(inner).max()
 
 
+@pytest.mark.usefixtures("drawn")
 def test_what_is_written_for_linear_bearings_answers_to_unbalance_as_the_rings(command, tmp_path):
     text, linear = EXAMPLE.read_text(encoding="utf-8"), ""
     speeds = [2000.0, 5000.0, 8000.0]

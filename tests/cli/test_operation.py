@@ -179,6 +179,7 @@ def test_a_free_rotor_starts_at_the_rated_speed_too():
     assert next(v.start for v in table if v.name == "w_start") == 250.0
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_run_of_less_than_a_turn_is_drawn_where_it_was(command, tmp_path):
     machine = str(ROOT / "examples" / "magnetic_bearing" / "compressor.toml")
     command("run-up", "--rotor", machine, "--direct", "--stop", "0.05", "--quiet")

@@ -26,6 +26,7 @@ def plot(*arguments):
     return CliRunner().invoke(app, ["plot", *map(str, arguments)])
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_drawn_into_the_runs_folder(kind, folder):
     result = plot(kind, folder)

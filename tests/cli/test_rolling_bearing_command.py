@@ -24,7 +24,9 @@ BALLS = RollingBearing(
 )
 
 
-@pytest.mark.parametrize(("exponent", "factor"), [(1.5, 4.370), (1.111111, 4.085)])
+@pytest.mark.parametrize(
+    ("exponent", "factor"), [(1.5, 4.370), pytest.param(1.111111, 4.085, marks=pytest.mark.slow)]
+)
 def test_many_elements_without_clearance_carry_what_the_closed_form_says(exponent, factor):
     """Stribeck: the largest carries factor times the load over the count, half of them carry, and
     of a force that goes with x^n the stiffness is n F / x."""
@@ -107,6 +109,7 @@ def test_the_load_of_a_rolling_bearing_is_that_of_the_machine_at_rest():
     assert -found.y[0] == pytest.approx(-whole.y[0], rel=1e-6)
 
 
+@pytest.mark.usefixtures("drawn")
 def test_coefficients_written_for_a_rolling_bearing_give_the_modes_of_the_machine(
     command, tmp_path
 ):

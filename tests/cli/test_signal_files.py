@@ -34,7 +34,6 @@ def test_bad_signals_are_refused_in_one_line(input_error, tmp_path, text, expect
     assert expected in input_error("run-down", "--input", "signals.csv")
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_signals_from_a_file_drive_the_run(process, tmp_path):
     (tmp_path / "signals.csv").write_text("time,speed,disc[2].fy\n0,100,5\n1,120,5\n")
     done = process(
@@ -71,7 +70,6 @@ def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
     np.testing.assert_allclose(two.values["speed"], one.values["speed"], rtol=1e-12)
 
 
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("way", ["run-down", "run-up"])
 def test_a_run_ends_with_its_signals_unless_a_stop_is_given(process, tmp_path, way):
     """Signals of loads alone too, whose speed is the start value."""
@@ -86,7 +84,6 @@ def test_a_run_ends_with_its_signals_unless_a_stop_is_given(process, tmp_path, w
         assert float(rows[-1].split(",")[0]) == pytest.approx(0.013, rel=1e-9)
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_signals_that_end_before_the_run_are_said_to_be_held(process, tmp_path):
     (tmp_path / "signals.csv").write_text("time,speed\n0,100\n0.01,100\n")
     done = process(
@@ -98,7 +95,6 @@ def test_signals_that_end_before_the_run_are_said_to_be_held(process, tmp_path):
     )
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(process, tmp_path):
     """The FMU holds its loads over a step: it is driven beside, and how far it is off is said."""
     t = np.linspace(0.0, 0.2, 101)

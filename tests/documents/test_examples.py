@@ -138,6 +138,7 @@ def test_a_damaged_race_shows_at_the_frequency_at_which_balls_pass():
 # --- heat of a rub ---
 
 
+@pytest.mark.slow  # tests/parts/test_bow_growth has Kellenberger's closed form
 def test_a_hot_spot_spirals_outwards_below_the_critical_speed_and_inwards_above():
     example = script("newkirk", "newkirk.py")
     machine = example["rotor"]()
@@ -173,6 +174,7 @@ def test_a_rotor_in_oil_films_whirls_past_its_threshold_and_stays_at_its_natural
 # --- squeeze film ---
 
 
+@pytest.mark.slow  # as tests/parts/test_squeeze_film_damper has one
 def test_a_rotor_on_dampers_jumps_where_the_closed_form_folds():
     """A little beyond each fold, since the speed does not wait there; on either side the orbit is
     the closed form's."""

@@ -21,6 +21,7 @@ pytestmark = [
 ]
 
 
+@pytest.mark.slow  # nor does `make docs` make it with one
 def test_the_site_is_made_without_a_warning_and_loads_nothing_from_a_network(tmp_path, capfd):
     tree = tmp_path / "tree"
     SITE["assemble"](tree)

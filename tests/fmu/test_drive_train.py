@@ -212,6 +212,7 @@ def test_a_rotor_much_heavier_than_the_motor_leaves_the_loop_stable(drive_fmu, f
     assert run.partner["w"][-1] == pytest.approx(30.0, rel=0.02)
 
 
+@pytest.mark.slow  # tests/studies/test_examples has one hang below the resonances
 def test_a_motor_just_too_weak_hangs_at_the_horizontal_resonance(drive_fmu, fmu):
     """Just below it still speeds up, above it slows down again: it cannot get through."""
     rates = []
@@ -233,6 +234,7 @@ def test_ample_torque_passes_both_resonances(drive_fmu, fmu):
     assert np.interp(40, hz, torque) < SMALL < torque.max() < run.partner["tau_motor"].max()
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.slow
 def test_the_script_leaves_pictures_and_a_summary(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["run_up.py", "--out", str(tmp_path)])

@@ -24,7 +24,10 @@ HHT = {"solver.preset": "paper", "solver.method": "hht", "solver.alpha_f": 0.1}
 SEEN = ("w", "phi", "tau", "disc[3].x", "disc[3].y", "bearing[2].fn")
 
 
-@pytest.fixture(scope="module", params=FORMS)
+# of FMI 2.0 both have the same description
+@pytest.fixture(
+    scope="module", params=["python", pytest.param("FMI 2.0", marks=pytest.mark.slow), "FMI 3.0"]
+)
 def form(request):
     return FORMS[request.param]
 

@@ -94,7 +94,8 @@ def test_a_constant_drag_lets_it_coast_down_as_the_papers_law(fmu, free_fmu):
     assert below["w"][-1] < 170 - 1.0  # whirl and rub at the resonances slow it further
 
 
-@pytest.mark.parametrize("is_free", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("is_free", [False, True])
+@pytest.mark.slow  # of short runs the ledger is tested in tests/physics/test_energy
 def test_over_both_resonances_drive_work_is_energy_and_dissipation(fmu, free_fmu, is_free):
     """From 400 rad/s to below 100, to 1e-4 of what was dissipated, a third of the drive's work."""
     start = {"solver.tolerance": 1e-4}

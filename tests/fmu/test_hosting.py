@@ -13,6 +13,7 @@ import fmpy
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
+from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.python_fmu import build, package_name
 
 from ..processes import run_anew, run_python
@@ -71,6 +72,7 @@ def run(instance, steps=STEPS):
 """
 
 
+@pytest.mark.slow  # a few are stepped from threads below
 def test_a_hundred_instances_each_give_the_result_they_give_alone(fmu):
     seen = in_a_process(
         fmu,
@@ -243,7 +245,7 @@ show(wrapper=wrapper)
         arguments=[str(tmp_path)],
     )
     assert "resources" in seen.wrapper
-    assert (tmp_path / fmu.name).read_bytes() == fmu.read_bytes()
+    assert contents_of(tmp_path / fmu.name) == contents_of(fmu)
 
 
 @pytest.mark.parametrize("order", ["foreign first", "foreign last"])

@@ -244,6 +244,7 @@ def test_libcosim_gives_the_same_from_the_system_files(
         assert row[name] == pytest.approx(output, rel=1e-7, abs=1e-12), name
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.slow
 def test_the_script_leaves_pictures_and_a_summary(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["lift_and_drop.py", "--out", str(tmp_path)])

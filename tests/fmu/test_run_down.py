@@ -117,9 +117,10 @@ def test_a_constant_deceleration_is_followed_exactly(paper):
 
 
 def test_higher_parameters_and_hht_give_lower_peaks_as_the_paper_says():
+    # which, unlike theirs, scatter
     reference = median(perturbed(8, *GENERALIZED), "x_peak_um")
-    assert median(perturbed(4, *DAMPED), "x_peak_um") < reference
-    assert median(perturbed(4, *HHT), "x_peak_um") < reference
+    assert median(perturbed(1, *DAMPED), "x_peak_um") < reference
+    assert median(perturbed(1, *HHT), "x_peak_um") < reference
 
 
 def test_newmark_scatters_but_peaks_no_worse():
@@ -140,7 +141,7 @@ def test_wbz_diverges_at_the_beginning_and_says_so(fmu, capfd):
 
 
 def test_robust_is_within_a_percent_whatever_the_phase():
-    for figures in perturbed(4, "solver.preset=robust"):
+    for figures in perturbed(2, "solver.preset=robust"):
         assert figures["status"] == "ok"
         for axis, (size, _) in CONVERGED.items():
             assert figures[f"{axis}_peak_um"] == pytest.approx(size, rel=0.01)

@@ -59,8 +59,20 @@ def xml_of(fmu):
         return {name: archive.read(name) for name in archive.namelist() if name.endswith(".xml")}
 
 
-@pytest.mark.parametrize("is_free", [False, True])
-@pytest.mark.parametrize("machine", MACHINES, ids=lambda path: path.name if path else "rig")
+# of each machine one drive, which every machine has alike
+@pytest.mark.parametrize(
+    ("machine", "is_free"),
+    [
+        pytest.param(
+            machine,
+            is_free,
+            id=f"{machine.name if machine else 'rig'}-{is_free}",
+            marks=() if is_free == (machine is None) else pytest.mark.slow,
+        )
+        for machine in MACHINES
+        for is_free in (False, True)
+    ],
+)
 @pytest.mark.parametrize("kind", ["python", 2, 3])
 def test_all_of_an_fmu_is_valid(tmp_path, kind, machine, is_free):
     toml = machine_text("", machine) if machine else rig_toml()

@@ -6,6 +6,7 @@ import re
 import sys
 import tomllib
 import zipfile
+from hashlib import sha256
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
@@ -90,6 +91,11 @@ def test_it_holds_its_skin_its_libraries_its_machine_and_nothing_else(fmu):
     result = {name for name in names if not name.startswith(beside)}
     assert result == {script, "modelDescription.xml", "model.png"} | skin | libraries | machine
     assert all(library.startswith(f"{package}/") for library in libraries)
+    with zipfile.ZipFile(fmu) as archive:
+        sums = {Path(name).name: sha256(archive.read(name)).hexdigest() for name in libraries}
+        scope = {}
+        exec(archive.read(f"{package}/__init__.py"), scope)
+    assert scope["CHECKSUMS"] == sums
 
 
 def test_it_imports_nothing_that_a_bare_python_has_not(fmu):
@@ -278,7 +284,7 @@ def test_it_carries_no_caches_and_says_what_it_needs(fmu):
     assert "Python 3.11" in needs
 
 
-@pytest.mark.parametrize("is_free", [False, True])
+@pytest.mark.parametrize("is_free", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_reduction_is_built_in_and_named(tmp_path, is_free):
     """The host sees it among the start values, and cannot change it."""
     reduced = build(tmp_path, is_free=is_free, reduction=4)

@@ -162,6 +162,7 @@ def test_a_contact_that_closes_is_said():
     assert balance(rig(), [150.0], [5]).touches
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.usefixtures("few_turns")
 def test_the_command_tells_the_corrections(tmp_path, command):
     assert "plane at node 5 [g.mm]" in command("balance", "--speed", "150", "--plane", "5")

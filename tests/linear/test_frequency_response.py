@@ -154,6 +154,7 @@ def loops(tmp_path):
     return file
 
 
+@pytest.mark.usefixtures("drawn")
 def test_the_command_tells_the_zone_of_each_loop(tmp_path, loops, command):
     said = command(
         *("frequency-response", "--rotor", str(MAGNETS), "--loop", str(loops)),
@@ -177,7 +178,6 @@ def test_a_few_frequencies_show_the_sensitivity_of_a_flexible_rotor_as_many_do(l
     np.testing.assert_allclose(few.largest, many.largest, rtol=1e-9)
 
 
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("damping", [0.2, 2e-5])
 def test_the_command_tells_the_peak_of_a_fast_machine_between_its_frequencies(
     tmp_path, command, damping

@@ -1,16 +1,22 @@
 """Code that numba compiled is cached for the next process, and whatever is wrong with the folder
 costs time and never a result.
 
-A small kernel is compiled in processes of their own, so that each begins with nothing in memory.
+A small kernel is compiled, in a process of its own where what is in memory matters.
 """
 
 import os
+import runpy
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from rotor_fmu.model.kernels import cache
 from rotor_fmu.model.kernels.cache import check_private, private_folder
+from rotor_fmu.model.kernels.jit import jit
 
 import rotor_fmu
 
@@ -65,6 +71,26 @@ def kernel(tmp_path):
     return Kernel(tmp_path)
 
 
+def dispatching():
+    """The module that imports numba, which no other test needs."""
+    return import_module("rotor_fmu.model.kernels.dispatching")
+
+
+@pytest.fixture
+def here(monkeypatch, tmp_path):
+    """Kernels are compiled in this process, and cached in the folder `numba`."""
+    folder = private_folder(tmp_path / "numba")
+    monkeypatch.setattr(dispatching(), "cache_folder", lambda: folder)
+    return monkeypatch
+
+
+def kernel_in(folder):
+    """The small kernels, compiled in this process as they are called."""
+    file = folder / "kernel.py"
+    file.write_text(KERNEL)
+    return SimpleNamespace(**runpy.run_path(str(file)))
+
+
 @pytest.mark.slow
 def test_what_one_process_compiles_the_next_finds_until_a_kernel_changes(kernel):
     assert kernel.run() == (COMPILED, "")
@@ -83,11 +109,16 @@ def test_what_one_process_compiles_the_next_finds_until_a_kernel_changes(kernel)
     assert f"{folder} can be written by other users (mode 777)" in said
 
 
-def test_the_cache_of_the_users_own_numba_functions_stays_where_it_is(kernel, tmp_path):
-    script = "import numba\nshow()\nprint(numba.config.CACHE_DIR)"
-    out, _ = kernel.run(script, NUMBA_CACHE_DIR=str(tmp_path / "own"))
-    assert out.splitlines() == [COMPILED, str(tmp_path / "own")]
-    assert not (tmp_path / "own").exists()
+def test_the_cache_of_the_users_own_numba_functions_stays_where_it_is(here, tmp_path):
+    import numba
+
+    own = str(tmp_path / "own")
+    here.setenv("NUMBA_CACHE_DIR", own)  # which numba reads again after a change
+    here.setattr(numba.config, "CACHE_DIR", own)
+    assert kernel_in(tmp_path).cube(2.0) == 8.0
+    assert list((tmp_path / "numba").iterdir())
+    assert own == numba.config.CACHE_DIR
+    assert not Path(own).exists()
 
 
 NO_PASSWD = """
@@ -107,11 +138,15 @@ def test_a_user_without_a_home_reads_one_sentence_for_the_libraries_and_one_for_
 
 
 @pytest.mark.parametrize("where", ["HOME", "XDG_CACHE_HOME", "ROTOR_FMU_CACHE"])
-def test_a_folder_that_may_not_be_entered_is_done_without(kernel, tmp_path, where):
+def test_a_folder_that_may_not_be_entered_is_done_without(tmp_path, monkeypatch, caplog, where):
     locked = tmp_path / "locked"
     locked.write_text("no folder: what even root cannot enter")
-    out, said = kernel.run(**{"ROTOR_FMU_CACHE": None, where: str(locked)})
-    assert out == COMPILED
+    for name in ("ROTOR_FMU_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv(where, str(locked))
+    monkeypatch.setattr(cache, "_said", set())
+    assert dispatching().cache_folder.__wrapped__() is None
+    (said,) = caplog.messages
     assert "compiled code is not cached for the next process: " in said
     assert str(locked) in said
 
@@ -133,17 +168,14 @@ def test_a_link_to_a_folder_is_refused(tmp_path):
         private_folder(tmp_path / "link")
 
 
-def test_a_kernel_that_was_typed_in_runs_uncached(kernel):
-    typed = "scope = {}\nexec('def add(x):\\n    return x + 1.0', scope)\nadd = jit(scope['add'])"
-    assert kernel.run(f"{typed}\nprint(add(1.0))") == ("2.0", "")
+def test_a_kernel_that_was_typed_in_runs_uncached(here, tmp_path):
+    scope = {}
+    exec("def add(x):\n    return x + 1.0", scope)
+    assert jit(scope["add"])(1.0) == 2.0
+    assert not list((tmp_path / "numba").iterdir())
 
 
-def test_threads_of_one_process_compile_for_each_other(kernel):
-    out, said = kernel.run(
-        """
-from concurrent.futures import ThreadPoolExecutor
-with ThreadPoolExecutor(4) as pool:
-    print(*pool.map(cube, [1.0, 2.0, 3.0, 4.0]))
-"""
-    )
-    assert (out, said) == ("1.0 8.0 27.0 64.0", "")
+def test_threads_of_one_process_compile_for_each_other(here, tmp_path):
+    with ThreadPoolExecutor(4) as pool:
+        cubes = pool.map(kernel_in(tmp_path).cube, [1.0, 2.0, 3.0, 4.0])
+    assert [*cubes] == [1.0, 8.0, 27.0, 64.0]

@@ -3,21 +3,19 @@
 import shutil
 import subprocess
 import sys
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
+from rotor_fmu.model.kernels import digest as installed
 
 import rotor_fmu
 from tools.checkout import ROOT
 
-OF_KERNELS = """
+ALL = """
 from rotor_fmu.model.kernels import digest
-print(digest.kernels_digest())
-"""
-ALL = f"""
-{OF_KERNELS}
 from rotor_fmu.library import build
-print(build.emitted_digest(), build.sources_digest())
+print(digest.kernels_digest(), build.emitted_digest(), build.sources_digest())
 """
 SIMULATION = ("model", "simulation.py")  # runs the kernels, and is none
 
@@ -31,22 +29,21 @@ def copied(folder):
 
 
 @pytest.fixture
-def tree(tmp_path):
+def tree(tmp_path, monkeypatch):
     """A copy of the sources, laid out as a wheel is, without any library."""
+    monkeypatch.setenv("ROTOR_FMU_CACHE", str(tmp_path / "none"))
     return copied(tmp_path)
 
 
 @pytest.fixture(scope="module")
 def before(tmp_path_factory):
-    """The digests of such a copy."""
-    return digests(copied(tmp_path_factory.mktemp("copy")))
-
-
-def digests(tree, script=ALL):
+    """The digests of such a copy, by itself in a process of its own."""
+    folder = tmp_path_factory.mktemp("copy")
+    copied(folder)
     done = subprocess.run(
-        [sys.executable, "-c", script],
-        cwd=tree.parent,
-        env={"PYTHONPATH": str(tree.parent), "PATH": "", "ROTOR_FMU_CACHE": str(tree / "none")},
+        [sys.executable, "-c", ALL],
+        cwd=folder,
+        env={"PYTHONPATH": str(folder), "PATH": "", "ROTOR_FMU_CACHE": str(folder / "none")},
         capture_output=True,
         text=True,
         check=True,
@@ -54,9 +51,30 @@ def digests(tree, script=ALL):
     return done.stdout.split()
 
 
+def module(tree, *path):
+    """A module of a copy, run in this process."""
+    name = ".".join(("rotor_fmu", *path))
+    spec = spec_from_file_location(name, tree.joinpath(*path).with_suffix(".py"))
+    result = module_from_spec(spec)
+    spec.loader.exec_module(result)
+    return result
+
+
+def digest_of(tree):
+    """The module `digest` of a copy, as a process begins with it, which has parsed all before."""
+    result = module(tree, "model", "kernels", "digest")
+    result._parsed = installed._parsed
+    return result
+
+
+def digests(tree):
+    digest, build = digest_of(tree), module(tree, "library", "build")
+    build.imported, build.syntax_digest = digest.imported, digest.syntax_digest
+    return [digest.kernels_digest(), build.emitted_digest(), build.sources_digest()]
+
+
 def of_kernels(tree):
-    (digest,) = digests(tree, OF_KERNELS)
-    return digest
+    return digest_of(tree).kernels_digest()
 
 
 def edit(tree, name, old, new):
@@ -112,17 +130,10 @@ def test_kernels_are_found_by_what_the_entries_import(tree, before):
     assert len({*seen}) == 4
 
 
-RECORDED = """
-from pathlib import Path
-from rotor_fmu.model.kernels import digest
-digest.CARRIED.mkdir(exist_ok=True)
-digest.record(digest.CARRIED)
-"""
-
-
 def test_a_record_spares_parsing_and_counts_for_the_very_same_files_alone(tree):
-    command = [sys.executable, "-c", RECORDED]
-    subprocess.run(command, cwd=tree.parent, env={"PYTHONPATH": str(tree.parent)}, check=True)
+    digest = digest_of(tree)
+    digest.CARRIED.mkdir()
+    digest.record(digest.CARRIED)
     record = tree / "model" / "library" / "kernels.digest"
     of_files, recorded = record.read_text().split()
     assert of_kernels(tree) == recorded
@@ -138,6 +149,4 @@ def test_a_record_spares_parsing_and_counts_for_the_very_same_files_alone(tree):
 def test_the_checkout_has_the_digest_of_the_wheel(before):
     """Where the package lies changes nothing."""
     assert Path(rotor_fmu.__file__).parents[1] == ROOT
-    from rotor_fmu.model.kernels.digest import kernels_digest
-
-    assert before[0] == kernels_digest()
+    assert before[0] == installed.kernels_digest()

@@ -4,10 +4,12 @@ import json
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.model import simulation
+from rotor_fmu.model.backend import Backend
 
 import rotor_fmu
 
-from ..processes import ROTOR_FMU, run_anew
+from ..processes import run_anew
 
 STEPS = """
 import json
@@ -44,8 +46,9 @@ def test_the_interpreted_run_has_the_numbers_of_the_compiled_one():
     assert [sentence.split(":")[0] for sentence in said] == ["numba is switched off"] * 4
 
 
-def test_a_command_says_that_its_run_is_interpreted_and_why(tmp_path):
-    short = "run-down", "--direct", "--stop", "0.001"
-    run = run_anew(ROTOR_FMU, *short, cwd=tmp_path, ROTOR_FMU_KERNELS="python")
+def test_a_command_says_that_its_run_is_interpreted_and_why(process, monkeypatch):
+    monkeypatch.setenv("ROTOR_FMU_KERNELS", "python")
+    monkeypatch.setattr(simulation, "selected_backend", lambda: Backend.PYTHON)
+    run = process("run-down", "--direct", "--stop", "0.001")
     assert run.returncode == 0, run.stderr
     assert "note: ROTOR_FMU_KERNELS = python: the solver runs interpreted" in run.stderr

@@ -78,12 +78,18 @@ def environment(wheel_file, tmp_path_factory):
 def test_it_has_one_name_at_the_top(wheel):
     names = {entry.name for entry in wheel.iterdir() if not entry.name.endswith(".dist-info")}
     assert names == {"rotor_fmu"}
+    (entries,) = wheel.glob("*.dist-info/entry_points.txt")
+    assert entries.read_text().split("\n\n")[0].splitlines() == [
+        "[console_scripts]",
+        "rotor-fmu = rotor_fmu.cli:main",
+    ]
 
 
 def test_type_checkers_are_told_that_it_has_types(wheel):
     assert (wheel / "rotor_fmu" / "py.typed").is_file()
 
 
+@pytest.mark.slow  # the same modules are used unpacked below
 def test_installed_in_a_new_environment_its_command_runs(environment, tmp_path):
     def said(*command):
         done = subprocess.run(

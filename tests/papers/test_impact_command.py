@@ -49,6 +49,7 @@ def bars(tmp_path_factory):
     return out, text
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.slow
 def test_bars_give_paper_bs_figures_and_a_table_of_errors(tmp_path):
     status, text = call("bars", "--out", tmp_path)
@@ -76,7 +77,6 @@ def test_the_status_log_of_figure_8_is_printed_and_kept(bars):
     assert "4.000e-007" in text
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_users_own_bars(tmp_path):
     arguments = ["--scheme", "hht=alpha=-0.3", "--dt", 4e-4, "--opening", 0.005]
     status, _ = call(
@@ -90,7 +90,6 @@ def test_a_users_own_bars(tmp_path):
     assert pictures == ["tip_velocity_hht_alpha_-0.3_current-time_opening_0.005.png"]
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_json_has_the_tables_rows_and_what_is_to_be_said_of_the_schemes(tmp_path):
     arguments = ["--scheme", "newmark", "--dt", 8e-4, "--opening", 0.01, "--out", tmp_path]
     status, text = call("bars", *arguments, "--json", "--quiet")
@@ -101,7 +100,6 @@ def test_json_has_the_tables_rows_and_what_is_to_be_said_of_the_schemes(tmp_path
     assert "does not damp the fastest oscillations" in output["remarks"]["newmark"]
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_penalty_takes_the_place_of_the_hard_contact(tmp_path):
     arguments = ["--scheme", "moderate-dissipation", "--dt", 8e-4, "--opening", 0.01]
     assert call("bars", *arguments, "--penalty", 20, "--out", tmp_path)[0] == 0
@@ -147,6 +145,7 @@ def test_what_cannot_be_is_refused_before_anything_is_written(arguments, message
     assert not out.exists()
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.slow
 def test_a_ratchet_of_ones_own_is_drawn_and_moves(tmp_path):
     geometry = tmp_path / "small.toml"
@@ -166,7 +165,6 @@ def test_a_ratchet_of_ones_own_is_drawn_and_moves(tmp_path):
     assert not list(tmp_path.glob("*.part*"))
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_the_rotors_bearings_are_tried_with_each_impact_option(tmp_path):
     arguments = ["--scheme", "moderate-dissipation", "--dt", 1e-3, "--stop", 0.03, "--cap", 500]
     status, _ = call("bearings", *arguments, "--out", tmp_path)

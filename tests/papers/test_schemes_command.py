@@ -54,6 +54,7 @@ def test_csv_has_every_number_of_the_tables(survey):
     assert rows["wilson=1.4"]["theta"] == "1.4"
 
 
+@pytest.mark.usefixtures("drawn")
 def test_three_pictures_are_drawn(survey):
     out, _ = survey
     names = {"figure_1_spectral_radius.png", "numerical_damping.png", "period_elongation.png"}
@@ -99,7 +100,6 @@ def test_both_papers_signs_and_abaqus_name_the_same_scheme():
     assert parse("moderate-dissipation") == members.hht(math.sqrt(2) - 1)
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_users_own_frequency_and_step_are_answered_in_sentences(tmp_path):
     status, text = call(
         *("--frequency", 29.4, "--step", 0.004, "--out", tmp_path),
@@ -119,7 +119,6 @@ def test_a_users_own_frequency_and_step_are_answered_in_sentences(tmp_path):
     assert float(rows[0]["elongation"]) == pytest.approx(0.05380, abs=1e-5)
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_step_past_the_stability_limit_is_told_with_the_longest_that_is_not(tmp_path):
     status, text = call(
         *("--frequency", 50, "--step", 0.01, "--damping", 0.02, "--out", tmp_path),

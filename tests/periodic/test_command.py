@@ -17,6 +17,7 @@ JEFFCOTT = Path(rf.__file__).parents[1] / "examples" / "jeffcott_rub" / "jeffcot
 COMMAND = "from rotor_fmu.cli import main; main()"
 
 
+@pytest.mark.usefixtures("drawn")
 def test_the_command_writes_curve_and_picture(process, tmp_path):
     given = ("--rotor", str(JEFFCOTT), "--speed", "100:240", "--out", str(tmp_path))
     done = process("response", *given, "--step", "0.4", "--json")
@@ -38,6 +39,7 @@ def test_that_the_laws_are_compiled_first_is_said(process, monkeypatch, compiles
     assert (said in done.stderr.splitlines()) == compiles
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_curve_of_folds_is_drawn_and_said(process, tmp_path):
     given = ("--rotor", str(JEFFCOTT), "--speed", "100:240", "--step", "0.4")
     second = ("--fold-over", "contact[1].mu=0.04:0.06")

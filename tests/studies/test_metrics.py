@@ -52,8 +52,7 @@ def jeffcott(speed, rate, stop):
     return t, speed + rate * t, result.y[0]
 
 
-@pytest.mark.parametrize("step", [0.04, 0.5])
-@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize(("way", "step"), [(1, 0.5), (-1, 0.04)])
 def test_quantities_of_a_ramp_are_those_of_the_motion_whatever_the_step(tmp_path, way, step):
     low, high = sorted((20 * way, 200 * way))
     data = row(

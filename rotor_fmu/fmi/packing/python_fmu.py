@@ -20,6 +20,7 @@ _SKIN = Path(__file__).parents[1] / "python"
 _CLASS = "RotorBearing"  # which pythonfmu names the wrapper's files after
 # What pythonfmu puts into an FMU of its own accord.
 _PYTHONFMUS = ("binaries/", "resources/pythonfmu/", "resources/slavemodule.txt")
+_WRAPPED: dict[str, dict[str, bytes]] = {}  # by package
 
 
 def build(
@@ -39,18 +40,26 @@ def build(
     machine = machine_of(rotor_toml, is_free, reduction, starts=starts)
     libraries = _libraries(platforms)
     contents = _contents(machine, libraries)
-    with scratch_folder() as folder:
-        package, sources = _package(libraries)
-        (folder / package).mkdir()
-        for path, data in sources.items():
-            (folder / path).write_bytes(data)
-        raw = folder / "raw.fmu"
-        wrap(folder / f"{package}_entry.py", [folder / package], raw)
-        wrapped = contents_of(raw)
     name = machine.identifier()
-    for path in [path for path in wrapped if path.startswith("binaries/")]:
-        wrapped[path.replace(f"/{_CLASS}.", f"/{name}.")] = wrapped.pop(path)
+    wrapped = {
+        path.replace(f"/{_CLASS}.", f"/{name}.") if path.startswith("binaries/") else path: data
+        for path, data in _wrapped(*_package(libraries)).items()
+    }
     return write_archive(out / f"{name}.fmu", wrapped | contents)
+
+
+def _wrapped(package: str, sources: dict[str, bytes]) -> dict[str, bytes]:
+    """Return what pythonfmu makes of an FMU's package, by the path in the FMU: the same for every
+    machine, since the package's name follows its content."""
+    if package not in _WRAPPED:
+        with scratch_folder() as folder:
+            (folder / package).mkdir()
+            for path, data in sources.items():
+                (folder / path).write_bytes(data)
+            raw = folder / "raw.fmu"
+            wrap(folder / f"{package}_entry.py", [folder / package], raw)
+            _WRAPPED[package] = contents_of(raw)
+    return _WRAPPED[package]
 
 
 def is_current(
