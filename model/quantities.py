@@ -49,15 +49,17 @@ NOT_NEGATIVE = Rule(0.0, False, "must be >= 0 and finite")
 ANY = Rule(-math.inf, False, "must be a finite number")
 NOTHING, SPEED, ALL = "nothing", "speed", "all"
 LARGEST = 1e30  # in size: beyond it, products of such numbers overflow
+EXPONENT = "exponent"  # the quantity on which the unit of another one may depend
 GRAVITY = 9.81  # of a machine, unless its definition states another one [m/s2]
 STANDARD_GRAVITY = 9.80665  # makes units of force of units of mass [m/s2]
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that a user gives: unit ("1" if it has none), description, allowed values, whether
-    it is a parameter of the FMU, whether it is a Boolean, and whether a list of numbers, a column
-    of a table, may take its place, and whether a parameter may change during a run."""
+    """A number that a user gives: unit ("1" if it has none; see `unit_of`), description, allowed
+    values, whether it is a parameter of the FMU, whether it is a Boolean, and whether a list of
+    numbers, a column of a table, may take its place, and whether a parameter may change during a
+    run."""
 
     unit: str
     text: str
@@ -128,8 +130,22 @@ def places(entries: Iterable[Output | str], first: int = 0, width: int = 1) -> A
 
 
 def quantities(kind: Any) -> Mapping[str, Quantity]:
-    """Return the quantities of a data class (or of an instance) by their names, in their order."""
-    return {f.name: f.metadata["quantity"] for f in fields(kind) if "quantity" in f.metadata}
+    """Return the quantities of a data class by their names, in their order; of an instance, with
+    the units that they have there."""
+    declared = {f.name: f.metadata["quantity"] for f in fields(kind) if "quantity" in f.metadata}
+    if isinstance(kind, type) or not hasattr(kind, EXPONENT):
+        return declared
+    for name, of in declared.items():
+        if (unit := unit_of(of.unit, getattr(kind, EXPONENT))) != of.unit:
+            declared[name] = replace(of, unit=unit)
+    return declared
+
+
+def unit_of(unit: str, exponent: Any) -> str:
+    """Return a declared unit, such as N/m^exponent, for an exponent; 1 for one that is no
+    number."""
+    is_power = isinstance(exponent, (int, float)) and exponent != 1
+    return unit.replace(f"^{EXPONENT}", f"^{exponent}" if is_power else "")
 
 
 def check(shown: str, declared: Quantity, value: Any) -> None:

@@ -38,7 +38,7 @@ class ContactQuantities:
     journal_radius: float = quantity("m", "radius of the journal")
     clearance: float = quantity("m", "radial clearance", is_tunable=True)
     mu: float = quantity("1", "coefficient of friction", NOT_NEGATIVE, is_tunable=True)
-    k: float = quantity("N/m", "contact stiffness", is_parameter=True)
+    k: float = quantity("N/m^exponent", "contact stiffness", is_parameter=True)
     c: float = quantity("N.s/m", "contact damping", NOT_NEGATIVE, 100.0, is_parameter=True)
     delta_c: float = quantity(
         "m", "penetration from which the contact damping acts in full", default=2e-7
@@ -46,7 +46,7 @@ class ContactQuantities:
     v_s: float = quantity("m/s", "sliding speed below which friction is smoothed", default=1e-3)
     exponent: float = quantity(
         "1",
-        "exponent of the penetration: 1 linear, 10/9 roller, 1.5 Hertz; k in N/m^exponent",
+        "exponent of the penetration: 1 linear, 10/9 roller, 1.5 Hertz",
         _EXPONENT,
         1.0,
     )

@@ -179,9 +179,7 @@ def ssv(component: Component) -> Element:
             continue
         value = component.values.get(name, variable.start)
         entry = _sub(parameters, "ssv:Parameter", name=name)
-        attributes = {"value": _xml_value(variable, value)}
-        if variable.kind == "Real":
-            attributes["unit"] = unit(variable.unit).name
+        attributes = {"value": _xml_value(variable, value)} | _unit_of(variable)
         _sub(entry, f"ssv:{variable.kind}", **attributes)
     _add_units(_sub(root, "ssv:Units"), component.settable().values())
     return root
@@ -204,8 +202,7 @@ def _add_component(elements: Element, component: Component) -> None:
     connectors = _sub(element, "ssd:Connectors")
     for variable in component.connectable():
         connector = _sub(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
-        attributes = {"unit": unit(variable.unit).name} if variable.kind == "Real" else {}
-        _sub(connector, f"ssc:{variable.kind}", **attributes)
+        _sub(connector, f"ssc:{variable.kind}", **_unit_of(variable))
     bindings = _sub(element, "ssd:ParameterBindings")
     _sub(
         bindings, "ssd:ParameterBinding", type=_EXTENSION, source=f"resources/{component.name}.ssv"
@@ -215,11 +212,18 @@ def _add_component(elements: Element, component: Component) -> None:
     annotation.append(terminals_element(component.terminals))
 
 
+def _unit_of(variable: Variable) -> dict[str, str]:
+    """Return the attribute of a variable's unit; none where SSP, which wants integers as exponents,
+    has no such unit."""
+    has_unit = variable.kind == "Real" and unit(variable.unit).base is not None
+    return {"unit": variable.unit} if has_unit else {}
+
+
 def _add_units(units: Element, variables: Iterable[Variable]) -> None:
-    for name in dict.fromkeys(unit(v.unit).name for v in variables if v.kind == "Real"):
+    for name in dict.fromkeys(v.unit for v in variables if _unit_of(v)):
         entry = _sub(units, "ssc:Unit", name=name)
-        base = {base: str(exponent) for base, exponent in unit(name).base.items()}
-        _sub(entry, "ssc:BaseUnit", **base)
+        base = unit(name).base or {}
+        _sub(entry, "ssc:BaseUnit", **{base: str(power) for base, power in base.items()})
 
 
 def _qualified(name: str) -> str:

@@ -250,7 +250,8 @@ def unit_definitions(table: Sequence[Variable]) -> Element:
     definitions = Element("UnitDefinitions")
     for used in map(unit, dict.fromkeys(v.unit for v in table if v.kind == "Real")):
         node = SubElement(definitions, "Unit", name=used.name)
-        SubElement(node, "BaseUnit", {base: str(exponent) for base, exponent in used.base.items()})
+        if used.base is not None:
+            SubElement(node, "BaseUnit", {base: str(power) for base, power in used.base.items()})
         if used.display:
             name, factor = used.display
             SubElement(node, "DisplayUnit", name=name, factor=repr(factor))

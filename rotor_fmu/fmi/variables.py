@@ -9,10 +9,11 @@ from ..model.quantities import NOTHING
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: exponents of the SI base units, and how people want to see it (name, factor)."""
+    """A unit: exponents of the SI base units, None where they are no integers, as FMI has them, and
+    how people want to see it (name, factor)."""
 
     name: str
-    base: dict[str, int]
+    base: dict[str, int] | None
     display: tuple[str, float] | None = None
 
 
@@ -32,9 +33,12 @@ _SHOWN = {"m": ("um", 1e6), "rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 /
 @cache
 def unit(name: str) -> Unit:
     """Return the unit that is spelled so: SI units with exponents, `.` between factors, one `/`
-    before those that divide, in brackets where they are several: `kg/m3`, `m/(N.s)`. Raises
-    `KeyError` for another name."""
+    before those that divide, in brackets where they are several: `kg/m3`, `m/(N.s)`; or with a
+    power, `N/m^1.5`. Raises `KeyError` or `ValueError` for another name."""
     known = _BASE | _DERIVED
+    root, hat, last = name.partition("^")
+    if hat and unit(root) and float(last):
+        return Unit(name, None)
     base: dict[str, int] = {}
     above, _, below = name.partition("/")
     for side, factors in ((1, above), (-1, below or "1")):

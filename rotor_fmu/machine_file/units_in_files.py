@@ -10,6 +10,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..model.machine.table_reader import nearest
+from ..model.quantities import EXPONENT, unit_of
 from ..units import factor, in_si
 from .declared_tables import Key, own_tables, part_tables
 
@@ -65,23 +66,15 @@ def _converted(where: str, table: Mapping[str, Any], keys: Mapping[str, Key]) ->
             hint = f"{nearest(name, given)}of this table are {', '.join(given) or 'none'}"
             raise InputError(f"{where}{_UNITS}.{name}: no number of that name is here; {hint}")
     values = {name: value for name, value in table.items() if name != _UNITS}
+    usual = keys[EXPONENT].default if EXPONENT in keys else None
     for name in values.keys() & keys.keys():
-        key = keys[name]
-        unit = _unit(key, values)
+        unit = unit_of(keys[name].measured_in, values.get(EXPONENT, usual))
         factor_of_plain = 1.0
         if name in units:
             shown = f"{where}{_UNITS}.{name} = {units[name]!r}"
             factor_of_plain = factor(shown, str(units[name]), unit)
         values[name] = _value(f"{where}{name} =", values[name], unit, factor_of_plain)
     return values
-
-
-def _unit(key: Key, table: Mapping[str, Any]) -> str:
-    """Return the unit of a key: a contact stiffness has that of its exponent."""
-    exponent = table.get("exponent", 1)
-    if key.name == "k" and isinstance(exponent, (int, float)) and exponent != 1:
-        return f"N/m**{exponent}"
-    return key.measured_in
 
 
 def _value(shown: str, value: Any, unit: str, factor_of_plain: float) -> Any:

@@ -9,16 +9,20 @@ import jsonschema
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
+from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 
 import rotor_fmu as rf
 from rotor_fmu.cli.nodes import clearances_of, cross_couplings
 from rotor_fmu.cli.speeds import number_range
 from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.description import unit_definitions
+from rotor_fmu.fmi.interface import interface
 from rotor_fmu.machine_file.loading import machine_text, si_text
 from rotor_fmu.machine_file.schema import schema
 from rotor_fmu.units import _MEASURED, in_si
 
 from ..processes import run_anew
+from .bearing_machines import ROLLING
 
 INCH, POUND, G = 0.0254, 0.45359237, 9.80665
 LBF = POUND * G
@@ -126,6 +130,26 @@ IN_UNITS = (
     )
     .replace("0.0093, 0.0093, 0.0093, 0.015]", "9.3, 9.3, 9.3, 15]")
 )
+
+
+def test_the_unit_of_a_contact_stiffness_is_that_of_its_exponent(tmp_path, refusal):
+    """In a file, on the command line and in the FMU; FMI has a unit without base units for a power
+    that is no integer. A rolling bearing has Hertz' exponent where none is given."""
+    hertzian = rig_toml().replace("clearance = 50e-6", "clearance = 50e-6\nexponent = 1.5", 1)
+    file = tmp_path / "hertzian.toml"
+    file.write_text(hertzian)
+    setting = ["--rotor", str(file), "--set", "bearing[1].k=1e6 N/mm"]
+    assert "1e6 N/mm: must be" in refusal("run-down", *setting)
+    assert "in N/m^1.5" in refusal("response", *setting, "--speed", "100:110")
+    variables = interface(parse_rotor(hertzian))
+    units = {v.name: v.unit for v in variables if v.name.endswith("].k")}
+    assert units == {"bearing[1].k": "N/m^1.5", "bearing[2].k": "N/m"}
+    defined = {unit.get("name"): unit.find("BaseUnit") for unit in unit_definitions(variables)}
+    assert defined["N/m^1.5"] is None
+    assert defined["N/m"].attrib == {"kg": "1", "s": "-2"}
+    text = re.sub(r"(?m)^k = .*$", 'k = "253 kN/mm^1.5"', ROLLING.read_text())
+    first, *_ = rf.parse(text).rotor.of_kind(RollingBearing)
+    assert first.k == pytest.approx(253e3 * 1000**1.5)
 
 
 def test_a_machine_in_units_is_the_machine_in_si():
