@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from ..film.bearing_film import FilmBearing
 from ..film.floating_ring import ring_response, sheared, stiffness, torque_by, torque_of
-from ..kernels.functions import modulus
+from ..kernels.functions import modulus, scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import places
 from .law import Kinematics
@@ -187,9 +187,9 @@ def linearize_ring(part, tables, kinematics, internal_state, solved, slopes):
         of_journal = slopes.by_v if by_v else slopes.by_d
         gain = -1.0 / part.ring_mass
         of_journal[STATE.x] = of_journal[STATE.y] = 0.0j
-        of_journal[STATE.vx] = gain * (inner.aa.conjugate() + inner.ab)
-        of_journal[STATE.vy] = gain * (1j * inner.aa.conjugate() - 1j * inner.ab)
-        of_journal[STATE.speed] = 2.0 * driven.conjugate() / part.ring_inertia
+        of_journal[STATE.vx] = scaled(gain, inner.aa.conjugate() + inner.ab)
+        of_journal[STATE.vy] = scaled(gain, 1j * (inner.aa.conjugate() - inner.ab))
+        of_journal[STATE.speed] = scaled(2.0 / part.ring_inertia, driven.conjugate())
         for i in range(2):  # the ring's own motion, along x and y
             e = 1j if i else 1.0 + 0.0j
             of_inner = inner.aa * e + inner.ab * e.conjugate()
