@@ -105,8 +105,8 @@ def test_after_the_end_they_are_refused(new):
 @pytest.mark.parametrize(
     ("name", "order", "value", "sentence"),
     [
-        ("disc[3].x", 1, 1.0, r"disc\[3\]\.x: is no input"),
-        ("gravity", 1, 1.0, "gravity: is no input"),
+        ("disc[3].x", 1, 1.0, r"disc\[3\]\.x: is not an input"),
+        ("gravity", 1, 1.0, "gravity: is not an input"),
         ("disc[1].fy", 2, 1.0, r"disc\[1\]\.fy: order 2: must be 1"),
         ("disc[1].fy", 0, 1.0, r"disc\[1\]\.fy: order 0: must be 1"),
         ("disc[1].fy", 1, math.nan, r"disc\[1\]\.fy = nan: must be a finite number"),

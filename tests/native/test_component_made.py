@@ -95,8 +95,8 @@ def test_a_table_that_is_missing_or_damaged_is_refused(fmu, bare):
     damaged[1000] ^= 1
     stranger = table.replace(b"ROTORFMU", b"ANOTHER!", 1)
     for content, why in (
-        (bare, "is no table of a machine, or is truncated"),
-        (with_data(bare, stranger), "is no table of a machine, or is truncated"),
+        (bare, "is not the table of a machine, or is truncated"),
+        (with_data(bare, stranger), "is not the table of a machine, or is truncated"),
         (with_data(bare, bytes(damaged)), "is damaged"),
     ):
         machine = Component.__new__(Component)

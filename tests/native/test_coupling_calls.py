@@ -149,7 +149,7 @@ def test_without_being_asked_for_they_are_refused(extracted):
 @pytest.mark.parametrize(
     ("known", "sentence"),
     [
-        ("gravity", "gravity: is no input"),
+        ("gravity", "gravity: is not an input"),
         (None, "value reference 99999: there is none; they go to"),
     ],
 )

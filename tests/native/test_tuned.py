@@ -104,10 +104,10 @@ def test_sensitivities_that_there_are_not_are_refused(make):
     host = Host(extracted, {"speed": 100.0, "solver.sensitivities": True})
     host.step()
     for unknown, known, sentence in (
-        ("disc[3].x", "gravity", "gravity: is no input"),
-        ("disc[3].x", "disc[1].x", r"disc\[1\]\.x: is no input"),
+        ("disc[3].x", "gravity", "gravity: is not an input"),
+        ("disc[3].x", "disc[1].x", r"disc\[1\]\.x: is not an input"),
         ("disc[3].r_amp", "speed", r"disc\[3\]\.r_amp: does not follow from the motion"),
-        ("solver.preset", "speed", r"solver\.preset: is no Real that is computed"),
+        ("solver.preset", "speed", r"solver\.preset: is not a Real that is computed"),
     ):
         with pytest.raises(Refused, match=sentence):
             host.fmu.directional([refs[unknown]], [refs[known]], [1.0])

@@ -159,7 +159,7 @@ def test_the_version_of_a_run_follows_all_that_it_imports():
         (["--step", "3"], "--step 3 s: must be one of 5e-06"),
         (["--jobs", "0"], "--jobs 0: "),
         (["--table", "none.csv"], "--table none.csv: cannot be read"),
-        (["--table", str(ROOT / "README.md")], "is no table of a survey"),
+        (["--table", str(ROOT / "README.md")], "is not the table of a survey"),
         (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
     ],
 )

@@ -127,7 +127,7 @@ def read_table(path: Path) -> list[Row]:
     lines = csv.reader(io.StringIO(text))
     header = next(lines, [])
     if not set(IDENTITY) <= set(header):
-        raise InputError(f"--table {path}: is no table of a survey: columns missing")
+        raise InputError(f"--table {path}: is not the table of a survey: columns missing")
     return [
         {name: _value(name, cell) for name, cell in zip(header, line, strict=True) if cell}
         for line in lines

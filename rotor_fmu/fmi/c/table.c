@@ -137,7 +137,7 @@ const char *check_table(const void *content, size_t size)
     const Table *table = content;
     if (size < sizeof *table || memcmp(table->magic, "ROTORFMU", 8)
         || (size_t)table->bytes != size || size % 8)
-        return "is no table of a machine, or is truncated";
+        return "is not the table of a machine, or is truncated";
     if (memcmp(table->sources, SOURCES, sizeof table->sources))
         return "was made for another build of this FMU's library";
     if (checksum(table, size, offsetof(Table, checksum)) != table->checksum || !is_sound(table))

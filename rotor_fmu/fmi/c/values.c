@@ -27,7 +27,7 @@ static Status check_input(Instance *m, const char *call, uint32_t reference)
         return ERROR;
     return reference < m->table->inputs
                ? OK
-               : refuse(m, "%s: %s: is no input", call, name_of(m, reference));
+               : refuse(m, "%s: %s: is not an input", call, name_of(m, reference));
 }
 
 static Status check_references(Instance *m, int is_set, Kind kind, const char *name,
@@ -186,7 +186,7 @@ static Status check_computed(Instance *m, const char *call, const uint32_t *refe
             return ERROR;
         const Variable *v = variables(m->table) + references[i];
         if (v->kind != A_REAL || (v->role != READ && v->role != REMEMBERED))
-            return refuse(m, "%s: %s: is no Real that is computed", call,
+            return refuse(m, "%s: %s: is not a Real that is computed", call,
                           name_of(m, references[i]));
     }
     return OK;

@@ -24,7 +24,7 @@ if f"{package}.slave" not in sys.modules:
         package, folder / "__init__.py", submodule_search_locations=[str(folder)]
     )
     if spec is None or spec.loader is None:
-        raise ImportError(f"{folder}: is no package")
+        raise ImportError(f"{folder}: is not a package")
     sys.modules[package] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(sys.modules[package])
 
