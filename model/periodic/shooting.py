@@ -40,9 +40,11 @@ from .stepping import integrate_period
 _HARMONICS = 256  # at least, of the orbit that is given
 # of a step: how far before its end its last tangent is taken, since a corner moves from there with
 # the motion, until the steps are chosen anew
-_OWN_SIDE = 0.05
-_RENEW_BEYOND = 1e-6  # clearances by which a motion moves before its steps are chosen anew,
-_FAR_BEYOND, _RENEWALS = 1e-2, 3  # for so many times after it has moved far
+_OWN_SIDE = 0.02
+# clearances by which a motion moves before the ends of steps in corners move with it, and before
+# all steps are chosen anew, which changes the equations by the error of the steps
+_RENEW_BEYOND, _CELLS_BEYOND = 1e-6, 1e-4
+_FAR_BEYOND, _RENEWALS = 1e-2, 3  # so many times after it has moved far
 _REFINEMENTS = 5  # times that steps are shortened at most
 _STEP = 1e-6  # of the parameter, as a share of its scale, for the derivative by it
 _SHORTER = 3.0  # than by the mean square of all coordinates, a way along the curve counts
@@ -119,7 +121,8 @@ class Shooting:
             self._motion_of_mesh = self._interface_motion(machine, orbit)
             force = self._forces(self.reference, self._motion_of_mesh)
             ends = self._ends
-            self._ends = mesh.adapted_mesh(machine, self._motion_of_mesh, force, ends)
+            self._cells = mesh.adapted_cells(force, ends)
+            self._ends = mesh.with_corners(machine, self._motion_of_mesh, ends, self._cells)
         self._ends = ends
         tangent = self._tangents(self.reference, ends, self._motion_of_mesh)
         h = np.diff(self._ends)
@@ -238,8 +241,10 @@ class Shooting:
             self._renewals = _RENEWALS
         if far > _RENEW_BEYOND and self._renewals:
             self._renewals -= 1
-            force = self._forces(value, period.y)
-            self._ends = mesh.adapted_mesh(self.machine_at(value), period.y, force, period.ends)
+            if far > _CELLS_BEYOND:
+                self._cells = mesh.adapted_cells(self._forces(value, period.y), period.ends)
+            machine = self.machine_at(value)
+            self._ends = mesh.with_corners(machine, period.y, period.ends, self._cells)
             self._motion_of_mesh = self._nearby_motion(self._ends)
             period = self._adopted(self._integrated(x, value))
         return period
@@ -250,7 +255,7 @@ class Shooting:
             self._motion_of_mesh = mesh.at_mesh_points(
                 self._motion_of_mesh, self._ends, period.ends
             )
-            self._ends = period.ends
+            self._ends = self._cells = period.ends
         return period
 
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
@@ -287,7 +292,9 @@ class Shooting:
         return values[np.argsort(-np.abs(values), kind="stable")]
 
     def fix_phase(self, x: np.ndarray) -> None:
-        """Do nothing: the excitation fixes the phase."""
+        """Let the steps be chosen anew on the way to the next point: the excitation fixes the
+        phase."""
+        self._renewals = _RENEWALS
 
     def dynamic_stiffness(self, value: float, omega: float) -> DynamicStiffness:
         """Return the linear part at a value of the parameter."""
@@ -303,7 +310,6 @@ class Shooting:
 
     def split(self, x: np.ndarray, value: float) -> Orbit:
         """Return the orbit of unknowns that solve the equations."""
-        self._renewals = _RENEWALS  # for the way to the next point of the curve
         period, of, n = self._integrated(x, value), self.balance, 8 * self.H
         y = mesh.interpolated(period.y[..., : of.b], period.ends, np.arange(n) / n)
         b = series_of(np.fft.rfft(y, axis=0)[: self.H + 1] / n)

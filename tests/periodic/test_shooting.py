@@ -122,11 +122,18 @@ def test_steps_end_in_the_corners_also_after_many_small_changes_of_the_motion(sh
     equations = copy(equations)
     for speed in SPEED + 0.2 * np.arange(1, 9):
         x = solve(equations, x, speed)
-        equations.split(x, speed)
+        equations.fix_phase(x)
     flight = equations._integrated(x, speed)
     at = mesh.interpolated(flight.y[..., :2], flight.ends, flight.ends)
     gap = np.abs(np.hypot(at[:, 0], at[:, 1]) - CLEARANCE)
     assert np.sort(gap)[:2].max() < 1e-6 * CLEARANCE
+
+
+def test_beside_a_corner_no_other_step_ends_so_that_it_can_move(monkeypatch):
+    monkeypatch.setattr(mesh, "_corners", lambda *_: np.array([0.505, 0.73]))
+    tenths = np.linspace(0.0, 1.0, 11)
+    ends = mesh.with_corners(None, None, None, tenths)
+    assert ends == pytest.approx([0, 0.1, 0.2, 0.3, 0.4, 0.505, 0.6, 0.7, 0.73, 0.8, 0.9, 1])
 
 
 def test_multipliers_of_a_damped_contact_are_those_of_its_harmonics():
