@@ -125,6 +125,7 @@ class _Piece(NamedTuple):
         where Newton's method leads far away."""
         a, b, scale = self.before, self.after, problem.parameter.scale
         x, value = a.x + share * (b.x - a.x), a.value + share * (b.value - a.value)
+        problem.fix_phase(a.x)
         point = arclength.correct(problem, x, value, a.direction, scale)
         if distance(a, point, scale) > _FARTHEST * distance(a, b, scale):  # another branch
             raise NotConverged()

@@ -18,7 +18,8 @@ _COARSEST, _UNIFORM, _FINEST = 6, 9, 13  # halvings of the period
 _MISSED_IMPULSE = 3e-6  # that a parabola may miss in a step, as a share of the period's
 _FINER, _COARSER = 3, 1  # halvings at once
 _CORNER_SAMPLES = 2048  # instants at which corners are looked for
-_APART = 1e-6  # of the period: how near the end of another step a corner is none
+_APART = 1e-6  # of the period: how near its begin a corner is none
+_BESIDE = 0.2  # of a step: how near a corner no other step ends, since the corner moves a little
 # weights of the values at the points in the value of their parabola at the beginning
 _BACK = np.array(
     [np.prod(np.delete(POINTS, i) / (np.delete(POINTS, i) - POINTS[i])) for i in range(3)]
@@ -63,20 +64,24 @@ def at_mesh_points(values: np.ndarray, ends: np.ndarray, others: np.ndarray) -> 
     return interpolated(values, ends, at.ravel()).reshape(*at.shape, -1)
 
 
-def adapted_mesh(
-    machine: CondensedMachine, y: np.ndarray, force: np.ndarray, ends: np.ndarray
+def with_corners(
+    machine: CondensedMachine, y: np.ndarray, ends: np.ndarray, cells: np.ndarray
 ) -> np.ndarray:
-    """Return the mesh adapted to a motion y and its forces, both at the points of the present mesh,
-    shape (steps, 3, m) each."""
-    cells = _cells(force, ends)
+    """Return the mesh of cells, the ends of steps, that also ends in the corners along a motion y,
+    at the points of the present mesh, shape (steps, 3, m)."""
     corners = _corners(machine, y, ends)
-    near = np.clip(np.searchsorted(cells, corners), 1, len(cells) - 1)
-    apart = np.minimum(corners - cells[near - 1], cells[near] - corners)
-    return np.unique(np.append(cells, corners[apart > _APART]))
+    corners = np.unique(corners[np.minimum(corners, 1.0 - corners) > _APART])
+    inner, h = cells[1:-1], np.diff(cells)
+    around = np.concatenate([[-1.0], corners, [2.0]])
+    behind = np.searchsorted(around, inner)
+    apart = np.minimum(inner - around[behind - 1], around[behind] - inner)
+    far = inner[apart > _BESIDE * np.minimum(h[:-1], h[1:])]
+    return np.concatenate([[0.0], np.union1d(far, corners), [1.0]])
 
 
-def _cells(force: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Return the mesh by bisection that the forces demand, without corners."""
+def adapted_cells(force: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Return the mesh by bisection that the forces at the points of the present one demand, shape
+    (steps, 3, m), without corners."""
     h, n = np.diff(ends), 2**_FINEST
     missed = np.abs(np.einsum("i,tim->tm", _BACK, force) - np.roll(force[:, 2], 1, axis=0))
     missed = h * np.linalg.norm(missed, axis=1)

@@ -212,9 +212,9 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
     """Yield starts at motions through which no branch passes yet: the first one found, at a seed
     all of them."""
     result, task, machines = search.result, search.result.task, search.machines
-    notes: list[Message] = []
+    failures = list[str]()
     is_found = is_new = False
-    for guess in guesses(result.rotor, task, machines, value, is_seed, notes):
+    for guess in guesses(result.rotor, task, machines, value, is_seed, failures):
         H = min(max(guess.H, task.accuracy.least), task.accuracy.most)
         series = _problem(machines, task, value).modified(H)
         problem: PeriodicEquations = series
@@ -242,11 +242,13 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
             yield start_at(*new, value, direction)
         if not is_seed:
             break
+    why = [f": {failure}" for failure in failures[:1]]
     if not is_found:
-        how = ": neither from rest, nor from a run in time, which may be no periodic one"
         text = f"no periodic motion was found at {task.name} = "
-        notes.append(Note(_NO_START, result.unit, text, value, how))
-    elif is_seed and not is_new:
+        how = ": neither from rest, nor from a run in time"
+        why = why or [", which may be no periodic one"]
+        return [Note(_NO_START, result.unit, text, value, how, *why)]
+    if is_seed and not is_new:
         text = f"no further motion was found at the seed {task.name} = "
-        notes.append(Note("no-motion", result.unit, text, value))
-    return notes
+        return [Note("no-motion", result.unit, text, value, *why)]
+    return []

@@ -38,9 +38,13 @@ from .newton import NotConverged
 from .stepping import integrate_period
 
 _HARMONICS = 256  # at least, of the orbit that is given
-_OWN_SIDE = 1e-7  # of a step: how far before its end its last tangent is taken, beside a corner
-_RENEW_BEYOND = 1e-4  # clearances by which a motion moves before its steps are chosen anew,
-_FAR_BEYOND, _RENEWALS = 1e-2, 3  # for so many times after it has moved far
+# of a step: how far before its end its last tangent is taken, since a corner moves from there with
+# the motion, until the steps are chosen anew
+_OWN_SIDE = 0.02
+# clearances by which a motion moves before the ends of steps in corners move with it, and before
+# all steps are chosen anew, which changes the equations by the error of the steps
+_RENEW_BEYOND, _CELLS_BEYOND = 1e-6, 1e-4
+_FAR_BEYOND, _RENEWALS = 1e-2, 3  # so many times after it has moved far
 _REFINEMENTS = 5  # times that steps are shortened at most
 _STEP = 1e-6  # of the parameter, as a share of its scale, for the derivative by it
 _SHORTER = 3.0  # than by the mean square of all coordinates, a way along the curve counts
@@ -115,11 +119,12 @@ class Shooting:
         self._ends = mesh.uniform_mesh()
         for _ in range(_RENEWALS):
             self._motion_of_mesh = self._interface_motion(machine, orbit)
-            near = self.reference, self._ends, self._motion_of_mesh
-            force, tangent = self._forces_and_tangents(*near)
+            force = self._forces(self.reference, self._motion_of_mesh)
             ends = self._ends
-            self._ends = mesh.adapted_mesh(machine, self._motion_of_mesh, force, ends)
+            self._cells = mesh.adapted_cells(force, ends)
+            self._ends = mesh.with_corners(machine, self._motion_of_mesh, ends, self._cells)
         self._ends = ends
+        tangent = self._tangents(self.reference, ends, self._motion_of_mesh)
         h = np.diff(self._ends)
         self._mean = np.einsum("t,i,tiao->ao", h, quadrature_weights(), tangent)
         none = np.zeros(0)
@@ -137,11 +142,15 @@ class Shooting:
         y = np.hstack([machine.b_of_displacements(d), machine.b_of_displacements(v)])
         return y.reshape(-1, 3, y.shape[1])
 
-    def _forces_and_tangents(
-        self, value: float, ends: np.ndarray, y: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return forces and tangents along a motion, at the end of a step those before the
-        corner."""
+    def _forces(self, value: float, y: np.ndarray) -> np.ndarray:
+        """Return the forces along a motion, shape (steps, 3, b)."""
+        machine, b, flat = self.machine_at(value), self.balance.b, y.reshape(-1, y.shape[2])
+        d, v = flat[:, :b] @ machine.B.T, flat[:, b:] @ machine.B.T
+        laws = machine.laws.forces(d, v, np.zeros((len(d), 0)), self.balance.speed_at(value))
+        return (laws.force @ machine.B).reshape(*y.shape[:2], b)
+
+    def _tangents(self, value: float, ends: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the tangents along a motion, at the end of a step those before the corner."""
         machine, b = self.machine_at(value), self.balance.b
         h = np.diff(ends) * 2 * math.pi / self.balance.omega_at(value)
         flat = y.copy()
@@ -149,8 +158,7 @@ class Shooting:
         flat = flat.reshape(-1, 2 * b)
         d, v, none = flat[:, :b] @ machine.B.T, flat[:, b:] @ machine.B.T, np.zeros((len(flat), 0))
         laws = machine.laws.tangents(d, v, none, np.zeros(0), self.balance.speed_at(value))
-        tangent = tangents_by_y(machine, laws).reshape(*y.shape[:2], b, 2 * b)
-        return (laws.force @ machine.B).reshape(*y.shape[:2], b), tangent
+        return tangents_by_y(machine, laws).reshape(*y.shape[:2], b, 2 * b)
 
     def _modal_system(self, value: float) -> ModalSystem:
         """Return the machine without its interfaces at a value of the parameter."""
@@ -233,8 +241,10 @@ class Shooting:
             self._renewals = _RENEWALS
         if far > _RENEW_BEYOND and self._renewals:
             self._renewals -= 1
-            force, _ = self._forces_and_tangents(value, period.ends, period.y)
-            self._ends = mesh.adapted_mesh(self.machine_at(value), period.y, force, period.ends)
+            if far > _CELLS_BEYOND:
+                self._cells = mesh.adapted_cells(self._forces(value, period.y), period.ends)
+            machine = self.machine_at(value)
+            self._ends = mesh.with_corners(machine, period.y, period.ends, self._cells)
             self._motion_of_mesh = self._nearby_motion(self._ends)
             period = self._adopted(self._integrated(x, value))
         return period
@@ -245,7 +255,7 @@ class Shooting:
             self._motion_of_mesh = mesh.at_mesh_points(
                 self._motion_of_mesh, self._ends, period.ends
             )
-            self._ends = period.ends
+            self._ends = self._cells = period.ends
         return period
 
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
@@ -255,7 +265,7 @@ class Shooting:
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the residual and the Jacobian."""
         period, modal_system = self._on_adapted_mesh(x, value), self.modal_system(value)
-        _, tangent = self._forces_and_tangents(value, period.ends, period.y)
+        tangent = self._tangents(value, period.ends, period.y)
         P = real_transition_matrix(
             self._propagators(value, period.ends)[0], tangent - modal_system.mean
         )
@@ -282,7 +292,9 @@ class Shooting:
         return values[np.argsort(-np.abs(values), kind="stable")]
 
     def fix_phase(self, x: np.ndarray) -> None:
-        """Do nothing: the excitation fixes the phase."""
+        """Let the steps be chosen anew on the way to the next point: the excitation fixes the
+        phase."""
+        self._renewals = _RENEWALS
 
     def dynamic_stiffness(self, value: float, omega: float) -> DynamicStiffness:
         """Return the linear part at a value of the parameter."""

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..linear.real_matrices import in_plane, to_complex
 from ..machine.rotor import Rotor
-from ..message_templates import Message
 from ..settings import choose
 from ..simulation import EquilibriumError, Simulation, StepFailure
 from .balance import HarmonicBalance, Orbit
@@ -35,11 +34,11 @@ class Persistence(NamedTuple):
 
 
 def guesses(
-    rotor: Rotor, task: Task, machines: Machines, value: float, is_seed: bool, notes: list[Message]
+    rotor: Rotor, task: Task, machines: Machines, value: float, is_seed: bool, failures: list[str]
 ) -> Iterator[Orbit]:
     """Yield orbits to start from at a value of the parameter: that with open contacts, then those
     that the machine reaches in time from rest; at a seed also circles beyond the clearances, and
-    what the machine reaches from them; last its rest, near which it may move unstably. notes:
+    what the machine reaches from them; last its rest, near which it may move unstably. failures:
     receives why time integration failed."""
     problem = task.problem(
         machines, value, max(task.accuracy.least, 3) * task.turns, turns=task.turns
@@ -68,7 +67,7 @@ def guesses(
             parts = problem.dynamic_stiffness(value, circle.omega)
             yield settled(_PERIODS[0], circle, machine.expanded(parts, amplitudes(circle.b)))
     except (StepFailure, EquilibriumError) as error:
-        notes.append(Message(str(error), "no-motion"))
+        failures.append(str(error))
     at_rest = rest_position(problem, value)
     if at_rest is not None:
         yield at_rest

@@ -16,7 +16,8 @@ from .vertices import pieces
 
 _LARGEST = 4096  # points of a period that `orbit` gives at most
 # What a motion of a place has, and its unit.
-QUANTITIES = ("r_amp", "x_amp", "y_amp", "x_1x", "y_1x", "x_1x_phase", "y_1x_phase", "x", "y")
+ONCE_A_TURN = ("x_1x", "y_1x", "x_1x_phase", "y_1x_phase")
+QUANTITIES = ("r_amp", "x_amp", "y_amp", *ONCE_A_TURN, "x", "y")
 UNITS = {name: "rad" if name.endswith("phase") else "m" for name in QUANTITIES}
 
 
@@ -65,6 +66,11 @@ class ResponseCurves:
         return self._response.rotor.name
 
     @property
+    def is_whirl(self) -> bool:
+        """Whether the motions are self-excited, of frequencies of their own."""
+        return self._response.task.is_whirl
+
+    @property
     def unit(self) -> str:
         """Of the parameter."""
         return self._response.unit
@@ -90,7 +96,8 @@ class ResponseCurves:
 
         quantity: r_amp, the largest distance from the mean; x_amp, y_amp, half of the range; x_1x,
         y_1x, the amplitudes at the speed, with x_1x_phase, y_1x_phase, by which they lead the
-        shaft's mark; x, y, the means. Raises `InputError` for an unknown name.
+        shaft's mark (of a self-excited whirl 0 and NaN); x, y, the means. Raises `InputError` for
+        an unknown name.
         """
         if name not in self.probes and name.rpartition(".")[0] in self.probes:
             name, _, quantity = name.rpartition(".")
@@ -121,7 +128,10 @@ class ResponseCurves:
 
     def section(self, name: str, side: str) -> list[SectionLine]:
         """x or y (side) of a place [m] each time the keyphasor's mark passes, along the branches:
-        lines that are stable or not, one a turn of a period."""
+        lines that are stable or not, one a turn of a period. Raises `InputError` for self-excited
+        whirl, which the mark meets at any phase."""
+        if self.is_whirl:
+            raise InputError(f"{name}.{side}: a self-excited whirl has no section once a turn")
         lines = []
         for branch in self.branches:
             turns = branch.points[0].orbit.turns if branch.points else 0
@@ -142,13 +152,15 @@ class ResponseCurves:
         samples = 64 * 2 ** math.ceil(math.log2(max(8, len(X) / 8)))
         x, y = self.series(point, name, samples)
         mean = X[0].real
-        once = X[point.orbit.turns] if len(X) > point.orbit.turns else np.zeros(2, complex)
+        is_once = not self.is_whirl and len(X) > point.orbit.turns
+        once = X[point.orbit.turns] if is_once else np.zeros(2, complex)
+        phase = np.full(2, np.nan) if self.is_whirl else np.angle(once)
         values = (
             np.hypot(x - mean[0], y - mean[1]).max(),
             np.ptp(x) / 2,
             np.ptp(y) / 2,
             *np.abs(once),
-            *np.angle(once),
+            *phase,
             *mean,
         )
         return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}

@@ -9,7 +9,7 @@ from ..model.periodic.branch import Bifurcation, Solution
 from ..report.packed import COARSE, packed
 from ..report.report_tables import notices_html, table
 from ..report.run_page import page, template
-from .curves import UNITS
+from .curves import ONCE_A_TURN, UNITS
 from .vertices import vertices
 
 if TYPE_CHECKING:
@@ -38,10 +38,12 @@ def response_page(result: "ResponseResult", name: str) -> str:
         "kind": [p.kind if isinstance(p, Bifurcation) else "" for p in points],
         "multiplier": packed(np.array([_largest(p) for p in points])),
         "harmonics": [p.orbit.H for p in points],
-        "turns": [p.orbit.turns for p in points],
-        "omega": packed(np.array([p.orbit.omega for p in points])),
+        # the shaft's mark meets a whirl at any phase
+        "turns": [0 if result.is_whirl else p.orbit.turns for p in points],
+        "whirl": packed(np.array([p.orbit.omega for p in points]) * current().speed),
+        "frequency": current().frequency_unit if result.is_whirl else "",
         "samples": samples,
-        "quantities": {q: _shown(unit)[1] for q, unit in UNITS.items()},
+        "quantities": {q: _shown(unit)[1] for q, unit in _units(result).items()},
         "places": [_place(result, place, points, samples) for place in places],
     }
     found = result.table()
@@ -49,6 +51,11 @@ def response_page(result: "ResponseResult", name: str) -> str:
         notices=notices_html(result.notes), tables=table("Bifurcations", found.heads, found.rows)
     )
     return page(title=name, about=found.title, body=body, data=data, scripts=("response.js",))
+
+
+def _units(result: "ResponseResult") -> dict[str, str]:
+    """Return the quantities that the motions have, with their units."""
+    return {q: u for q, u in UNITS.items() if not (result.is_whirl and q in ONCE_A_TURN)}
 
 
 def _shown(unit: str) -> tuple[float, str]:
@@ -70,7 +77,7 @@ def _place(
     values = [result.quantities(point, place) for point in points]
     curves = {
         q: packed(_shown(unit)[0] * np.array([each[q] for each in values]))
-        for q, unit in UNITS.items()
+        for q, unit in _units(result).items()
     }
     orbits = [result.series(point, place, samples) for point in points]
     x, y = np.array(orbits).reshape(-1, 2, samples).transpose(1, 0, 2) * current().small

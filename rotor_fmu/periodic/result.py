@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..display import in_its_units
+from ..display import current, in_its_units
 from ..errors import InputError, nearest
 from ..linear.linear_tables import Table
 from ..model.message_templates import Message
@@ -122,13 +122,15 @@ class ResponseResult(ResponseCurves):
     @in_its_units
     def table(self) -> Table:
         """A row a bifurcation, and the ends of the branches."""
-        axis, rows = self.axis, list[tuple[object, ...]]()
+        axis, rows, d = self.axis, list[tuple[object, ...]](), current()
         for i, branch in enumerate(self.branches, 1):
             for b in branch.bifurcations:
-                value = float(b.value) * axis.factor
-                rows.append((i, b.kind, value, float(abs(b.multiplier)), b.orbit.H))
+                value, frequency = float(b.value) * axis.factor, float(b.orbit.omega) * d.speed
+                whirl = (frequency,) if self.is_whirl else ()
+                rows.append((i, b.kind, value, *whirl, float(abs(b.multiplier)), b.orbit.H))
         over = f"{self.parameter} [{axis.word}]"
-        heads = ("branch", "bifurcation", over, "largest multiplier", "harmonics")
+        whirls = (f"whirl [{d.frequency_unit}]",) if self.is_whirl else ()
+        heads = ("branch", "bifurcation", over, *whirls, "crossing multiplier", "harmonics")
         counts = ", ".join(
             f"{i}: {len(b.points)} points, {sum(p.is_stable for p in b.points)} stable, "
             f"{b.ends[0]} to {b.ends[1]}"

@@ -70,6 +70,17 @@ def test_a_curve_begins_at_rest_on_a_contact_where_no_other_start_leads_to_a_mot
     assert not found.notes
 
 
+@pytest.mark.parametrize(("least", "count"), [(0.2, 0), (0.29, 2)])
+def test_a_run_that_diverges_is_said_only_where_no_motion_was_found(least, count):
+    """Beyond a friction of 0.24 runs in time diverge, but a curve from below goes on."""
+    options = {"speed": 140.0, "over": ("contact[1].mu", least, 0.3), "step": 3.0}
+    found = rf.response(sagging(c=20.0, e=0.3), **options, stability=False)
+    assert len(found.notes) == count
+    for note, mu in zip(found.notes, (0.29, 0.3), strict=False):
+        assert f"at contact[1].mu = {mu}: neither from rest, nor from a run in time: " in note
+        assert "diverged" in note
+
+
 def test_a_branch_does_not_begin_at_a_motion_of_few_harmonics_alone():
     """On a hard wall open contacts lead to one, from which no curve can be followed."""
     options = {"speed": (60.0, 61.0), "harmonics": 30, "step": 3.0, "stability": False}

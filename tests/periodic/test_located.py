@@ -134,6 +134,9 @@ class _Line:
     def linearized_with_parameter(self, x, value):
         return x, np.eye(1), np.zeros(1)
 
+    def fix_phase(self, x):
+        """Do nothing."""
+
     def split(self, x, value):
         return SimpleNamespace(parameter=value)
 

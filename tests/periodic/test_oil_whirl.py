@@ -5,6 +5,8 @@ import pytest
 from rotor_fmu.model.linear import bearing_curves
 
 import rotor_fmu as rf
+from rotor_fmu.errors import InputError
+from rotor_fmu.periodic.response_page import response_page
 
 from ..parts.test_limit_cycle import _C, REFERENCES, _rotor
 
@@ -42,6 +44,19 @@ def test_the_branch_begins_where_rest_loses_its_stability(whirl, threshold):
     assert [b.kind for b in whirl.bifurcations] == ["fold", "fold"]
     upper, lower = (b.value / threshold for b in whirl.bifurcations)
     assert lower < 1.0 < upper
+
+
+def test_a_whirl_shows_its_own_frequency_and_nothing_that_is_bound_to_the_shaft(whirl):
+    fold, table = whirl.bifurcations[0], whirl.table()
+    row = dict(zip(table.heads, table.rows[0], strict=True))
+    assert row["whirl [Hz]"] == pytest.approx(fold.orbit.omega / (2 * np.pi))
+    assert not whirl.curve("body[1].x_1x").value.any()
+    assert np.isnan(whirl.curve("body[1].x_1x_phase").value).all()
+    html = response_page(whirl, "whirl")
+    assert '"frequency":"Hz"' in html
+    assert '"x_1x"' not in html
+    with pytest.raises(InputError, match=r"^body\[1\]\.x: .*no section once a turn$"):
+        whirl.section("body[1]", "x")
 
 
 def test_below_the_threshold_no_whirl_is_found_and_that_is_said(threshold):

@@ -1,6 +1,8 @@
 """Motions whose contacts open and close, by shooting: against integration in time by another
 program, against harmonic balance, and gone on with after a stop."""
 
+from copy import copy
+
 import numpy as np
 import pytest
 import scipy.integrate
@@ -114,6 +116,38 @@ def test_steps_are_shorter_where_forces_change_and_end_in_their_corners(shot):
     assert h.min() < 0.1 * h.max()
 
 
+def test_steps_end_in_the_corners_also_after_many_small_changes_of_the_motion(shot):
+    """Too small ones, each by itself, for a motion that has moved far."""
+    equations, x, _ = shot
+    equations = copy(equations)
+    for speed in SPEED + 0.2 * np.arange(1, 9):
+        x = solve(equations, x, speed)
+        equations.fix_phase(x)
+    flight = equations._integrated(x, speed)
+    at = mesh.interpolated(flight.y[..., :2], flight.ends, flight.ends)
+    gap = np.abs(np.hypot(at[:, 0], at[:, 1]) - CLEARANCE)
+    assert np.sort(gap)[:2].max() < 1e-6 * CLEARANCE
+
+
+def test_beside_a_corner_no_other_step_ends_so_that_it_can_move(monkeypatch):
+    monkeypatch.setattr(mesh, "_corners", lambda *_: np.array([0.505, 0.73]))
+    tenths = np.linspace(0.0, 1.0, 11)
+    ends = mesh.with_corners(None, None, None, tenths)
+    assert ends == pytest.approx([0, 0.1, 0.2, 0.3, 0.4, 0.505, 0.6, 0.7, 0.73, 0.8, 0.9, 1])
+
+
+def test_multipliers_of_a_damped_contact_are_those_of_its_harmonics():
+    """Though the corner where its damping begins lies a little before the end of a step."""
+    machine = sagging(c=20.0, mu=0.1)
+    options = {"harmonics": 100, "share": 1e-5, "step": 1.0}
+    (point,) = rf.response(machine, speed=(70.5, 70.7), **options).at(70.7)
+    task = Task(70.5, 70.7)
+    equations = Shooting(task.problem(machines_of(machine.rotor, task), 70.7, 60), point.orbit)
+    x = solve(equations, equations.join(point.orbit), 70.7)
+    seen, other = np.abs(equations.multipliers(x, 70.7)), np.abs(point.multipliers)
+    assert seen[:4] == pytest.approx(other[:4], rel=1e-4)
+
+
 def test_a_bifurcation_that_is_located_leaves_the_steps_of_the_curve_as_they_are(shot):
     equations, x, _ = shot
     ends = [with_tangent(equations, x, SPEED, 1.0)]
@@ -167,7 +201,7 @@ def test_a_doubled_period_that_begins_on_a_branch_by_shooting_is_that_of_its_har
     assert {(p.orbit.H > 12, p.orbit.turns) for p in second.points} == {(True, 2)}
     (doubling,), (other,) = first.bifurcations, balanced.branches[0].bifurcations
     assert doubling.kind == other.kind == "period doubling"
-    assert doubling.value == pytest.approx(other.value, rel=2e-4)
+    assert doubling.value == pytest.approx(other.value, rel=5e-5)
     for speed in (250.0, 252.0):
         for one, same in zip(motions_at(result, speed), balanced.at(speed), strict=True):
             rows = 2 * same.orbit.H + 1
@@ -184,7 +218,7 @@ def test_a_fold_found_by_shooting_has_no_curve_of_folds_and_says_what_to_do(by_s
     (doubling,) = result.branches[0].bifurcations
     fold = doubling._replace(kind="fold")
     with pytest.raises(
-        PeriodicError, match=r"^fold at 248\.891: .* 12 harmonics, .* study"
+        PeriodicError, match=r"^fold at 248\.9\d*: .* 12 harmonics, .* study"
     ) as error:
         folds_over(result, fold, "contact[1].clearance", 0.5 * CLEARANCE, 2 * CLEARANCE)
     assert "\n" not in str(error.value)

@@ -38,7 +38,7 @@ class ResponseCurves {
     this.orbit.line(this.path, "c0");
     this.turns = this.orbit.source(["x", "y"]);
     this.orbit.dots(this.turns, "mark", 9);
-    this.orbit.name([["path", "c0"], ["keyphasor mark", "mark"]]);
+    this.orbit.name([["path", "c0"], ...(response.frequency ? [] : [["keyphasor mark", "mark"]])]);
     this.chart.plot.on_event("mousemove", (event) => this.follow(event.x, event.y));
     this.chart.onTap((x, y) => this.follow(x, y));
   }
@@ -118,7 +118,8 @@ class ResponseCurves {
       `${response.parameter} ${shown(value)}${unit(response.unit)}`,
       `${this.place.name}.${quantity} ${shown(y)} ${response.quantities[quantity]}`,
       response.kind[i] || (response.stable[i] ? "stable" : "unstable"),
-      `largest multiplier ${shown(response.multiplier[i])}`,
+      ...(response.frequency ? [`whirl ${shown(response.whirl[i])} ${response.frequency}`] : []),
+      `${response.kind[i] ? "crossing" : "largest"} multiplier ${shown(response.multiplier[i])}`,
       `${response.harmonics[i]} harmonics`,
       `branch ${response.branch[i] + 1}`,
     ].join(", ");
