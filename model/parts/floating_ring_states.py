@@ -191,7 +191,10 @@ def linearize_ring(part, tables, kinematics, internal_state, solved, slopes):
         of_journal[STATE.x] = of_journal[STATE.y] = 0.0j
         of_journal[STATE.vx] = gain * (inner.aa.conjugate() + inner.ab)
         of_journal[STATE.vy] = gain * (1j * inner.aa.conjugate() - 1j * inner.ab)
-        of_journal[STATE.speed] = 2.0 * driven.conjugate() / part.ring_inertia
+        twice = 2.0 * driven.conjugate()  # a complex quotient is rounded otherwise by numpy
+        of_journal[STATE.speed] = complex(
+            twice.real / part.ring_inertia, twice.imag / part.ring_inertia
+        )
         for i in range(2):  # the ring's own motion, along x and y
             e = 1j if i else 1.0 + 0.0j
             of_inner = inner.aa * e + inner.ab * e.conjugate()
