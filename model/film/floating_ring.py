@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from ..kernels.functions import inverse, modulus
 from ..kernels.jit import jit, jit_not_inlined
-from .bearing_film import film_slopes
+from .bearing_film import FilmSlopes, film_force, film_slopes
 from .zone_pressure import floored
 
 _TINY = 1e-300
@@ -48,10 +48,14 @@ class Sheared(NamedTuple):
 
 
 @jit_not_inlined
-def sheared(bearing, tables, moving):
+def sheared(bearing, tables, moving, has_slopes):
     """Return the `Sheared` film of a journal that is `moving` as `parts.law.Kinematics` say: speed:
-    the sum of the speeds of both surfaces, sliding_speed: the difference [rad/s]."""
-    at = film_slopes(bearing, tables, moving)
+    the sum of the speeds of both surfaces, sliding_speed: the difference [rad/s]; has_slopes:
+    whether the derivatives of the force are needed, which are 0 without."""
+    if has_slopes:
+        at = film_slopes(bearing, tables, moving)
+    else:
+        at = FilmSlopes(film_force(bearing, tables, moving), 0.0j, 0.0j, 0.0j, 0.0j)
     z = moving.displacement
     c, R = bearing.clearance, bearing.journal_radius
     e = modulus(z) / c

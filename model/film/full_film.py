@@ -11,7 +11,7 @@ ruptures in the middle of its length first, the part below rupture is cut off ac
 import math
 
 from ..kernels.jit import jit, jit_not_inlined
-from .load_derivatives import ADJOINTS, OF_X, OF_Y, clear_ends, gradient, pairs_of, solve_adjoints
+from .load_derivatives import ADJOINTS, OF_X, OF_Y, clear_ends, gradients, pairs_of, solve_adjoints
 from .zone_pressure import SOURCE, Zone, conductance, fill_pressure, vectors
 
 
@@ -155,5 +155,5 @@ def full_tangent(film, zone, work):
     adjoint[OF_X] = adjoint[ADJOINTS * n + OF_X] = joint_x
     adjoint[OF_Y] = adjoint[ADJOINTS * n + OF_Y] = joint_y
     solve_adjoints(film, zone, work)
-    x, y = gradient(film, zone, work, OF_X), gradient(film, zone, work, OF_Y)
+    x, y = gradients(film, zone, work, OF_X)
     return pairs_of(x.by_D, x.by_S, y.by_D, y.by_S)

@@ -3,6 +3,7 @@ free ends, all four at once, with the factors of the pressure's own matrix (`zon
 
 from typing import NamedTuple
 
+from ..kernels.functions import scaled
 from ..kernels.jit import jit, jit_not_inlined
 from .zone_pressure import SOURCE, conductance, vectors
 
@@ -21,44 +22,56 @@ class Gradient(NamedTuple):
 
 
 @jit_not_inlined
-def gradient(film, zone, work, column):
-    """Return the `Gradient` of the sum of the residuals, weighted with minus the adjoint `column`,
-    at constant pressure; the adjoint's ends are weights too."""
+def gradients(film, zone, work, column):
+    """Return two `Gradient`s, of the sum of the residuals, weighted with minus the adjoint `column`
+    and the next one, at constant pressure; the adjoints' ends are weights too. The two are the
+    parts of complex numbers, which a processor computes at once."""
     n, D, S = film.n, film.D, film.S
     cosine, sine, thickness, slope, bend, P, _, adjoint = vectors(film, work)
     step = (zone.last - zone.first) / n
     share, per = 1.0 / n, 1.0 / step
-    D_x = D_y = S_x = S_y = by_first = by_last = stretched = 0.0
-    before = 0.0
+    D_x = D_y = S_x = S_y = by_first = by_last = stretched = before = 0.0j
+    by_next = complex(adjoint[column], adjoint[column + 1])
     for i in range(n + 1):
-        h = thickness[i]
-        by_residual = adjoint[ADJOINTS * i + column]
-        after, weight = 0.0, 0.5 * step
+        h, by_residual = thickness[i], by_next
+        after, weight = 0.0j, 0.5 * step
         if i < n:
-            mean = 0.5 * (h + thickness[i + 1])
-            change = adjoint[ADJOINTS * (i + 1) + column] - by_residual
-            after = (P[i + 1] - P[i]) * change * per * mean * mean
-            stretched -= after * mean
-            after *= 1.5
+            mean, next_one = 0.5 * (h + thickness[i + 1]), ADJOINTS * (i + 1) + column
+            by_next = complex(adjoint[next_one], adjoint[next_one + 1])
+            after = scaled(per, scaled(P[i + 1] - P[i], by_next - by_residual))
+            after = scaled(mean, scaled(mean, after))
+            stretched -= scaled(mean, after)
+            after = scaled(1.5, after)
             weight = 0.5 * step if i == 0 else step
         f = cosine[i] * S.real + sine[i] * S.imag
-        loaded = weight * by_residual
-        stretched += loaded * (film.a * h * h * h * P[i] - SOURCE * slope[i] * f)
-        of_f = -SOURCE * loaded
-        of_h = (before + after + 3.0 * loaded * film.a * h * h * P[i]) * slope[i]
-        of_h += of_f * bend[i] * f
-        of_f *= slope[i]
+        loaded = scaled(weight, by_residual)
+        stretched += scaled(film.a * h * h * h * P[i] - SOURCE * slope[i] * f, loaded)
+        of_f = scaled(-SOURCE, loaded)
+        by_h = scaled(h, scaled(h, scaled(film.a, scaled(3.0, loaded))))
+        of_h = scaled(slope[i], before + after + scaled(P[i], by_h))
+        of_h += scaled(f, scaled(bend[i], of_f))
+        of_f = scaled(slope[i], of_f)
         before = after
-        D_x += of_h * cosine[i]
-        D_y += of_h * sine[i]
-        S_x -= of_f * cosine[i]
-        S_y -= of_f * sine[i]
-        turned = of_h * (D.real * sine[i] - D.imag * cosine[i])
-        turned += of_f * (S.imag * cosine[i] - S.real * sine[i])
-        by_first -= turned * (1.0 - i * share)
-        by_last -= turned * i * share
-    stretched *= share / step
-    return Gradient(complex(D_x, D_y), complex(S_x, S_y), by_first + stretched, by_last - stretched)
+        D_x += scaled(cosine[i], of_h)
+        D_y += scaled(sine[i], of_h)
+        S_x -= scaled(cosine[i], of_f)
+        S_y -= scaled(sine[i], of_f)
+        turned = scaled(D.real * sine[i] - D.imag * cosine[i], of_h)
+        turned += scaled(S.imag * cosine[i] - S.real * sine[i], of_f)
+        by_first -= scaled(1.0 - i * share, turned)
+        by_last -= scaled(share, scaled(float(i), turned))
+    stretched = scaled(share / step, stretched)
+    by_first, by_last = by_first + stretched, by_last - stretched
+    return (
+        Gradient(
+            *(complex(D_x.real, D_y.real), complex(S_x.real, S_y.real)),
+            *(by_first.real, by_last.real),
+        ),
+        Gradient(
+            *(complex(D_x.imag, D_y.imag), complex(S_x.imag, S_y.imag)),
+            *(by_first.imag, by_last.imag),
+        ),
+    )
 
 
 @jit_not_inlined
@@ -133,22 +146,29 @@ def _fill_adjoints(film, zone, work):
 
 
 @jit_not_inlined
-def _of_load(film, zone, work, column):
-    """Return the `Gradient` of the load's x or y."""
+def _of_load(film, zone, work):
+    """Return the `Gradient`s of the load's x and y."""
     n = film.n
     cosine, sine, _, _, _, P, _, _ = vectors(film, work)
     step = (zone.last - zone.first) / n
-    total = by_first = by_last = 0.0
+    total = by_first = by_last = 0.0j  # of x and y
     for i in range(1, n):
-        along = sine[i] if column == OF_Y else cosine[i]
-        turned = P[i] * step * (cosine[i] if column == OF_Y else -sine[i])
-        total += P[i] * along
-        by_first += turned * (1.0 - i / n)
-        by_last += turned * (i / n)
-    g = gradient(film, zone, work, column)
-    stretched = total / n
-    return Gradient(
-        g.by_D, g.by_S, g.by_first + by_first - stretched, g.by_last + by_last + stretched
+        along = complex(cosine[i], sine[i])
+        turned = scaled(P[i] * step, complex(-sine[i], cosine[i]))
+        total += scaled(P[i], along)
+        by_first += scaled(1.0 - i / n, turned)
+        by_last += scaled(i / n, turned)
+    x, y = gradients(film, zone, work, OF_X)
+    stretched = complex(total.real / n, total.imag / n)
+    return (
+        Gradient(
+            *(x.by_D, x.by_S, x.by_first + by_first.real - stretched.real),
+            x.by_last + by_last.real + stretched.real,
+        ),
+        Gradient(
+            *(y.by_D, y.by_S, y.by_first + by_first.imag - stretched.imag),
+            y.by_last + by_last.imag + stretched.imag,
+        ),
     )
 
 
@@ -176,12 +196,11 @@ def zone_tangent(film, zone, work):
     none = Gradient(0.0j, 0.0j, 0.0, 0.0)
     of_first = of_last = none
     _fill_adjoints(film, zone, work)
-    if zone.is_first_free:
-        of_first = gradient(film, zone, work, OF_FIRST)
-    if zone.is_last_free:
-        of_last = gradient(film, zone, work, OF_LAST)
-    x_D, x_S = _with_free_ends(_of_load(film, zone, work, OF_X), of_first, of_last, zone)
-    y_D, y_S = _with_free_ends(_of_load(film, zone, work, OF_Y), of_first, of_last, zone)
+    if zone.is_first_free or zone.is_last_free:
+        of_first, of_last = gradients(film, zone, work, OF_FIRST)
+    x, y = _of_load(film, zone, work)
+    x_D, x_S = _with_free_ends(x, of_first, of_last, zone)
+    y_D, y_S = _with_free_ends(y, of_first, of_last, zone)
     return pairs_of(x_D, x_S, y_D, y_S)
 
 

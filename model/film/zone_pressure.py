@@ -149,67 +149,72 @@ def _fill_node(film, nodes, i, along):
     nodes.bend[i] = at.bend
 
 
-@jit_not_inlined
-def _fill_nodes(film, first, last, work):
-    """Fill in the coefficients of Reynolds' equation at nodes between two angles, from both ends
-    on."""
-    n, nodes = film.n, vectors(film, work)
-    turn = direction((last - first) / n)
-    ahead, behind = direction(first), direction(last)
-    back = turn.conjugate()
-    for i in range(n // 2 + 1):
-        _fill_node(film, nodes, i, ahead)
-        _fill_node(film, nodes, n - i, behind)
-        ahead = ahead * turn
-        behind = behind * back
-
-
 @jit
-def _eliminate(film, nodes, weights, i, offset, flow, passed):
+def _eliminate(film, nodes, weights, i, offset, before):
     """Eliminate the pressure at node i, next to node i + offset; weights: of a difference, of the
-    outflow by the pressure itself, of the source; flow: conductance from the node before, passed:
-    share of this node's pressure in that of the node before. Return these two for the next node."""
+    outflow by the pressure itself, of the source; before, of the node before: the conductance from
+    there, the share of this node's pressure in its, and the pressure without that share. Return
+    these of this node, for the next one."""
+    flow, passed, P = before
     per, mass, source = weights
     ahead = per * conductance(nodes.thickness[i], nodes.thickness[i + offset])
     cube = nodes.thickness[i] * nodes.thickness[i] * nodes.thickness[i]
     nodes.inverse[i] = 1.0 / (flow + ahead + mass * cube - flow * passed)
     f = nodes.cosine[i] * film.S.real + nodes.sine[i] * film.S.imag
-    nodes.P[i] = (source * nodes.slope[i] * f + flow * nodes.P[i - offset]) * nodes.inverse[i]
-    return ahead, ahead * nodes.inverse[i]
+    P = (source * nodes.slope[i] * f + flow * P) * nodes.inverse[i]
+    nodes.P[i] = P
+    return ahead, ahead * nodes.inverse[i], P
 
 
 @jit_not_inlined
 def fill_pressure(film, first, last, work):
     """Fill in the pressure between two angles, 0 at both [1/s]; returns P' and P'' there. The
-    elimination goes from both ends to the middle, and back."""
+    elimination goes from both ends to the middle, and back. While it waits for its divisions, the
+    processor fills in the coefficients of the next nodes."""
     n, S = film.n, film.S
-    _fill_nodes(film, first, last, work)
     nodes = vectors(film, work)
     cosine, sine, thickness, slope, _, P, inverse, _ = nodes
     step = (last - first) / n
+    turn = direction(step)
+    back = turn.conjugate()
+    ahead, behind = direction(first), direction(last)
+    for i in range(2):
+        _fill_node(film, nodes, i, ahead)
+        _fill_node(film, nodes, n - i, behind)
+        ahead = ahead * turn
+        behind = behind * back
     per, mass, source = weights = (1.0 / step, film.a * step, SOURCE * step)
     P[0] = 0.0
     P[n] = 0.0
     middle = n // 2
-    above = below = 0.0
-    left = per * conductance(thickness[0], thickness[1])
-    right = per * conductance(thickness[n - 1], thickness[n])
+    left = (per * conductance(thickness[0], thickness[1]), 0.0, 0.0)
+    right = (per * conductance(thickness[n - 1], thickness[n]), 0.0, 0.0)
     for i in range(1, n - middle):
         if i < middle:
-            left, above = _eliminate(film, nodes, weights, i, 1, left, above)
-        right, below = _eliminate(film, nodes, weights, n - i, -1, right, below)
+            _fill_node(film, nodes, i + 1, ahead)
+            _fill_node(film, nodes, n - i - 1, behind)
+            ahead = ahead * turn
+            behind = behind * back
+            left = _eliminate(film, nodes, weights, i, 1, left)
+        right = _eliminate(film, nodes, weights, n - i, -1, right)
     h = thickness[middle]
-    inverse[middle] = 1.0 / (left + right + mass * (h * h * h) - left * above - right * below)
+    (flow, above, P_above), (back_flow, below, P_below) = left, right
+    inverse[middle] = 1.0 / (
+        flow + back_flow + mass * (h * h * h) - flow * above - back_flow * below
+    )
     f = cosine[middle] * S.real + sine[middle] * S.imag
-    P[middle] = source * slope[middle] * f + left * P[middle - 1] + right * P[middle + 1]
-    P[middle] *= inverse[middle]
+    P_above = source * slope[middle] * f + flow * P_above + back_flow * P_below
+    P_above *= inverse[middle]
+    P_below = P[middle] = P_above
     for i in range(middle + 1, n):
         onward = per * conductance(thickness[i - 1], thickness[i])
-        P[i] += onward * inverse[i] * P[i - 1]
+        P_above = P[i] + onward * inverse[i] * P_above
+        P[i] = P_above
         k = 2 * middle - i
         if k > 0:
             onward = per * conductance(thickness[k], thickness[k + 1])
-            P[k] += onward * inverse[k] * P[k + 1]
+            P_below = P[k] + onward * inverse[k] * P_below
+            P[k] = P_below
     f_0 = slope[0] * (cosine[0] * S.real + sine[0] * S.imag)
     f_n = slope[n] * (cosine[n] * S.real + sine[n] * S.imag)
     rise = per * conductance(thickness[0], thickness[1]) * P[1] + 0.5 * source * f_0

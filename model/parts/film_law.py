@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from ..contact.wall import contact_quantity
-from ..film.bearing_film import PAD, STANDS, bearing_of, bearing_with
+from ..film.bearing_film import PAD, STANDS, bearing_of, bearing_with, work_size
 from ..film.rough_contact import breaks
-from ..film.zone_pressure import VECTORS
 from ..kernels.jit import jit
+from ..kernels.kernel import interpreted
 from ..quantities import (
     NOT_NEGATIVE,
     SPEED,
@@ -96,7 +96,7 @@ def film_breaks(part, tables, displacement, internal_state):
 def viscosity_at(part, tables, speed):
     """Return the viscosity of a part at a speed [rad/s] of either sign [Pa.s]: from the
     `speed_table` behind its film's table, if there is one."""
-    first = part.table + 1 + len(PAD) * int(tables[part.table]) + VECTORS * (int(part.points) + 1)
+    first = part.table + 1 + int(tables[part.table]) * (len(PAD) + work_size(part.points))
     rows = (part.table + part.rows - first) // _WIDTH
     if rows == 0:
         return part.viscosity
@@ -122,7 +122,7 @@ def film_table(
 ) -> np.ndarray:
     """Return rows of `film.bearing_film.PAD` as a table, with work space for the films, and the
     `speed_table` of the viscosity."""
-    room = np.zeros(VECTORS * (int(points) + 1))
+    room = np.zeros(len(rows) * interpreted(work_size)(points))
     behind = np.zeros(0) if viscosity is None else np.ravel(viscosity)
     return np.concatenate([[len(rows)], np.ravel(rows), room, behind])
 

@@ -96,7 +96,7 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    return ring_of_states(part, tables, kinematics, internal_state).inner.force
+    return ring_of_states(part, tables, kinematics, internal_state, False).inner.force
 
 
 @jit_not_inlined
@@ -111,7 +111,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
         ).matrix
         return at.inner.force, seen.aa, seen.ab
     if b == 0.0:
-        at = ring_of_states(part, tables, kinematics, free)
+        at = ring_of_states(part, tables, kinematics, free, True)
         store_ring(internal_state, at.outer.z, at.velocity, at.speed)
         seen = stiffness(at.inner, by_d, by_v)
         return at.inner.force, seen.aa, seen.ab
@@ -120,7 +120,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
-    ring_rates(part, ring_of_states(part, tables, kinematics, internal_state), out)
+    ring_rates(part, ring_of_states(part, tables, kinematics, internal_state, False), out)
 
 
 @jit
@@ -146,7 +146,7 @@ def _powers(at, omega):
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
-    at = ring_of_states(part, tables, kinematics, internal_state)
+    at = ring_of_states(part, tables, kinematics, internal_state, False)
     inner, outer, torque = _powers(at, kinematics.speed)
     out[_LOSS.film] = inner + outer
     return torque
@@ -154,7 +154,7 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    at = ring_of_states(part, tables, kinematics, internal_state)
+    at = ring_of_states(part, tables, kinematics, internal_state, False)
     inner, outer, torque = _powers(at, kinematics.speed)
     out[_OUT.fx] = at.inner.force.real
     out[_OUT.fy] = at.inner.force.imag

@@ -50,8 +50,8 @@ class Ring(NamedTuple):
 
 
 @jit_not_inlined
-def ring(part, tables, kinematics, x, velocity, speed):
-    """Return the `Ring` at a position [m]."""
+def ring(part, tables, kinematics, x, velocity, speed, has_slopes=True):
+    """Return the `Ring` at a position [m]; has_slopes: of its films, see `sheared`."""
     of_inner, of_outer = _films(part)
     d, relative_velocity, omega = (
         kinematics.displacement - x,
@@ -59,9 +59,11 @@ def ring(part, tables, kinematics, x, velocity, speed):
         kinematics.speed,
     )
     inner = sheared(
-        of_inner, tables, Kinematics(d, relative_velocity, omega + speed, omega - speed, 0.0)
+        *(of_inner, tables),
+        Kinematics(d, relative_velocity, omega + speed, omega - speed, 0.0),
+        has_slopes,
     )
-    outer = sheared(of_outer, tables, Kinematics(x, velocity, speed, speed, 0.0))
+    outer = sheared(of_outer, tables, Kinematics(x, velocity, speed, speed, 0.0), has_slopes)
     weight = part.ring_mass * complex(tables[part.table], tables[part.table + 1])
     return Ring(
         *(inner, outer, relative_velocity, velocity, speed),
@@ -71,11 +73,11 @@ def ring(part, tables, kinematics, x, velocity, speed):
 
 
 @jit
-def ring_of_states(part, tables, kinematics, states):
-    """Return the `Ring` of internal states."""
+def ring_of_states(part, tables, kinematics, states, has_slopes):
+    """Return the `Ring` of internal states; has_slopes: of its films, see `sheared`."""
     return ring(
         *(part, tables, kinematics, complex(states[0], states[1])),
-        *(complex(states[2], states[3]), states[4]),
+        *(complex(states[2], states[3]), states[4], has_slopes),
     )
 
 
@@ -174,7 +176,7 @@ def _store_slopes(part, slopes, place, force, torque):
 def linearize_ring(part, tables, kinematics, internal_state, solved, slopes):
     """Return the force on the journal and its tangents, and fill in the `StateSlopes`: the
     `Law.linearize` of a bearing with a floating ring."""
-    at = ring_of_states(part, tables, kinematics, internal_state)
+    at = ring_of_states(part, tables, kinematics, internal_state, True)
     ring_rates(part, at, slopes.rates)
     slopes.by_states[:5, :5] = 0.0
     slopes.by_states[STATE.x, STATE.vx] = slopes.by_states[STATE.y, STATE.vy] = 1.0
