@@ -75,6 +75,12 @@ class LinearMachine:
             raise LinearError(f"contacts = {contacts}: must be one of {', '.join(CONTACTS)}")
         self.rotor = rotor = machine_with_oil(rotor)
         self.structure = assemble(rotor)
+        # to read them of a record takes longer than all that is done with them at a speed
+        numbers = self.structure.numbers[0]
+        self._kappa_v, self._kappa_h = float(numbers.kappa_v), float(numbers.kappa_h)
+        self._elastic = interpreted(elastic_share)(numbers.eta_h) * np.eye(2)
+        self._viscous = numbers.eta_v * np.eye(2)
+        self._soft = float(_SOFT * numbers.lowest_omega**2)  # what of the masses is no stiffness
         self.supports = supports(rotor)
         self._full = matrices_of(rotor, self.structure)
         self.laws = LawsAtRest(self.structure.laws, self.structure.interfaces)
@@ -266,15 +272,12 @@ class LinearMachine:
         return in_plane(np.concatenate([s.weight, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
 
     def _kappa(self, speed: float) -> float:
-        numbers = self.structure.numbers[0]
-        return numbers.kappa_v * speed + numbers.kappa_h * math.copysign(speed != 0, speed)
+        return self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
 
     def _strain(self, speed: float) -> Strain:
         """Return the contribution of the shaft's strain."""
-        numbers = self.structure.numbers[0]
-        by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * TURN
-        by_v = numbers.eta_v * np.eye(2)
-        return Strain(by_d, by_v, float(numbers.kappa_h), speed)
+        by_d = self._elastic - self._kappa(speed) * TURN
+        return Strain(by_d, self._viscous, self._kappa_h, speed)
 
     def _linear(
         self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None
@@ -322,11 +325,6 @@ class LinearMachine:
             left = left - self._full.resistance(linear.speed, 1j * omega, whole)
             acting[self.pinned] = pin_forces(self.across, self.pinned, left, acting)
         return np.concatenate([springs, acting])
-
-    @property
-    def _soft(self) -> float:
-        """What of the masses is no stiffness [1/s2]."""
-        return float(_SOFT * self.structure.numbers[0].lowest_omega ** 2)
 
     def _holds(self, *places: Linear) -> bool:
         """Return whether the stiffness, the mean of these places, resists every motion as a rigid

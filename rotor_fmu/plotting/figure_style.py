@@ -31,11 +31,21 @@ class PlainFigure(Figure):
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw it."""
+        self._take_as_written()
+        super().draw(renderer)
+
+    def place_axes(self) -> None:
+        """Give its axes the places where they are drawn, in half the time of drawing it."""
+        self._take_as_written()
+        engine = self.get_layout_engine()
+        if engine is not None:
+            engine.execute(self)
+
+    def _take_as_written(self) -> None:
         for text in self.findobj(Text):
             # labels of ticks are empty until they are drawn for the first time
             written = text.get_text()
             text.set_parse_math(not written or "mathdefault" in written)
-        super().draw(renderer)
 
 
 class _ApartLocator(AutoLocator):

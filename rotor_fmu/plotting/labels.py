@@ -4,11 +4,10 @@ from collections.abc import Iterable, Sequence
 from itertools import product
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Bbox
 
-from .figure_style import GREY
+from .figure_style import GREY, PlainFigure
 
 _SIZE = 8.0  # of the font [pt]
 _WIDE, _HIGH = 0.68, 1.15  # a character's width and height over that
@@ -29,8 +28,8 @@ def write_labels(
     right and below than to the left and above; marks: other points that no text covers.
     """
     figure = axes.figure
-    assert isinstance(figure, Figure)
-    figure.draw_without_rendering()  # after which the axes have their place
+    assert isinstance(figure, PlainFigure)
+    figure.place_axes()
     to_points = 72.0 / figure.dpi
     legend = axes.get_legend()
     taken = [] if legend is None else [_scaled(legend.get_window_extent(), to_points)]

@@ -4,6 +4,8 @@ from importlib import import_module
 
 import pytest
 
+from rotor_fmu.linear.displayed import Displayed
+
 COARSE = {
     "rotor_fmu.machine_report.report_page": {"_SPEEDS": 7, "_CURVE": 13},
     "rotor_fmu.machine_report.rub_check": {"_SPEEDS": 13},
@@ -22,3 +24,13 @@ def coarse_report(monkeypatch):
             monkeypatch.setattr(module, constant, count)
     page = import_module("rotor_fmu.machine_report.report_page")
     monkeypatch.setattr(page, "figure_html", lambda figure, caption: caption)
+
+
+@pytest.fixture
+def conclusions_alone(coarse_report, monkeypatch):
+    """The same, whose pictures are not composed either."""
+    page = import_module("rotor_fmu.machine_report.report_page")
+    for name in ("machine_html", "mode_shapes_figure"):
+        monkeypatch.setattr(page, name, lambda *_: "")
+    for kind in Displayed.__subclasses__():
+        monkeypatch.setattr(kind, "figure", lambda *_: None)

@@ -177,7 +177,7 @@ def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
     assert down["contacts"][0]["share_in_range"] == 0.0
 
 
-@pytest.mark.usefixtures("coarse_report")
+@pytest.mark.usefixtures("conclusions_alone")
 def test_what_runs_of_a_report_say_of_their_numbers_is_concluded_once():
     """Hysteresis, which they take otherwise than the rest of the report does."""
     rotor = replace(load_rotor(Path(JEFFCOTT))[1], eta_h=1e-4, rotating_damping=True)
@@ -186,7 +186,7 @@ def test_what_runs_of_a_report_say_of_their_numbers_is_concluded_once():
     assert concluded[-1].text == HYSTERETIC_AS_SLOWER
 
 
-@pytest.mark.usefixtures("coarse_report")
+@pytest.mark.usefixtures("conclusions_alone")
 def test_a_report_begins_with_the_threshold_of_stability_below_the_highest_speed():
     """Above it the machine does not come to the steady response, from which the rest follows. The
     Jeffcott rotor's damping takes a cross-coupled stiffness of 2 zeta k = 2000 N/m."""
@@ -202,7 +202,7 @@ def test_a_report_begins_with_the_threshold_of_stability_below_the_highest_speed
         assert first.is_met == (coupling < 2000.0)
 
 
-@pytest.mark.usefixtures("coarse_report")
+@pytest.mark.usefixtures("conclusions_alone")
 def test_a_machine_without_unbalance_is_not_said_to_pass(refusal, tmp_path):
     """It answers to nothing. A report places the unbalances of API 617 then: its critical speed of
     4128 rpm is too near to the range."""

@@ -126,7 +126,7 @@ def test_the_usual_speeds_begin_where_the_films_carry_the_machine(
     """Slower, a film without a contact behind it would be thinner than its roughness. Where they
     begin does not depend on how many they are."""
     for module in (cli_linear, cli_api_617):
-        monkeypatch.setattr(module, "_SPEEDS", 11)
+        monkeypatch.setattr(module, "_SPEEDS", 5)
     rotor = tmp_path / "rotor.toml"
     rotor.write_text(OIL_FILM.read_text().replace("k = 1e8", "").replace("mu = 0.1", shape))
     for name in ("campbell",) if shape else ("campbell", "unbalance"):

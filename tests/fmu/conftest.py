@@ -3,11 +3,14 @@
 from pathlib import Path
 
 import pytest
+from rotor_fmu.model.settings import PRESETS
 
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 
 from .masters import NO_C_HOST, Master, compile_c_host
+from .rig_host import Host
+from .skins import SKINS, Extracted
 
 
 @pytest.fixture(scope="session")
@@ -48,3 +51,31 @@ def master(request, fmu):
 def native_fmu(tmp_path_factory) -> Path:
     """The FMU that needs no Python, of this machine's platform."""
     return build_native(tmp_path_factory.mktemp("native"), platforms=["linux64"])
+
+
+@pytest.fixture(scope="session")
+def extracted(fmu, native_fmu):
+    """Both FMUs in folders, by the names of their skins."""
+    return {"python": Extracted(fmu), "native": Extracted(native_fmu)}
+
+
+@pytest.fixture(scope="module", params=SKINS)
+def skin(request, extracted):
+    """One of the skins, and the FMU that it stands for."""
+    return SKINS[request.param], extracted[request.param]
+
+
+@pytest.fixture
+def new(skin):
+    """Makes hosts with an instance each, of a preset."""
+
+    def make(preset=None):
+        host = Host(skin[0](skin[1]))
+        return host if preset is None else host.set("solver.preset", list(PRESETS).index(preset))
+
+    return make
+
+
+@pytest.fixture
+def started(new):
+    return new().start()

@@ -35,7 +35,7 @@ def test_at_constant_speed_the_communication_step_does_not_matter(fmu, step):
         assert result[name][-1] == pytest.approx(reference[name][-1], abs=1e-9)
 
 
-@pytest.mark.parametrize("step", [1e-5, 4e-5])
+@pytest.mark.parametrize("step", [pytest.param(1e-5, marks=pytest.mark.slow), 4e-5])
 def test_a_communication_step_below_the_solvers_is_a_solver_step_that_short(fmu, step):
     """So what it changes is the solver's own error, which it makes smaller."""
     fixed = {"solver__adaptive": 1}

@@ -184,7 +184,7 @@ def test_the_check_scales_until_the_probes_read_their_limit_and_sees_the_clearan
     assert doubled.clearances[0].scaled == pytest.approx(gap.scaled)
 
 
-@pytest.mark.parametrize("damping", [5.0, 500.0])
+@pytest.mark.parametrize("damping", [5.0, pytest.param(500.0, marks=pytest.mark.slow)])
 def test_the_level_of_a_probe_is_that_of_the_peak_itself(damping):
     rotor = parse_rotor(SHAFT + support(1, 1e7, damping) + support(7, 1e7, damping))
     placed = [p[:3] for p in placed_unbalances(rotor, 1, 3000 * RPM)]
@@ -201,7 +201,7 @@ def test_the_level_of_a_probe_is_that_of_the_peak_itself(damping):
     assert result.clearances[0].amplitude == pytest.approx(result.probes[1].peak_to_peak / 2)
 
 
-@pytest.mark.parametrize("share", [1.1, 1.7])
+@pytest.mark.parametrize("share", [pytest.param(1.1, marks=pytest.mark.slow), 1.7])
 def test_a_clearance_is_checked_up_to_the_trip_speed(share):
     """Below a critical speed the motion grows with the speed, so that it is largest there."""
     rotor = parse_rotor(SHAFT + support(1, 1e7, 500.0) + support(7, 1e7, 500.0))

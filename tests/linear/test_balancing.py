@@ -183,6 +183,7 @@ def test_planes_that_the_vibration_cannot_tell_apart_get_the_smallest_unbalances
     assert np.abs(result.expected).max() < 1e-5
 
 
+@pytest.mark.usefixtures("few_turns")
 def test_a_machine_balanced_to_nothing_does_not_vibrate_by_its_sag():
     """Three planes at the three discs take their unbalance away as a whole."""
     bearings = [

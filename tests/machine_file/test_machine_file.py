@@ -155,6 +155,7 @@ def test_a_path_with_a_nul_is_refused_in_one_sentence():
         rf.load("a\0b.toml")
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_name_is_drawn_as_it_is_written_not_as_a_formula():
     machine = rf.parse(rig_toml().replace('name = "zigulic2003"', 'name = "a $\\\\frac{$ b"'))
     assert machine.rotor.name == r"a $\frac{$ b"

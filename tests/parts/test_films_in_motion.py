@@ -43,7 +43,7 @@ def test_linear_threshold_is_bracketed_by_integration():
         run = run_of(in_films(start=table("start", x=rest.real + 5e-7, y=rest.imag)), speed)
         run.advance(0.1, speed)
         before = _size(run, 0.05, speed, rest)
-        run.advance(run.time + 1.0, speed)
+        run.advance(run.time + 0.5, speed)
         assert (_size(run, 0.05, speed, rest) > before) == grows
 
 

@@ -194,7 +194,7 @@ def test_the_integrator_stays_on_stable_motions_and_leaves_others(curve, turns):
     assert not curve.check(unstable, turns).stays
 
 
-@pytest.mark.parametrize("width", [3.0, 30.0])
+@pytest.mark.parametrize("width", [3.0, pytest.param(30.0, marks=pytest.mark.slow)])
 def test_a_curve_doubles_back_where_a_contact_begins_however_narrow_the_range(width):
     """At 138.45 rad/s, in the narrow range nearly the way it came."""
     found = rf.response(jeffcott(), speed=(138.0, 138.0 + width), step=1.0)

@@ -171,7 +171,7 @@ def swept(q, rate):
     return begin + rate * result.t, np.abs(result.y[0]), result.t
 
 
-@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("way", [pytest.param(1, marks=pytest.mark.slow), -1])
 def test_a_ramp_that_passes_a_resonance_too_fast_is_marked(way):
     """Slow is the square of the half width over five."""
     q = 15.0

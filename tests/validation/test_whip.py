@@ -102,7 +102,11 @@ def warnings_on_the_rig(settings):
     return said
 
 
-@pytest.mark.parametrize("name", RIGHT)
+@pytest.mark.parametrize(
+    "name",
+    # advice of a smaller step is followed in an ordinary run (tests/cli/test_advice.py)
+    [pytest.param(name, marks=[pytest.mark.slow] if "ms" in name else []) for name in RIGHT],
+)
 def test_of_no_fine_run_of_the_rig_anything_is_said(name):
     assert warnings_on_the_rig(RIGHT[name]) == []
 
