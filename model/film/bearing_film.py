@@ -14,10 +14,9 @@ from typing import NamedTuple
 from ..kernels.functions import angle, direction, modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import places
-from .full_film import full_load, full_tangent, solve_full
-from .load_derivatives import zone_tangent
 from .short_film import short_load
-from .zone_pressure import VECTORS, Film, Zone, solve_zone, zone_bound, zone_load
+from .solved_zone import finite_load, solved, work_size
+from .zone_pressure import Film, zone_bound
 
 # first and last angle [rad]; the journal's displacement from the pad's centre when it is in the
 # bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle and
@@ -37,14 +36,6 @@ NEVER = 2.0  # ruptures a film that fills its pad
 TILTS = (1.0, 0.0, 0.0, 0.0, 0.0)  # how the row of a pad that tilts ends
 STANDS = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # and that of one that stands, its pivot too
 _SEALED = 1e-4  # a of `film_zone` of a film from which nothing flows; it fixes a full one's level
-# At the end of a pad's work array, the zone whose pressure is in it: what it follows from, its
-# ends, whether they are free, and its load.
-SOLVED = places(
-    (
-        *("D_x", "D_y", "S_x", "S_y", "a", "floor", "ambient", "begin"),
-        *("first", "last", "is_first_free", "is_last_free", "load_x", "load_y"),
-    )
-)
 TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
 
 
@@ -109,12 +100,6 @@ def pad_count(bearing, tables):
 
 
 @jit
-def work_size(points):
-    """Return how many numbers the work array of a pad has."""
-    return VECTORS * (int(points) + 1) + len(SOLVED)
-
-
-@jit
 def pad_of(bearing, tables, kinematics, i):
     """Return the `Pad` number i, and its work array."""
     at = bearing.table + 1 + len(PAD) * i
@@ -164,42 +149,6 @@ def short_share(bearing):
     """Return P over f / H^3 of Ocvirk's film [1]."""
     ratio = bearing.length / bearing.journal_radius
     return 0.125 * ratio * ratio
-
-
-@jit
-def _is_solved(film, bound, at):
-    """Return whether the zone in a work array, whose `SOLVED` is `at`, is that within a `Bound`."""
-    is_same = at[SOLVED.D_x] == film.D.real and at[SOLVED.D_y] == film.D.imag
-    is_same = is_same and at[SOLVED.S_x] == film.S.real and at[SOLVED.S_y] == film.S.imag
-    is_same = is_same and at[SOLVED.a] == film.a and at[SOLVED.floor] == film.floor
-    return is_same and at[SOLVED.ambient] == film.ambient and at[SOLVED.begin] == bound.low[1]
-
-
-@jit_not_inlined
-def solved(film, bound, work):
-    """Return the `Zone` within a `Bound`, its pressure filled into `work`, and the integral of P
-    exp(i theta) over it [1/s]; of a full film only of the pressure above rupture. After a step
-    rates, powers and outputs ask for the same zone one after the other: it is solved once."""
-    at = work[VECTORS * (film.n + 1) :]
-    if _is_solved(film, bound, at):
-        is_first_free, is_last_free = at[SOLVED.is_first_free] > 0.0, at[SOLVED.is_last_free] > 0.0
-        zone = Zone(at[SOLVED.first], at[SOLVED.last], is_first_free, is_last_free)
-        return zone, complex(at[SOLVED.load_x], at[SOLVED.load_y])
-    if film.is_full:
-        zone = solve_full(film, work)
-        load = full_load(film, zone, work)
-    else:
-        zone = solve_zone(film, bound, work)
-        load = zone_load(film, zone, work)
-    at[SOLVED.D_x], at[SOLVED.D_y] = film.D.real, film.D.imag
-    at[SOLVED.S_x], at[SOLVED.S_y] = film.S.real, film.S.imag
-    at[SOLVED.a], at[SOLVED.floor], at[SOLVED.ambient] = film.a, film.floor, film.ambient
-    at[SOLVED.begin] = bound.low[1]
-    at[SOLVED.first], at[SOLVED.last] = zone.first, zone.last
-    at[SOLVED.is_first_free] = 1.0 if zone.is_first_free else 0.0
-    at[SOLVED.is_last_free] = 1.0 if zone.is_last_free else 0.0
-    at[SOLVED.load_x], at[SOLVED.load_y] = load.real, load.imag
-    return zone, load
 
 
 @jit_not_inlined
@@ -264,18 +213,6 @@ def _slopes_at_rest(bearing, film, work):
     )
     p = 0.5 * (of_along - 1j * of_across) * along.conjugate()
     return p, 0.5 * (of_along + 1j * of_across) * along
-
-
-@jit_not_inlined
-def finite_load(film, bound, work):
-    """Return the integral of P exp(i theta) over the zone within a `Bound` [1/s] and its
-    derivative, as `short_load`."""
-    zone, load = solved(film, bound, work)
-    if film.is_full:
-        p_D, q_D, p_S, q_S = full_tangent(film, zone, work)
-    else:
-        p_D, q_D, p_S, q_S = zone_tangent(film, zone, work)
-    return load, p_D, q_D, p_S, q_S
 
 
 class FilmSlopes(NamedTuple):

@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 from ..kernels.functions import angle, direction
 from ..kernels.jit import jit, jit_not_inlined
-from .bearing_film import TURNS, pad_count, pad_of, short_share, solved, thinnest
+from .bearing_film import TURNS, pad_count, pad_of, short_share, thinnest
 from .short_film import blunted, shear, short_load, sommerfeld
+from .solved_zone import solved
 from .zone_pressure import SOURCE, conductance, floored, vectors, zone_bound
 
 _PEAK_STEPS = 96  # for 1e-3 of the largest pressure

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..film.bearing_film import bearing_of, pad_count, pad_of, solved
+from ..film.bearing_film import bearing_of, pad_count, pad_of
+from ..film.solved_zone import solved
 from ..film.tilting_pads import pad_balance, set_pivot_displacement, set_tilt
 from ..film.zone_pressure import vectors, zone_bound
 from ..kernels.kernel import interpreted

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..contact.wall import contact_quantity
-from ..film.bearing_film import PAD, STANDS, bearing_of, bearing_with, work_size
+from ..film.bearing_film import PAD, STANDS, bearing_of, bearing_with
 from ..film.rough_contact import breaks
+from ..film.solved_zone import work_size
 from ..kernels.jit import jit
 from ..kernels.kernel import interpreted
 from ..quantities import (

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.film.bearing_film import PAD, SOLVED
+from rotor_fmu.model.film.bearing_film import PAD
+from rotor_fmu.model.film.solved_zone import SOLVED
 from rotor_fmu.model.film.zone_pressure import VECTORS
 from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
