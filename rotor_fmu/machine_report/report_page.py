@@ -20,6 +20,7 @@ from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.unbalance import SteadyWhirl
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
+from ..report.report_tables import notice_html
 from ..report.run_page import figure_html, machine_html, page, template
 from .rub_check import RubCheck, rub_check
 from .rub_shown import closings_table, rub_figure, runs_table
@@ -153,16 +154,14 @@ _TURNING = """<div class="controls"><label>mode <select id="mode"></select></lab
 <figcaption>Drag to look from elsewhere; slowed down, and all modes alike</figcaption></figure>"""
 
 
-_MET = {True: " met", False: "", None: " unchecked"}
+_MET = {True: "met", False: "", None: "unchecked"}
 
 
 def _body(conclusions: Iterable[Conclusion], sections: Mapping[str, Sequence[str]]) -> str:
     """Return the page's own part: the conclusions, then sections of HTML by their headings."""
     ids = {heading: heading.lower().replace(" ", "-") for heading in sections}
     return template("machine.html").substitute(
-        notices="\n".join(
-            f'<p class="notice{_MET[c.is_met]}">{escape(c.text)}</p>' for c in conclusions
-        ),
+        notices="\n".join(notice_html(c.text, _MET[c.is_met]) for c in conclusions),
         contents=" | ".join(f'<a href="#{ids[heading]}">{heading}</a>' for heading in sections),
         sections="\n".join(
             "\n".join([f'<section id="{ids[heading]}"><h2>{heading}</h2>', *parts, "</section>"])

@@ -47,7 +47,12 @@ def notices(run: Recording, why: str | None) -> str:
 
 def notices_html(said: Iterable[object]) -> str:
     """Return notices at the head of a page as HTML."""
-    return "\n".join(f'<p class="notice">{escape(str(text))}</p>' for text in said)
+    return "\n".join(notice_html(text) for text in said)
+
+
+def notice_html(text: object, mark: str = "") -> str:
+    """Return a notice as HTML; mark: a further class that `page.css` has."""
+    return f'<p class="{f"notice {mark}".strip()}">{escape(str(text))}</p>'
 
 
 def _reached(run: Recording) -> str:
