@@ -6,7 +6,9 @@ or on what it has imported, starts one by `run_anew`.
 
 import multiprocessing
 import os
+import signal
 import sys
+import time
 from pathlib import Path
 from subprocess import CompletedProcess, TimeoutExpired, run
 from tempfile import TemporaryDirectory
@@ -34,6 +36,21 @@ def run_anew(program, *arguments, cwd=None, seconds=None, **environment):
         check=False,
         timeout=seconds,
     )
+
+
+def interrupted(process, is_ready):
+    """A process to which Ctrl-C is sent a little after it is ready: its exit status and standard
+    error."""
+    try:
+        while not is_ready():
+            assert process.poll() is None
+            time.sleep(0.05)
+        time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=600)
+    finally:
+        process.kill()
+    return process.returncode, said
 
 
 def run_python(program, *arguments, cwd=None, given="", seconds=1200):

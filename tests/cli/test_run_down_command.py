@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import fmpy
 import pytest
@@ -14,6 +13,8 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 import rotor_fmu as rf
 from rotor_fmu.api.simulate import plan
+
+from ..processes import interrupted
 
 
 def test_a_run_writes_its_figures_and_pictures(process, tmp_path):
@@ -129,14 +130,8 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
         text=True,
         cwd=tmp_path,
     )
-    try:
-        assert process.stdout.readline() == "running\n"
-        time.sleep(0.1)
-        process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=600)
-    finally:
-        process.kill()
-    assert process.returncode == 130, said
+    status, said = interrupted(process, lambda: process.stdout.readline() == "running\n")
+    assert status == 130, said
     assert "stopped" in said
     assert "Traceback" not in said
     assert not (tmp_path / "summary.json").exists()

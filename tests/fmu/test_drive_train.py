@@ -4,11 +4,9 @@ import json
 import math
 import runpy
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
-import time
 
 import numpy as np
 import pytest
@@ -21,6 +19,7 @@ from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
+from ..processes import interrupted
 from .coupled import last_row, through_libcosim
 
 FOLDER = example_folder("drive_train")
@@ -272,11 +271,7 @@ def test_ctrl_c_ends_the_script_in_one_line(tmp_path):
         cwd=tmp_path,
     )
     runs = tmp_path / "out" / "drive_train" / "runs"
-    while not runs.exists() and process.poll() is None:
-        time.sleep(0.05)
-    time.sleep(0.2)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=600)
-    assert process.returncode == 130
+    status, errors = interrupted(process, runs.exists)
+    assert status == 130
     assert errors.strip().splitlines()[-1].startswith("rotor-fmu: stopped")
     assert not list(tmp_path.rglob("*.part*"))

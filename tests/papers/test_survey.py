@@ -1,10 +1,8 @@
 """The survey of integrators: its grid and table, what the rows say, the page made of them."""
 
 import re
-import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,6 +23,8 @@ from papers.integrators.survey.grid import (
 )
 from papers.integrators.survey.sources import closure
 from rotor_fmu.errors import run
+
+from ..processes import interrupted
 
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "docs" / "data" / "integrators.csv.gz"
@@ -191,15 +191,9 @@ def test_ctrl_c_ends_a_survey_in_one_line_and_keeps_what_was_finished(tmp_path):
         text=True,
         cwd=ROOT,
     )
-    try:
-        while not ((tmp_path / TABLE).exists() and len(read_table(tmp_path / TABLE)) > 2):
-            assert process.poll() is None
-            time.sleep(0.1)
-        process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=600)
-    finally:
-        process.kill()
-    assert process.returncode == 130, said
+    table = tmp_path / TABLE
+    status, said = interrupted(process, lambda: table.exists() and len(read_table(table)) > 2)
+    assert status == 130, said
     assert "stopped" in said
     assert "Traceback" not in said
     assert len(read_table(tmp_path / TABLE)) > 2
