@@ -13,6 +13,7 @@ from ..fmi.packing.machine_files import Machine
 from ..library.build import library, sources_digest
 from ..library.platforms import WASM
 from ..report.run_page import head, json_in_script, machine_html, template
+from ..runs.peaks import START_UP
 from .controls import course, groups, places, recorded, shown_in
 
 _PACKAGE = __package__
@@ -48,7 +49,7 @@ def solver_table(machine: Machine) -> bytes:
 
 def page_data(machine: Machine) -> dict[str, Any]:
     """Return what the page's scripts know of a machine: controls, what is recorded, places, and the
-    course of the speed, SI units; and the units in which it is shown."""
+    course of the speed, SI units; when a run's start-up is over; and the units of what is shown."""
     index = {variable.name: i for i, variable in enumerate(machine.table)}
     return {
         "name": machine.rotor.name,
@@ -58,6 +59,7 @@ def page_data(machine: Machine) -> dict[str, Any]:
         "speed": index["speed"],
         "speed_rate": index["speed_rate"],
         "course": course(machine.rotor),
+        "startUp": START_UP._asdict(),
         "units": {
             "speed": shown_in("rad/s"),
             "displacement": shown_in("m"),

@@ -1,14 +1,23 @@
 """Whether a run has one speed, and where an amplitude over its speed has a peak."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from ..vibration.turns import TURN
 
-# The transient of the start is over by then [s], or after so many turns of a machine that is fast,
-# or after this share of a shorter run.
-PEAKS_AFTER, _TURNS, _START_UP = 2.0, 125.0, 0.2
+
+class StartUp(NamedTuple):
+    """When the transient of the start is over: by so many seconds [s], after so many turns of a
+    machine that is fast, or after a share of a shorter run [1]."""
+
+    seconds: float
+    turns: float
+    share: float
+
+
+START_UP = StartUp(2.0, 125.0, 0.2)
 # Relative to the highest speed, how far a constant one may vary: less than the half-power width of
 # any resonance whose amplification factor is below 100, so that no peak lies within.
 _CONSTANT = 0.01
@@ -25,11 +34,11 @@ def is_constant(w: np.ndarray, share: float = _CONSTANT) -> bool:
 def start_up(t: np.ndarray, w: np.ndarray) -> float:
     """Return the time [s] until which a run at speeds w [rad/s] is in its start-up."""
     if not len(t):
-        return PEAKS_AFTER
+        return START_UP.seconds
     turned = np.cumsum(np.diff(t) * (np.abs(w[1:]) + np.abs(w[:-1])) / 2)
-    turning = np.flatnonzero(turned >= _TURNS * TURN)
+    turning = np.flatnonzero(turned >= START_UP.turns * TURN)
     by_turns = float(t[1 + turning[0]]) if len(turning) else math.inf
-    return min(PEAKS_AFTER, by_turns, _START_UP * float(t[-1]))
+    return min(START_UP.seconds, by_turns, START_UP.share * float(t[-1]))
 
 
 def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | None:

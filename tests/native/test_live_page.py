@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.live.live_page import solver_page, solver_table
+from rotor_fmu.runs.peaks import start_up
 
 from ..documents.browser import NASTY, RIGHT, Page, look
 from .wasm import Native, rows_of
@@ -88,6 +89,10 @@ def test_its_numbers_are_the_native_librarys_bit_for_bit(silent, rig):
     at = lines[0].index("disc[1].r_amp")
     highest = page.run("return charts.amplitude.view.ys[1]")
     assert highest == pytest.approx(1.04 * 1e6 * native[:, at].max(), rel=1e-6)
+    settled = native[:, 0] > start_up(native[:, 0], native[:, lines[0].index("w")])
+    largest = native[settled, at].max()
+    assert largest < 0.99 * native[:, at].max()
+    assert f"of disc 1 after the start-up: {1e6 * largest:.4g} " in page.text("state")
 
 
 def test_a_slider_moved_by_the_keys_runs_again_beside_the_run_before(silent, rig):

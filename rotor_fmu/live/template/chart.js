@@ -1,7 +1,7 @@
 // Pictures as SVG, whose colours are the style sheet's: they follow dark mode and print by themselves.
 
 const SVG = "http://www.w3.org/2000/svg";
-const MARGIN = { left: 62, right: 12, top: 8, bottom: 40 };
+const MARGIN = { left: 62, right: 26, top: 8, bottom: 40 };
 
 function svg(kind, attributes, parent) {
   const element = document.createElementNS(SVG, kind);

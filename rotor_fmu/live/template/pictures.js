@@ -17,6 +17,7 @@ const scaled = (list, factor) => list.map((value) => value * factor);
 const { speed: SPEED, displacement: SMALL, amplitude: AMPLITUDE } = data.units;
 // A distance from the centre is no amplitude, which may be shown peak-to-peak.
 const sizeOf = (place) => (place.amplitude ? AMPLITUDE : SMALL);
+const nameOf = (place) => `${place.amplitude ? "amplitude" : "distance from the centre"} of ${place.title}`;
 
 // Of both runs the time, or of both the speed: they share the picture's axis.
 function abscissa(run) {
@@ -63,15 +64,29 @@ function turnsUpTo(run, row, turns) {
   return [first, row + 1];
 }
 
-// Row of the largest amplitude.
-function peakRow(run, place) {
-  return amplitude(run, place).reduce((best, value, i, list) => (value > list[best] ? i : best), 0);
+// Row from which the transient of the start is over; the first of a run that ends before.
+function settledRow(run) {
+  const { seconds, turns, share } = data.startUp;
+  const over = Math.min(seconds, share * run.plan.duration);
+  const phi = column(run, "phi");
+  const row = run.t.subarray(0, run.n).findIndex(
+    (t, i) => t > over || Math.abs(phi[i] - phi[0]) >= turns * TURN,
+  );
+  return Math.max(0, row);
 }
 
-function peakOf(run, place) {
-  const row = peakRow(run, place);
-  const peak = `${digits(amplitude(run, place)[row], 4)} ${sizeOf(place).unit}`;
-  return `${peak} at ${digits(speedAt(run, row), 4)} ${SPEED.unit}`;
+// Row of the largest amplitude after the start-up.
+function largestRow(run, place) {
+  const list = amplitude(run, place);
+  let best = settledRow(run);
+  for (let i = best; i < list.length; i++) if (list[i] > list[best]) best = i;
+  return best;
+}
+
+function largestOf(run, place) {
+  const row = largestRow(run, place);
+  const largest = `${digits(amplitude(run, place)[row], 4)} ${sizeOf(place).unit}`;
+  return `${largest} at ${digits(speedAt(run, row), 4)} ${SPEED.unit}`;
 }
 
 // Zero where round-off alone is left of the speed.
@@ -80,10 +95,10 @@ function speedAt(run, row) {
   return Math.abs(w) < 1e-9 * Math.max(...run.plan.speeds.map(Math.abs)) ? 0 : w * SPEED.factor;
 }
 
-// The time picked; without one the last, and the peak's of a run that has ended.
+// The time picked; without one the last, and that of the largest amplitude in a run that has ended.
 function shownTime(place) {
   if (picked !== null) return picked;
-  return now.t[place && now.seconds !== undefined ? peakRow(now, place) : now.n - 1];
+  return now.t[place && now.seconds !== undefined ? largestRow(now, place) : now.n - 1];
 }
 
 function say() {
@@ -95,8 +110,8 @@ function say() {
     const how = now.failure ? "Ended early" : "Done";
     text = `${how} after ${digits(now.seconds, 2)} s.`;
     if (now.n && place) {
-      text += ` Peak of ${place.title}: ${peakOf(now, place)}`;
-      if (shownRuns().length > 1) text += `; the run before: ${peakOf(before, place)}`;
+      text += ` Largest ${nameOf(place)} after the start-up: ${largestOf(now, place)}`;
+      if (shownRuns().length > 1) text += `; the run before: ${largestOf(before, place)}`;
       text += ".";
     }
   }
@@ -180,7 +195,7 @@ function redraw() {
   const parts = [`t = ${digits(now.t[row], 6)} s, ${speed}`];
   if (place) {
     const size = `${digits(amplitude(now, place)[row], 4)} ${sizeOf(place).unit}`;
-    parts.push(`${place.amplitude ? "amplitude" : "distance from the centre"} of ${place.title} ${size}`);
+    parts.push(`${nameOf(place)} ${size}`);
   }
   parts.push(`${signal.label} ${digits(value)} ${signal.unit}`);
   field("reading").textContent = parts.join("; ");
