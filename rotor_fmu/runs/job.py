@@ -131,10 +131,13 @@ def _step_of(settings: Settings, stop: float, fastest: float) -> float:
     return min(0.004, turn) if is_controlled else max(settings.h, min(0.002, turn))
 
 
-def execute(job: Job, fmu: Path | None, label: str) -> Run:
-    """Carry out a run with a progress bar: through the FMU, or directly where `fmu` is None."""
+def execute(job: Job, fmu: Path | None, label: str, is_silent: bool = False) -> Run:
+    """Carry out a run with a progress bar: through the FMU, or directly where `fmu` is None; then
+    without the lines of its warnings if is_silent."""
     with shown(label, job.stop, job.step, job.settings) as progress:
-        return run_direct(job, progress) if fmu is None else run_fmu(fmu, job, progress)
+        if fmu is None:
+            return run_direct(job, progress, is_silent)
+        return run_fmu(fmu, job, progress)
 
 
 def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run, Recording]:
