@@ -11,7 +11,7 @@ from rotor_fmu.model.simulation import Simulation, StepFailure
 from papers.dense_machine import clearance_contacts
 from papers.integrators.members import Scheme, chung_hulbert, generalized_alpha
 from rotor_fmu.files import unfinished
-from rotor_fmu.runs.peaks import PEAKS_AFTER
+from rotor_fmu.runs.peaks import START_UP
 
 from .grid import Experiment, Row
 from .sources import file_digest, source_digest
@@ -115,7 +115,7 @@ def run_down(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     except StepFailure as failure:
         how = "diverged" if "diverged" in str(failure) else "stalled"
         return {"status": f"{how} at {simulation.time:.4g} s", **work_of(simulation, begun)}
-    late = _ends() > PEAKS_AFTER
+    late = _ends() > START_UP.seconds
     difference = amplitudes[late] - reference[late]
     peaks = amplitudes[late].max(axis=0) / reference[late].max(axis=0) - 1.0
     return {
