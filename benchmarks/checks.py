@@ -12,6 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: CPU time is 
 import statistics
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from rotor_fmu.model.kernels.jit import jit
@@ -76,10 +77,10 @@ def in_a_run() -> Iterator[tuple[str, int, float, float]]:
     """Settings, steps, CPU time of the run-down and of as many watches, two contacts closed [s]."""
     for name, settings in SETTINGS.items():
         steps = int(run_down(settings).read("solver.steps"))
-        whole = seconds(lambda settings=settings: run_down(settings))
+        whole = seconds(partial(run_down, settings))
         run, control = _begun(rig(), settings)._run, settings.control()
         given = steps, STOP / steps, run.structure, control, run.motion, run.memory, run.work
-        yield name, steps, whole, seconds(lambda given=given: watched(*given))
+        yield name, steps, whole, seconds(partial(watched, *given))
 
 
 def at_the_start() -> Iterator[tuple[str, float]]:
@@ -89,7 +90,7 @@ def at_the_start() -> Iterator[tuple[str, float]]:
     machines = {"the rig": rig(), **machines}
     for name, rotor in machines.items():
         sim = _begun(rotor, choose())
-        yield name, seconds(lambda sim=sim: sim._entry_points.survey(400.0, True))
+        yield name, seconds(partial(sim._entry_points.survey, 400.0, True))
 
 
 def main() -> None:

@@ -17,7 +17,9 @@ import numpy as np
 
 from rotor_fmu.fmi.packing.python_fmu import build
 
-STEPS = {f"{h * 1e3:g}": (h,) for h in (1e-5, 2e-5, 1e-4, 5e-4, 1e-3, 4e-3, 0.02, 0.1)}
+STEPS: dict[str, tuple[float, ...]] = {
+    f"{h * 1e3:g}": (h,) for h in (1e-5, 2e-5, 1e-4, 5e-4, 1e-3, 4e-3, 0.02, 0.1)
+}
 STEPS["0.01 .. 53, in turn"] = (1e-5, 0.03, 2e-4, 0.01679, 0.053)
 SHOWN = ("disc[3].x", "disc[3].y", "bearing[2].fn", "solver.steps")
 FACTORS = (1e6, 1e6, 1.0)

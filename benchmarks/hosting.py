@@ -34,7 +34,7 @@ def hosting(
             continue
         report(f"through FMPy: communication step {name}", number / len(COMMUNICATION))
         plan = replace(job, step=step)
-        runs = {"fmpy_cpu_s": [], "direct_cpu_s": []}
+        runs: dict[str, list[float]] = {"fmpy_cpu_s": [], "direct_cpu_s": []}
         for _ in range(repetitions):
             runs["fmpy_cpu_s"].append(timed(run_fmu, fmu, plan)[0])
             runs["direct_cpu_s"].append(timed(run_direct, plan)[0])

@@ -52,6 +52,7 @@ class Machine(ctypes.Structure):
 def lanes_type(width: int) -> np.dtype:
     """`Lanes` of lanes.cpp: every number once a lane."""
     real, cx = ("f8", (width,)), ("f8", (2, width))
+    fields: list[tuple[str, str, tuple[int, ...]]]
     fields = [(name, *real) for name in ("h", "omega", "clearance", "mu")]
     fields += [("turned", *cx), ("turn", *cx), ("unbalance", "f8", (UNBALANCES, 2, width))]
     fields += [(name, "f8", (MOST, 2, width)) for name in ("q", "v", "a", "v_dot")]
@@ -94,7 +95,7 @@ def machine_of(simulation: Simulation) -> tuple[Machine, list[np.ndarray]]:
     pointers = [a.ctypes.data_as(_POINTER if a.dtype == float else _INTEGERS) for a in references]
     of_housing = [housing[name] for name in ("mass", "kx", "ky", "cx", "cy")]
     of_contact = [contact[name] for name in ("k", "c", "delta_c", "v_s", "journal_radius")]
-    scheme = simulation._scheme
+    scheme = simulation.settings.scheme()
     machine = Machine(*numbers, *pointers)
     machine.housing[:], machine.contact[:] = of_housing, of_contact
     machine.scheme[:] = [scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma]
@@ -169,7 +170,8 @@ class Whole(NamedTuple):
 
 def run_down(own: Simulation) -> Whole:
     """Run a machine down as a study does, given its speed every 0.04 s."""
-    states, recordings, used = [], [own.drain()], 0.0
+    states: list[State] = []
+    recordings, used = [own.drain()], 0.0
     for k in range(1, 1001):
         if len(states) < len(SPEEDS) and own.read("w") <= SPEEDS[len(states)]:
             states.append(state_of(own))

@@ -9,6 +9,7 @@ import tempfile
 import time
 import zlib
 from pathlib import Path
+from typing import Any
 
 from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
@@ -29,7 +30,7 @@ def main() -> None:
         master, page = CMaster(Path(name)), Path(name) / "page.html"
         write_text(solver_page(machine_of(None, False, 0)), page)
 
-        def waited(script: str) -> object:
+        def waited(script: str) -> Any:
             end = time.monotonic() + PATIENCE
             while (answer := driver.execute_script(script)) is None:
                 if time.monotonic() > end:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
@@ -70,7 +71,7 @@ def peaks(store: Store) -> Figure:
 
 def _against_work(
     store: Store, problem: str, error: Callable[[dict], float]
-) -> tuple[Figure, object]:
+) -> tuple[Figure, Axes]:
     figure, axes = new_figure(8.6, 4.4)
     stop = store.section("reference")[problem]["stop"]
     left = rows(store, problem)

@@ -103,9 +103,8 @@ def peaks(times: np.ndarray, disc: np.ndarray) -> tuple[float | None, float | No
     if times[-1] <= PEAKS_AFTER:
         return None, None
     late = times > PEAKS_AFTER
-    return tuple(
-        _largest(times[late], values[late]) for values in (disc.real, disc.imag - disc[0].imag)
-    )
+    x, y = disc.real, disc.imag - disc[0].imag
+    return _largest(times[late], x[late]), _largest(times[late], y[late])
 
 
 def _largest(times: np.ndarray, values: np.ndarray) -> float:

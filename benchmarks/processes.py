@@ -8,6 +8,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
 from rotor_fmu.model.settings import choose
 
@@ -65,8 +66,8 @@ def processes(
     if INTERPRETED not in store.section("step cost"):
         report("a step without numba", 0.3)
         output = _started(["-c", _STEP], {"NUMBA_DISABLE_JIT": "1"})[2]
-        row = {"h": 1e-4, "us": [float(output.split()[-1])], "failed": None}
-        store.keep("step cost", INTERPRETED, row)
+        cost = {"h": 1e-4, "us": [float(output.split()[-1])], "failed": None}
+        store.keep("step cost", INTERPRETED, cost)
     for program in (NOTHING, *(peer.PROGRAM for peer in PEERS if _is_here(peer))):
         if program not in store.section("memory"):
             report(f"peak memory: {program}", 0.6)
@@ -101,7 +102,7 @@ def peak_memory() -> int:
     return peak if sys.platform == "darwin" else 1024 * peak
 
 
-def _is_here(peer: object) -> bool:
+def _is_here(peer: ModuleType) -> bool:
     try:
         peer.methods()
     except Missing:

@@ -110,7 +110,7 @@ def _errors(result: Orbit, truth: Orbit) -> dict[str, float | int | None]:
     """Of the orbit, its largest and its root mean square [m]; of X and Y, relative [1]."""
     error = np.abs(result.disc - truth.disc)
     signal = np.abs(truth.disc - truth.disc[0]).max()
-    figures = {
+    figures: dict[str, float | int | None] = {
         "steps": result.steps,
         "orbit_max": float(error.max()),
         "orbit_rms": float(np.sqrt((error**2).mean())),

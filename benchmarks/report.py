@@ -6,6 +6,7 @@ that docs/explanation/performance.md and docs/development/benchmarks.md show int
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -61,10 +62,12 @@ def filled_pages(store: Store, texts: Sequence[str]) -> list[str]:
         if count != 1:
             names = ", ".join(page.name for page in PAGES)
             raise ValueError(f"{names}: {count} places for {name!r}, must be one")
-        texts = [
-            place.sub(lambda m, part=part: f"{m[1]}\n{part}\n\n{m[2]}", text) for text in texts
-        ]
+        texts = [place.sub(partial(_filled, part), text) for text in texts]
     return texts
+
+
+def _filled(part: str, found: re.Match[str]) -> str:
+    return f"{found[1]}\n{part}\n\n{found[2]}"
 
 
 def table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:

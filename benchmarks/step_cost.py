@@ -3,9 +3,10 @@
 CPU time of a step of 0.1 and of 4 ms, this project's beside Exudyn's, in turns.
 """
 
-import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 from rotor_fmu.model.settings import choose
 
@@ -62,24 +63,12 @@ def _exudyn(rho: float, h: float) -> Method | str:
 
 def main() -> None:
     """Print the table."""
-
-    class Kept:
-        """A store that forgets: nothing on disk."""
-
-        def __init__(self) -> None:
-            self.rows: dict[str, dict] = {}
-
-        def section(self, _: str) -> dict[str, dict]:
-            return self.rows
-
-        def keep(self, _: str, name: str, row: dict) -> None:
-            self.rows[name] = row
-
-    stored = Kept()
-    step_cost(stored, 5, lambda what, share: None)
-    for name, row in stored.rows.items():
+    with tempfile.TemporaryDirectory() as folder:
+        store = Store(Path(folder), "step cost", 5)
+        step_cost(store, 5, lambda what, share: None)
+    for name, row in store.section("step cost").items():
         print(f"{name:45s}", row["failed"] or f"{median(row['us']):8.2f} us a step")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

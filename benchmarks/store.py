@@ -6,6 +6,7 @@ import importlib.metadata
 import json
 import platform
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,7 @@ class Store:
         unfinished.replace(self.path)
 
     @property
-    def about(self) -> dict[str, object]:
+    def about(self) -> dict[str, Any]:
         """Machine, date, versions and sources."""
         return self._data["about"]
 

@@ -1,6 +1,7 @@
 """CVODE of SUNDIALS: backward differentiation with error control, order held to 2 or up to 5."""
 
 from functools import partial
+from types import ModuleType
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def reference(problem: Problem) -> Orbit:
     return solve(5, REFERENCE_RTOL, problem)
 
 
-def _solver() -> object:
+def _solver() -> ModuleType:
     try:
         from . import sundials
 

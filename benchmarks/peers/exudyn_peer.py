@@ -8,6 +8,7 @@ its iteration that costs no accuracy: what was quickest of what was tried.
 
 import sys
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -34,9 +35,9 @@ def method(rho: float, h: float, only_short: bool = False) -> Method:
     return Method(PROGRAM, setting, partial(solve, rho, h), only_short=only_short)
 
 
-def load() -> object:
+def load() -> Any:
     """Exudyn in its fast build; raises `Missing`."""
-    sys.exudynFast = True  # how Exudyn is asked for its build without range checks
+    vars(sys)["exudynFast"] = True  # how Exudyn is asked for its build without range checks
     try:
         with quiet():
             import exudyn

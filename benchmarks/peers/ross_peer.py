@@ -4,7 +4,9 @@
 so displacements are counted from rest and the contacts enter explicitly.
 """
 
+from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +26,7 @@ def methods() -> list[Method]:
     ]
 
 
-def _newmark() -> object:
+def _newmark() -> Callable[..., Any]:
     try:
         with quiet():
             from ross.utils import newmark

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from ctypes import POINTER, byref, c_double, c_int, c_int64, c_long, c_void_p
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numba
 import numpy as np
@@ -60,7 +61,7 @@ def load() -> None:
     _callbacks()
 
 
-def _function(library: str, name: str, result: type, *arguments: type) -> Callable:
+def _function(library: str, name: str, result: type | None, *arguments: type) -> Callable:
     function = getattr(_libraries()[library], name)
     function.restype, function.argtypes = result, arguments
     return function
@@ -74,7 +75,7 @@ def _packed(coefficients: Coefficients) -> np.ndarray:
 
 
 @cache
-def _callbacks() -> tuple[object, object]:
+def _callbacks() -> tuple[Any, Any]:
     """Right-hand side and Jacobian as the C functions that CVODE calls."""
     vector = _function("core", "N_VGetArrayPointer", _NUMBERS, c_void_p)
     entries = _function("sunmatrixdense", "SUNDenseMatrix_Data", _NUMBERS, c_void_p)

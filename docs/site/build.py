@@ -38,7 +38,7 @@ SECTIONS = {
 }
 _COPIED = "copied"  # folder whose contents are copied to the site unchanged
 # Machines that run on pages of the site: title, page name, machine file, run.
-TRIED = (
+TRIED: tuple[tuple[str, str, str, dict[str, float]], ...] = (
     ("the run-down of the rig", "rig", "examples/paper_rig/rig.toml", {}),
     (
         "the drop of a compressor into its touchdown bearings",

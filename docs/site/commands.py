@@ -31,6 +31,7 @@ def _functions(name: str, place: str) -> Iterator[tuple[str, Callable[..., Any]]
     result = getattr(import_module(f"rotor_fmu.cli.{module}"), attribute)
     if isinstance(result, typer.Typer):
         for command in result.registered_commands:
+            assert command.callback is not None
             yield f"{name} {command.name}", command.callback
     else:
         yield name, result

@@ -131,5 +131,5 @@ def _outcomes(trials: Sequence[Trial], rows: Sequence[Mapping], fine: float, sto
         else:
             outcome = "stalled" if row["status"].startswith("gave up") else "diverged"
             cells[name, column] = f"{outcome}, {row['t_end']:.3f} s"
-    rows = [[name, *(cells.get((name, column), "-") for column in columns)] for name in lines]
-    return markdown_table(["", *columns], rows) + "\n"
+    table = [[name, *(cells.get((name, column), "-") for column in columns)] for name in lines]
+    return markdown_table(["", *columns], table) + "\n"

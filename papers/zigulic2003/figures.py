@@ -70,7 +70,7 @@ def compared_amplitude(
     """Draw the amplitude of a run over its speed with another run's thinner behind; each with its
     name."""
     figure, axes = new_figure()
-    run_folder.draw_amplitude(axes, other[0], PLACE, axis, other[1], ORANGE, 0.8, None)
+    run_folder.draw_amplitude(axes, other[0], PLACE, axis, other[1], ORANGE, 0.8, False)
     run_folder.draw_amplitude(axes, run[0], PLACE, axis, run[1])
     run_folder.amplitude_axes(axes, run[0], PLACE, axis)
     legend_below(figure, 2)
