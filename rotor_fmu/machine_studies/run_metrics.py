@@ -226,11 +226,15 @@ def _check_lyapunov(metric: Metric, how: Excitation) -> None:
         raise metric.error(f"lyapunov needs run.turns >= {LEAST_TURNS}, not {turns:g}")
 
 
+def _turns_per_second(window: Window) -> float:
+    return abs(window.speed) / math.tau
+
+
 @_kind(
     "largest Lyapunov exponent",
     unit="1/s",
     check=_check_lyapunov,
-    least=lambda window: abs(window.speed) / math.tau,
+    least=_turns_per_second,
     outputs=None,
     held=_ANY_LEVEL,
 )
@@ -306,10 +310,15 @@ def _slid(metric: Metric, window: Window) -> float:
     return float(np.trapezoid(force * speed, window.steps.t))
 
 
+def _fastest(window: Window) -> float:
+    """Return the highest speed of rotation in size [rad/s]."""
+    return float(np.abs(window.steps.columns["w"]).max())
+
+
 @_kind(
     "mean rate at which {of} turns about zero in x and y",
     unit="rad/s",
-    least=lambda window: float(np.abs(window.steps.columns["w"]).max()),
+    least=_fastest,
     outputs=("x", "y"),
     also=("w",),
     is_fine=True,

@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import pickle
 import random
 import signal
 import subprocess
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from rotor_fmu import studies
+from rotor_fmu.machine_studies import response_runs, run_metrics
 from rotor_fmu.studies import store
 from rotor_fmu.studies.executors import ExecutorConfig, engine
 from rotor_fmu.studies.runner import run_study
@@ -25,6 +27,12 @@ def test_a_pool_of_processes_makes_the_same_rows_bit_for_bit(undisturbed, tmp_pa
     study, data = undisturbed
     run_study(study, tmp_path, partial(engine, ExecutorConfig(jobs=2)), quiet)
     assert studies.open(tmp_path).identical(data)
+
+
+@pytest.mark.parametrize("table", [run_metrics, response_runs])
+def test_every_kind_of_metric_can_be_sent_to_a_worker(table):
+    for name, kind in table.KINDS.items():
+        assert pickle.loads(pickle.dumps(kind)) == kind, name
 
 
 @pytest.mark.slow
