@@ -1,6 +1,5 @@
 """Runs of a study in other processes: the same rows, whatever ends the processes."""
 
-import multiprocessing
 import os
 import pickle
 import random
@@ -45,8 +44,8 @@ def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp
 def test_ctrl_c_ends_no_worker_that_has_just_been_started():
     with engine(ExecutorConfig(1)) as made:
         theirs = made.executor.submit(signal.getsignal, signal.SIGINT)
-        for process in multiprocessing.active_children():
-            os.kill(process.pid, signal.SIGINT)
+        for worker in made.executor._processes:  # other tests have children too
+            os.kill(worker, signal.SIGINT)
         assert theirs.result() == signal.SIG_IGN
 
 
