@@ -109,6 +109,25 @@ def test_the_package_that_is_missing_is_named(monkeypatch):
         build.library(PLATFORMS["win64"])
 
 
+@ON_LINUX
+@pytest.mark.parametrize("has_zig", [False, True])
+def test_a_disk_that_is_full_for_cc_is_no_reason_for_another_linker(monkeypatch, tmp_path, has_zig):
+    stderr = "ld: final link failed: No space left on device\ncollect2: error: ld returned 1\n"
+    Compilers(monkeypatch, OLD, has_zig)
+    done = subprocess.CompletedProcess([], 1, "", stderr)
+    monkeypatch.setattr(build, "_run", lambda command: done)
+    with pytest.raises(OSError, match=r"\S+ could not be made: No space left on device"):
+        link(PLATFORMS[here()], [], tmp_path / "library")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals end no process there")
+def test_a_linker_that_ended_without_a_word_says_by_which_signal(monkeypatch, tmp_path):
+    done = subprocess.CompletedProcess([], -6, "", "")
+    monkeypatch.setattr(build, "_run", lambda command: done)
+    with pytest.raises(LibraryError, match="win64 could not be made: ended by SIGABRT without a"):
+        link(PLATFORMS["win64"], [], tmp_path / "library")
+
+
 @pytest.mark.parametrize(
     "make",
     [lambda target: build.library(WASM), component.make, c_source._write_kernels],
