@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.binding import load_names
-from ..fmi.solver_parameters import PREFIX, settings_of
+from ..fmi.solver_parameters import OTHER_NAMES, PREFIX, settings_of
 from ..fmi.variables import Variable
 from ..machine_file.loading import load_rotor
 from ..model.settings import SettingsError
@@ -57,7 +57,7 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
     values = {}
     for target, value in table_of(tables, "set").items():
-        variable = runs.settable[known_name("set", target, runs.settable)]
+        variable = runs.settable[known_name("set", target, runs.settable, OTHER_NAMES)]
         values[target] = _value(f"set {target}", variable, value)
     return MachineSubject(replace(runs, values=values), tables)
 
