@@ -97,7 +97,7 @@ def _rms(metric: Metric, window: Window) -> float:
     return math.sqrt(_averaged(t, values**2))
 
 
-@_kind("mean over time of {of}", optional=_AFTER)
+@_kind("mean over time of {of}", optional=_AFTER, least=_rms)
 def _mean(metric: Metric, window: Window) -> float:
     return _averaged(*_late_values(metric, window))
 
@@ -170,10 +170,16 @@ def _check_order(metric: Metric, how: Excitation) -> None:
         raise metric.error(f"order = {order:g}: must make whole periods in run.turns = {turns:g}")
 
 
+def _spread(metric: Metric, window: Window) -> float:
+    """Return the standard deviation over whole turns."""
+    return float(_quantity(metric, window.turns).std())
+
+
 @_kind(
     "amplitude of order {order:g} of the speed, of {of}",
     "order",
     check=_check_order,
+    least=_spread,
     held=_ANY_LEVEL,
 )
 def _order(metric: Metric, window: Window) -> float:
@@ -226,7 +232,7 @@ def _check_lyapunov(metric: Metric, how: Excitation) -> None:
         raise metric.error(f"lyapunov needs run.turns >= {LEAST_TURNS}, not {turns:g}")
 
 
-def _turns_per_second(window: Window) -> float:
+def _turns_per_second(metric: Metric, window: Window) -> float:
     return abs(window.speed) / math.tau
 
 
@@ -310,7 +316,7 @@ def _slid(metric: Metric, window: Window) -> float:
     return float(np.trapezoid(force * speed, window.steps.t))
 
 
-def _fastest(window: Window) -> float:
+def _fastest(metric: Metric, window: Window) -> float:
     """Return the highest speed of rotation in size [rad/s]."""
     return float(np.abs(window.steps.columns["w"]).max())
 
