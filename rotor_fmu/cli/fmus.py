@@ -103,7 +103,7 @@ def build(
     step = None if realtime is None else _step(realtime)
     starts = parse_starts(machine, is_free, sets or ())
     names = _known(platforms, kind.platforms)
-    folder, result = writable_folder(out), machine_warnings(machine)
+    folder, result = writable_folder(out), machine_warnings(machine, is_free)
     for warning in result:
         typer.echo(f"warning: {warning}", err=True)
     fmu = kind.build(folder, toml, is_free, reduction, names, step, starts)
