@@ -13,6 +13,9 @@ from ..errors import InputError
 from ..studies.study import Column
 from .run_excitation import Excitation
 
+# Kinds that a study file writes as other ones.
+VARIANTS = {"passing": "order with speed", "slid": "dissipated"}
+
 
 class ListAxis(NamedTuple):
     """The dimension of a list, the coordinates along it, empty where they only count, and their
@@ -54,6 +57,11 @@ class MetricKind:
     held: tuple[str, ...] = ()
     varying: bool = False
     is_fine: bool = False
+
+    @property
+    def said(self) -> str:
+        """What a study file says for it."""
+        return VARIANTS.get(self.name, self.name)
 
     def samples(self, of: str) -> tuple[str, ...]:
         """Return the outputs that must be sampled; of: the metric's quantity or part."""

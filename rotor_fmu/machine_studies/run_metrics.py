@@ -12,7 +12,6 @@ from .run_excitation import LEAST_TURNS, Excitation, Samples, Window
 from .run_kinds import CONSTANT, STEPS
 
 KINDS: dict[str, MetricKind] = {}
-VARIANTS = ("passing", "slid")  # that `order` and `dissipated` stand for too
 _kind = partial(declared, KINDS)
 DIRECTIONS = ("up", "down")
 _LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
@@ -47,9 +46,9 @@ def check(metric: Metric, how: Excitation) -> None:
     """Raise `InputError` for a metric that does not suit the excitation of the runs."""
     kind = metric.kind
     if kind.held and (how.kind.name not in kind.held or how.numbers["measure"]):
-        raise metric.error(f"{kind.name} needs runs at constant speed in whole turns")
+        raise metric.error(f"{kind.said} needs runs at constant speed in whole turns")
     if kind.varying and how.kind.holds_speeds:
-        raise metric.error(f"{kind.name} needs runs whose speed varies continuously")
+        raise metric.error(f"{kind.said} needs runs whose speed varies continuously")
     if (after := metric.option("after")) and after < 0:
         raise metric.error(f"after = {after:g} s: must be >= 0")
     if kind.check is not None:

@@ -195,6 +195,11 @@ def test_a_run_that_fails_is_recorded_as_far_as_it_came(tmp_path):
         ("speed = 5\nper_turn = 2", '{ order = 1, of = "disc.x" }', "half of run.per_turn = 2"),
         ("speed = 5\nper_turn = 16", '{ order = 15, of = "disc.x" }', "half of run.per_turn = 16"),
         ("speed = 5\nper_turn = 16", '{ order = 8, of = "disc.x" }', "half of run.per_turn = 16"),
+        (
+            "speed = 5",
+            '{ order = 1, speed = 3, of = "disc.x" }',
+            "order with speed needs runs whose",
+        ),
         ("speed = 5", '{ order = 0, of = "disc.x" }', "order = 0: must be > 0"),
     ],
 )
