@@ -238,16 +238,18 @@ def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
 def link(platform: Platform, parts: list[Path], target: Path) -> None:
     """Link object files with the instance in C: for this machine by its C compiler, if the library
     then runs on every Linux that it is for, else by zig. Raises `LibraryError`."""
+    of_cc = ""
     if platform.name == here() and _has_cc():
         done = _run(_link_command(["cc", "-static-libgcc"], platform, parts, target))
         if done.returncode == 0 and runs_on_old_linux(target.read_bytes()):
             return
         if _FULL in done.stderr:
             _check(done, f"the library for {platform.name}")
+        of_cc = f" ({_reason(done)})" if done.returncode else ""
     if find_spec("ziglang") is None:
         raise LibraryError(
             f"the library for {platform.name} could not be linked by cc for a Linux with GLIBC "
-            f"{'.'.join(map(str, _GLIBC))}, and ziglang is not installed: "
+            f"{'.'.join(map(str, _GLIBC))}{of_cc}, and ziglang is not installed: "
             "pip install 'rotor-fmu[build]'"
         )
     zig = [sys.executable, "-m", "ziglang", "cc", "-target", platform.zig]

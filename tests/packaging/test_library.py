@@ -82,9 +82,13 @@ def test_cc_links_for_this_machine_and_zig_where_it_cannot(monkeypatch, tmp_path
 
 
 @ON_LINUX
-def test_without_zig_a_library_that_cc_cannot_link_says_what_to_install(monkeypatch, tmp_path):
-    Compilers(monkeypatch, NEW, has_zig=False)
-    with pytest.raises(LibraryError, match=r"GLIBC 2\.17, and ziglang .*'rotor-fmu\[build\]'"):
+@pytest.mark.parametrize(("cc", "reason"), [(NEW, ""), (b"", r" \(error: no such thing\)")])
+def test_without_zig_a_library_that_cc_cannot_link_says_what_to_install(
+    monkeypatch, tmp_path, cc, reason
+):
+    Compilers(monkeypatch, cc, has_zig=False)
+    said = rf"GLIBC 2\.17{reason}, and ziglang .*'rotor-fmu\[build\]'"
+    with pytest.raises(LibraryError, match=said):
         link(PLATFORMS[here()], [], tmp_path / "library")
 
 
