@@ -4,7 +4,7 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import typer
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+NO_OTHERS: Mapping[str, str] = {}
 _made: list[Path] = []  # folders that were not there before, the deepest of each first
 
 
@@ -161,12 +162,16 @@ def meant(name: str, known: Iterable[str]) -> str:
     return f"known: {', '.join(listed[:3])}{others}" if listed else "there is none"
 
 
-def known_name(where: str, name: str, known: Iterable[str]) -> str:
+def known_name(
+    where: str, name: str, known: Iterable[str], others: Mapping[str, str] = NO_OTHERS
+) -> str:
     """Return the name itself if it is known, else `InputError` with what may be meant; where: what
-    it is of."""
+    it is of; others: the known names by what they are called elsewhere."""
     known = tuple(known)
     if name not in known:
-        raise InputError(f"{where} {name}: unknown name; {meant(name, known)}".strip())
+        right = others.get(name)
+        hint = f"did you mean {right}?" if right in known else meant(name, known)
+        raise InputError(f"{where} {name}: unknown name; {hint}".strip())
     return name
 
 

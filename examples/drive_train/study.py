@@ -90,7 +90,7 @@ class CoupledRuns(MachineRuns):
         """Raise `InputError` for a metric that does not suit the runs."""
         if metric.kind.is_fine:
             raise metric.error(
-                f"{metric.kind.name} needs the solver's own steps, which are not available through "
+                f"{metric.kind.said} needs the solver's own steps, which are not available through "
                 "an FMU"
             )
         super().check_metric(metric, how)

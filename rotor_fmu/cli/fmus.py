@@ -13,7 +13,7 @@ from ..model.kernels.library import here
 from ..model.settings.table import BY_NAME, Number
 from ..output_options import with_output_options
 from ..units import in_si
-from .shared import Free, RotorFile
+from .shared import Free, RotorFile, warned
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
 Platforms = Annotated[
@@ -91,7 +91,6 @@ def build(
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
     # imported when it is called: the help needs none of it
     from ..fmi.packing.fmu_kinds import FmuKind
-    from ..linear.machine_warnings import machine_warnings
     from ..machine_file.loading import load_rotor
     from ..runs.settings_text import parse_starts
 
@@ -103,9 +102,7 @@ def build(
     step = None if realtime is None else _step(realtime)
     starts = parse_starts(machine, is_free, sets or ())
     names = _known(platforms, kind.platforms)
-    folder, result = writable_folder(out), machine_warnings(machine)
-    for warning in result:
-        typer.echo(f"warning: {warning}", err=True)
+    folder, result = writable_folder(out), warned(machine, is_free)
     fmu = kind.build(folder, toml, is_free, reduction, names, step, starts)
     typer.echo(fmu)
     return {"fmu": fmu, "bytes": fmu.stat().st_size, "warnings": result}

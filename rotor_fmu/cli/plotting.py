@@ -14,7 +14,7 @@ from ..output_options import with_output_options, write_json
 from ..runs import PLOTS, PLOTS_CHANGED
 from ..units import in_si
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
-from .shared import Page, RotorFile, Units, check_page, one_of, places
+from .shared import Page, RotorFile, Units, check_page, one_of, places, warned
 from .show_result import machine_in_units
 from .speeds import OperatingRange, Rated, operating_range
 
@@ -253,16 +253,13 @@ def page(
     """Write a page on which the machine runs: its solver, sliders and pictures in one file, which
     needs no network."""
     from ..fmi.packing.machine_files import machine_of
-    from ..linear.machine_warnings import machine_warnings
     from ..live.live_page import solver_page
     from ..machine_file.loading import load_rotor
 
     toml, machine = load_rotor(rotor)
     choose(units, machine.units, rotor or "")
     check_page(out)
-    warnings = machine_warnings(machine)
-    for warning in warnings:
-        typer.echo(f"warning: {warning}", err=True)
+    warnings = warned(machine)
     write_text(solver_page(machine_of(toml, False, 0)), out)
     typer.echo(out)
     return {"out": out, "bytes": out.stat().st_size, "warnings": warnings}

@@ -215,7 +215,8 @@ def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
             f"of full scale apart from the FMU's{why}; the pictures are of the recorded one",
             err=True,
         )
-    for sentence in sentences(report, outcome.recording, out / "report.html"):
+    page = out / "report.html"
+    for sentence in sentences(report, outcome.recording, page if page.exists() else out):
         typer.echo(sentence)
     if report["verification"]:
         typer.echo(text_of(report["verification"]), nl=False)

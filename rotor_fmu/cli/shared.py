@@ -2,11 +2,14 @@
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..errors import InputError, writable_folder
+
+if TYPE_CHECKING:
+    from ..model.machine.rotor import Rotor
 
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
@@ -30,6 +33,17 @@ Contacts = Annotated[
 ]
 PictureFolder = Annotated[Path, typer.Option(help="Folder for the picture.")]
 Page = Annotated[Path, typer.Option(help="The page to write.")]
+
+
+def warned(machine: "Rotor", is_free: bool = False) -> list[str]:
+    """Print the warnings about a machine that is packed, and return them; is_free: whether a torque
+    drives it."""
+    from ..linear.machine_warnings import machine_warnings
+
+    warnings = machine_warnings(machine, is_free)
+    for warning in warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    return warnings
 
 
 def check_count(count: int, most: int) -> None:

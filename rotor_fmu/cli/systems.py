@@ -12,7 +12,7 @@ from ..model.kernels.library import here
 from ..output_options import with_output_options
 from ..units import in_si
 from .fmus import Native
-from .shared import RotorFile
+from .shared import RotorFile, warned
 from .speeds import one_speed
 
 
@@ -83,7 +83,7 @@ def ssp(
     platform = here()
     if is_native and platform is None:
         raise InputError("--native: there is no library for this machine")
-    folder = writable_folder(out)
+    folder, warnings = writable_folder(out), warned(machine)
     coupling = Coupling(example_folder("drive_train") / "drive_train.py")
     fmu = (
         build_native(folder, toml, platforms=[str(platform)])
@@ -97,4 +97,10 @@ def ssp(
     system = drive_system(machine_of(toml, False, 0), drive, fmu, interval, end)
     package, structure = replace(system, algorithm=algorithm).write(folder)
     typer.echo(f"{package}\n{structure}")
-    return {"ssp": package, "osp": structure, "rotor": fmu, "drive": drive.fmu}
+    return {
+        "ssp": package,
+        "osp": structure,
+        "rotor": fmu,
+        "drive": drive.fmu,
+        "warnings": warnings,
+    }

@@ -70,6 +70,12 @@ def _variable(setting: Choice | Number) -> Variable:
 
 # In the order in which the resolver takes them, the preset first (`settings.resolver.resolve`).
 GIVEN = (_PRESET, *(_variable(setting) for setting in SETTINGS))
+# By what settings are called, without and with the prefix: `solver.mode` is `solver.adaptive`.
+OTHER_NAMES = {
+    of + name: v.name
+    for name, v in zip(("preset", *NAMES), GIVEN, strict=True)
+    for of in ("", PREFIX)
+}
 _H = GIVEN[1 + NAMES.index("h")]
 _TEXTS = {_H.name: BY_NAME["h"].text}  # where no value leaves it to the preset
 REALTIME = "realtime"

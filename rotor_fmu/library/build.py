@@ -3,10 +3,12 @@ instance in C. Built once for each version of the sources.
 """
 
 import contextlib
+import errno
 import hashlib
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -64,6 +66,7 @@ class LibraryError(RunFailed):
     """A library that cannot be built; the message names what is missing or is the linker's."""
 
 
+_FULL = os.strerror(errno.ENOSPC)
 # What an extra brings: numba for the kernels, zig for platforms other than this machine's.
 _TOOLS = {"kernels": ("numba", "platformdirs"), "build": ("numba", "platformdirs", "ziglang")}
 
@@ -235,14 +238,18 @@ def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
 def link(platform: Platform, parts: list[Path], target: Path) -> None:
     """Link object files with the instance in C: for this machine by its C compiler, if the library
     then runs on every Linux that it is for, else by zig. Raises `LibraryError`."""
+    of_cc = ""
     if platform.name == here() and _has_cc():
         done = _run(_link_command(["cc", "-static-libgcc"], platform, parts, target))
         if done.returncode == 0 and runs_on_old_linux(target.read_bytes()):
             return
+        if _FULL in done.stderr:
+            _check(done, f"the library for {platform.name}")
+        of_cc = f" ({_reason(done)})" if done.returncode else ""
     if find_spec("ziglang") is None:
         raise LibraryError(
             f"the library for {platform.name} could not be linked by cc for a Linux with GLIBC "
-            f"{'.'.join(map(str, _GLIBC))}, and ziglang is not installed: "
+            f"{'.'.join(map(str, _GLIBC))}{of_cc}, and ziglang is not installed: "
             "pip install 'rotor-fmu[build]'"
         )
     zig = [sys.executable, "-m", "ziglang", "cc", "-target", platform.zig]
@@ -298,29 +305,41 @@ def _link_command(
 
 
 def _run_all(commands: list[list[str]], what: str) -> None:
-    """Run commands at the same time. Raises `LibraryError` if one fails, `OSError` where Python
-    says by its number why a file cannot be written, but not which."""
+    """Run commands at the same time. Raises as `_check` does if one fails."""
     with ThreadPoolExecutor(len(commands)) as pool:
         for done in pool.map(_run, commands):
-            if done.returncode:
-                reason = _reason(done.stderr)
-                if of_system := re.search(r"\[Errno (\d+)\] (.*)", reason):
-                    number, reason = of_system.groups()
-                    raise OSError(int(number), f"{what} could not be made: {reason}")
-                raise LibraryError(f"{what} could not be made: {reason}")
+            _check(done, what)
 
 
-def _reason(said: str) -> str:
+def _check(done: subprocess.CompletedProcess[str], what: str) -> None:
+    """Raise `LibraryError` for a program that failed, `OSError` where it says why a file cannot be
+    written: Python by a number, but not which file, others that the disk is full."""
+    if not done.returncode:
+        return
+    reason = _reason(done)
+    if of_system := re.search(r"\[Errno (\d+)\] (.*)", reason):
+        raise OSError(int(of_system[1]), f"{what} could not be made: {of_system[2]}")
+    if _FULL in done.stderr:
+        raise OSError(errno.ENOSPC, f"{what} could not be made: {_FULL}")
+    raise LibraryError(f"{what} could not be made: {reason}")
+
+
+def _reason(done: subprocess.CompletedProcess[str]) -> str:
     """Return what a program's standard error gives as the reason of its failure: the last error, or
     numba's, with the place in the kernels. numba begins with where it was in its own work."""
+    said = done.stderr
     _, of_numba, text = said.rpartition("numba.core.errors.")
     lines = [line.strip() for line in text.splitlines()[1:] if "in nopython mode" not in line]
     place = re.search(r'^File "(.+)", line (\d+)', text, re.M)
     if of_numba and place and any(lines):
         return f"{place[1]}:{place[2]}: {next(filter(None, lines))}"
     lines = [line.strip() for line in said.splitlines() if "rror" in line]
+    if done.returncode < 0 and not lines:  # zig says nothing of a full disk
+        name = signal.Signals(-done.returncode).name
+        return f"ended by {name} without a reason, as where the disk or the memory is full"
     return lines[-1] if lines else "no reason given"
 
 
 def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    english = {**os.environ, "LC_ALL": "C"}  # of which errors are read
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=english)

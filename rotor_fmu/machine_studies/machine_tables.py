@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.binding import load_names
-from ..fmi.solver_parameters import PREFIX, settings_of
+from ..fmi.solver_parameters import OTHER_NAMES, PREFIX, settings_of
 from ..fmi.variables import Variable
 from ..machine_file.loading import load_rotor
 from ..model.settings import SettingsError
@@ -22,11 +22,11 @@ from ..studies.design import MOST, Axis, Distribution, number, whole
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
-from .metric import Metric
+from .metric import VARIANTS, Metric
 from .response_runs import RESPONSE, ResponseRuns
 from .run_excitation import Excitation, Kick
 from .run_kinds import IN_TIME, SIGNALS, RunKind
-from .run_metrics import DIRECTIONS, VARIANTS
+from .run_metrics import DIRECTIONS
 
 _SHARES = np.array([0.05, 0.5, 0.95])  # of a distribution, where its values are tried
 # Kinds of runs by name, with the class of their runs.
@@ -57,7 +57,7 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
     values = {}
     for target, value in table_of(tables, "set").items():
-        variable = runs.settable[known_name("set", target, runs.settable)]
+        variable = runs.settable[known_name("set", target, runs.settable, OTHER_NAMES)]
         values[target] = _value(f"set {target}", variable, value)
     return MachineSubject(replace(runs, values=values), tables)
 
@@ -219,7 +219,7 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
         known_name(where + ":", key, (*kind.needed, *kind.optional))
     for key in kind.needed:
         if key not in options:
-            raise InputError(f"{where}: {kind.name} needs {key}")
+            raise InputError(f"{where}: {kind.said} needs {key}")
     if not isinstance(of, str):
         raise InputError(f"{where}: of = {of!r}: must be the name of an output")
     unit = runs.how.abscissa_unit

@@ -13,6 +13,9 @@ from ..errors import InputError
 from ..studies.study import Column
 from .run_excitation import Excitation
 
+# Kinds that a study file writes as other ones.
+VARIANTS = {"passing": "order with speed", "slid": "dissipated"}
+
 
 class ListAxis(NamedTuple):
     """The dimension of a list, the coordinates along it, empty where they only count, and their
@@ -30,8 +33,9 @@ class MetricKind:
     text: its meaning, to be filled in with the options and `of`; make: returns the cell, or what a
     window adds to it; needed, optional: names of its options, the optional ones with defaults;
     unit: of its values, empty where they have that of the quantity; axis: of its lists; check:
-    raises `InputError` for options that do not suit the runs; least: of a window, the size to which
-    differences of its values are relative at least, of a kind whose value may be 0 by its nature.
+    raises `InputError` for options that do not suit the runs; least: returns the size in a window
+    to which differences of its values are relative at least, of a kind whose value may be 0 by its
+    nature.
 
     Of runs in time: outputs: those of the part that is its quantity, None where nothing is sampled;
     also: further outputs; held: kinds of runs of whose whole turns at constant speed it is made,
@@ -47,12 +51,17 @@ class MetricKind:
     unit: str = ""
     axis: "Callable[[Metric, Excitation], ListAxis] | None" = None
     check: "Callable[[Metric, Excitation], None] | None" = None
-    least: "Callable[[Any], float] | None" = None
+    least: "Callable[[Metric, Any], float] | None" = None
     outputs: tuple[str, ...] | None = ()
     also: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
     varying: bool = False
     is_fine: bool = False
+
+    @property
+    def said(self) -> str:
+        """What a study file says for it."""
+        return VARIANTS.get(self.name, self.name)
 
     def samples(self, of: str) -> tuple[str, ...]:
         """Return the outputs that must be sampled; of: the metric's quantity or part."""
@@ -105,7 +114,7 @@ class Metric:
         """Return the size to which differences of its cells are relative at least, in its unit: of
         a displacement that of a motion that is none, `still` [m]."""
         if self.kind.least is not None:
-            return max(map(self.kind.least, windows))
+            return max(self.kind.least(self, window) for window in windows)
         return still if unit == "m" else 0.0
 
     def error(self, reason: str) -> InputError:

@@ -29,6 +29,14 @@ class Samples(NamedTuple):
     t: np.ndarray
     columns: Mapping[str, np.ndarray]
 
+    def quantity(self, of: str) -> np.ndarray:
+        """Return an output by its name, or of PART.r the distance of PART.x and PART.y from
+        zero."""
+        if of.endswith(".r") and of not in self.columns:
+            part = of.removesuffix(".r")
+            return np.hypot(self.columns[f"{part}.x"], self.columns[f"{part}.y"])
+        return self.columns[of]
+
 
 class Window(NamedTuple):
     """A part of a run that is looked at: at the solver's own steps, its ends among them; in whole

@@ -8,11 +8,10 @@ import numpy as np
 from ..studies.study import Cell
 from ..vibration import TooFewTurns, order_track
 from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
-from .run_excitation import LEAST_TURNS, Excitation, Samples, Window
+from .run_excitation import LEAST_TURNS, Excitation, Window
 from .run_kinds import CONSTANT, STEPS
 
 KINDS: dict[str, MetricKind] = {}
-VARIANTS = ("passing", "slid")  # that `order` and `dissipated` stand for too
 _kind = partial(declared, KINDS)
 DIRECTIONS = ("up", "down")
 _LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
@@ -47,33 +46,24 @@ def check(metric: Metric, how: Excitation) -> None:
     """Raise `InputError` for a metric that does not suit the excitation of the runs."""
     kind = metric.kind
     if kind.held and (how.kind.name not in kind.held or how.numbers["measure"]):
-        raise metric.error(f"{kind.name} needs runs at constant speed in whole turns")
+        raise metric.error(f"{kind.said} needs runs at constant speed in whole turns")
     if kind.varying and how.kind.holds_speeds:
-        raise metric.error(f"{kind.name} needs runs whose speed varies continuously")
+        raise metric.error(f"{kind.said} needs runs whose speed varies continuously")
     if (after := metric.option("after")) and after < 0:
         raise metric.error(f"after = {after:g} s: must be >= 0")
     if kind.check is not None:
         kind.check(metric, how)
 
 
-def _quantity(metric: Metric, seen: Samples) -> np.ndarray:
-    columns = seen.columns
-    if metric.of.endswith(".r") and metric.of not in columns:
-        part = metric.of.removesuffix(".r")
-        return np.hypot(columns[f"{part}.x"], columns[f"{part}.y"])
-    return columns[metric.of]
-
-
 def _late(metric: Metric, window: Window) -> slice:
-    """Return the rows from `after` on, counted from the window's beginning; none where it ends
-    before."""
+    """Return the rows from `after` on in the window; none where it ends before."""
     t = window.steps.t
     return slice(int(np.searchsorted(t, t[0] + metric.option("after"))), None)
 
 
 def _late_values(metric: Metric, window: Window) -> tuple[np.ndarray, np.ndarray]:
     late = _late(metric, window)
-    return window.steps.t[late], _quantity(metric, window.steps)[late]
+    return window.steps.t[late], window.steps.quantity(metric.of)[late]
 
 
 def _averaged(t: np.ndarray, values: np.ndarray) -> float:
@@ -97,14 +87,14 @@ def _rms(metric: Metric, window: Window) -> float:
     return math.sqrt(_averaged(t, values**2))
 
 
-@_kind("mean over time of {of}", optional=_AFTER)
+@_kind("mean over time of {of}", optional=_AFTER, least=_rms)
 def _mean(metric: Metric, window: Window) -> float:
     return _averaged(*_late_values(metric, window))
 
 
 @_kind("value at the end of {of}")
 def _last(metric: Metric, window: Window) -> float:
-    return float(_quantity(metric, window.steps)[-1])
+    return float(window.steps.quantity(metric.of)[-1])
 
 
 @_kind(
@@ -112,7 +102,7 @@ def _last(metric: Metric, window: Window) -> float:
 )
 def _value(metric: Metric, window: Window) -> float:
     """Return the value at a speed, linear between two steps; nan if it is never passed."""
-    speed, values = window.steps.columns["w"], _quantity(metric, window.steps)
+    speed, values = window.steps.columns["w"], window.steps.quantity(metric.of)
     w = speed - metric.option("speed")
     w[np.abs(w) <= _ROUNDING * np.abs(speed).max()] = 0.0  # a run may end at the speed
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
@@ -136,7 +126,7 @@ def _bin_axis(metric: Metric, how: Excitation) -> ListAxis:
 )
 def _amplitude(metric: Metric, window: Window) -> np.ndarray:
     edges = edges_of(metric.option("bins"))
-    values, w = np.abs(_quantity(metric, window.steps)), window.steps.columns["w"]
+    values, w = np.abs(window.steps.quantity(metric.of)), window.steps.columns["w"]
     at = np.digitize(w, edges) - 1
     at[w == edges[-1]] = len(edges) - 2  # the last bin has both of its ends
     largest = np.full(len(edges) - 1, math.nan)
@@ -151,7 +141,7 @@ def _turn_axis(metric: Metric, how: Excitation) -> ListAxis:
 
 @_kind("value once a turn, at the keyphasor's mark of {of}", axis=_turn_axis, held=_ANY_LEVEL)
 def _poincare(metric: Metric, window: Window) -> np.ndarray:
-    return _quantity(metric, window.turns)[window.per_turn - 1 :: window.per_turn]
+    return window.turns.quantity(metric.of)[window.per_turn - 1 :: window.per_turn]
 
 
 def _check_resolved(metric: Metric, option: str, how: Excitation) -> None:
@@ -170,15 +160,20 @@ def _check_order(metric: Metric, how: Excitation) -> None:
         raise metric.error(f"order = {order:g}: must make whole periods in run.turns = {turns:g}")
 
 
+def _spread(metric: Metric, window: Window) -> float:
+    return float(window.turns.quantity(metric.of).std())
+
+
 @_kind(
     "amplitude of order {order:g} of the speed, of {of}",
     "order",
     check=_check_order,
+    least=_spread,
     held=_ANY_LEVEL,
 )
 def _order(metric: Metric, window: Window) -> float:
     """Return twice the modulus of the mean of x exp(-i order phi), over whole turns."""
-    values = _quantity(metric, window.turns)
+    values = window.turns.quantity(metric.of)
     angle = math.tau * np.arange(1, len(values) + 1) / window.per_turn
     return float(2 * abs(np.mean(values * np.exp(-1j * metric.option("order") * angle))))
 
@@ -206,7 +201,7 @@ def _passing(metric: Metric, window: Window) -> float:
     long for the order."""
     phi, order = window.steps.columns["phi"], metric.option("order")
     try:
-        track = order_track(window.steps.t, phi, _quantity(metric, window.steps), [order])
+        track = order_track(window.steps.t, phi, window.steps.quantity(metric.of), [order])
     except TooFewTurns:
         return math.nan
     apart = track.speed - metric.option("speed")
@@ -226,11 +221,15 @@ def _check_lyapunov(metric: Metric, how: Excitation) -> None:
         raise metric.error(f"lyapunov needs run.turns >= {LEAST_TURNS}, not {turns:g}")
 
 
+def _turns_per_second(metric: Metric, window: Window) -> float:
+    return abs(window.speed) / math.tau
+
+
 @_kind(
     "largest Lyapunov exponent",
     unit="1/s",
     check=_check_lyapunov,
-    least=lambda window: abs(window.speed) / math.tau,
+    least=_turns_per_second,
     outputs=None,
     held=_ANY_LEVEL,
 )
@@ -306,10 +305,14 @@ def _slid(metric: Metric, window: Window) -> float:
     return float(np.trapezoid(force * speed, window.steps.t))
 
 
+def _fastest(metric: Metric, window: Window) -> float:
+    return float(np.abs(window.steps.columns["w"]).max())
+
+
 @_kind(
     "mean rate at which {of} turns about zero in x and y",
     unit="rad/s",
-    least=lambda window: float(np.abs(window.steps.columns["w"]).max()),
+    least=_fastest,
     outputs=("x", "y"),
     also=("w",),
     is_fine=True,
@@ -336,7 +339,7 @@ def _check_jump(metric: Metric, how: Excitation) -> None:
 def _jump(metric: Metric, windows: list[Window]) -> float:
     """Return the mean of the two neighbouring speeds between which the mean changes most, by at
     least the share `least` of the larger of both; nan where it does not."""
-    means = np.array([_averaged(w.steps.t, _quantity(metric, w.steps)) for w in windows])
+    means = np.array([_averaged(w.steps.t, w.steps.quantity(metric.of)) for w in windows])
     speeds = np.array([window.speed for window in windows])
     rises = np.diff(np.abs(speeds)) > 0
     chosen = rises if metric.option("way") == "up" else ~rises

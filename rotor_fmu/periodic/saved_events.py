@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..about import __version__
-from ..files import only_call
+from ..files import named, only_call
 from ..model.message_templates import Message
 from ..model.periodic.arclength import CurvePoint
 from ..model.periodic.balance import Orbit
@@ -51,7 +51,7 @@ class Saved(NamedTuple):
 def saved_journal(folder: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
     """The journal of a response in a folder; one of another machine, options or version is begun
     anew. A line that an earlier call did not finish is dropped. Raises `InputError` while another
-    call writes one there."""
+    call writes one there; an `OSError`, as of a full disk, has the file's name."""
     with only_call(folder / LOCK), _journal(folder / FILE, toml, options) as saved:
         yield saved
 
@@ -70,7 +70,7 @@ def _journal(path: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Save
             except (ValueError, KeyError, TypeError):
                 break
             whole.append(line)
-    with path.open("w", encoding="utf-8") as file:
+    with named(path), path.open("w", encoding="utf-8") as file:
         file.writelines(whole)
         file.flush()
 

@@ -94,6 +94,7 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
 
     recorded = [v.name for v in job.table if v.is_observed]
     messages: list[Message] = []
+    discards: list[Message] = []
     recorder = None
     begun = time.perf_counter()
 
@@ -101,12 +102,17 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
         *_, status, _, text = logged  # FMI 2.0 has the instance's name before them
         if status != fmpy.fmi2.fmi2OK:
             messages.append(read_message(text))
+        if status == fmpy.fmi2.fmi2Discard:
+            discards.append(messages[-1])
 
     def step_finished(t: float, its_recorder: Any) -> bool:
         nonlocal recorder, begun
         if recorder is None:  # whatever had to be compiled now is
             begun = time.perf_counter()
         recorder = its_recorder
+        if discards:  # FMPy has a row where the step ended early, at the time where it began
+            recorder.rows.pop()
+            return False
         last = dict(zip((name for name, *_ in recorder.cols), recorder.rows[-1], strict=True))
         progress(t, lambda: last)
         return not interrupts
@@ -136,6 +142,8 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
         shutil.rmtree(folder, ignore_errors=True)
     if interrupts:
         raise KeyboardInterrupt
+    if discards:
+        failure = discards[0]
     wall = time.perf_counter() - begun
     if recorder is None:
         empty = {name: np.zeros(0) for name in recorded}

@@ -5,9 +5,10 @@ from collections.abc import Sequence
 
 from ..errors import InputError, known_name
 from ..fmi.interface import interface
-from ..fmi.solver_parameters import AS_PRESET, PREFIX, REDUCTION, chosen_at_build
+from ..fmi.solver_parameters import AS_PRESET, OTHER_NAMES, PREFIX, REDUCTION, chosen_at_build
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
+from ..model.near_names import near_names
 from ..model.settings import SettingsError
 from ..units import in_si, split
 
@@ -27,7 +28,7 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
         observed = next((v for v in table if v.is_observed and v.name == name), None)
         if observed is not None:
             raise InputError(f"--set {name}: is an output, which the model computes")
-        variable = known[known_name("--set", name, known)]
+        variable = known[known_name("--set", name, known, OTHER_NAMES)]
         if name in values:
             raise InputError(f"--set {name}: is given twice")
         values[name] = _parse_value(variable, value)
@@ -74,7 +75,9 @@ def _parse_value(variable: Variable, text: str) -> float:
         if text.isdecimal() and int(text) < len(variable.choices):
             return int(text)
         listed = ", ".join(f"{i} {name}" for i, name in enumerate(variable.choices))
-        raise InputError(f"--set {variable.name} = {text}: must be one of {listed}")
+        near = near_names(text, variable.choices)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise InputError(f"--set {variable.name} = {text}: must be one of {listed}{hint}")
     parts = split(text)
     if parts and parts[1]:
         value = in_si(f"--set {variable.name} =", text, variable.unit)

@@ -96,10 +96,10 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     return figures
 
 
-def sentences(figures: Mapping[str, Any], recording: Recording, page: Path) -> list[str]:
-    """Return the peak, the contacts and the state of a run; figures: its `summary`; page: its
-    report."""
-    return [_peak(figures), _contacts(recording), _state(figures, page)]
+def sentences(figures: Mapping[str, Any], recording: Recording, left: Path) -> list[str]:
+    """Return the peak, the contacts and the state of a run; figures: its `summary`; left: its
+    report, or the folder where there is none."""
+    return [_peak(figures), _contacts(recording), _state(figures, left)]
 
 
 def _peak(figures: Mapping[str, Any]) -> str:
@@ -156,13 +156,13 @@ def _contacts(recording: Recording) -> str:
     return f"The journals touched for {least} to {most} % of the time ({each})."
 
 
-def _state(figures: Mapping[str, Any], page: Path) -> str:
+def _state(figures: Mapping[str, Any], left: Path) -> str:
     status = str(figures["status"])
     if status == OK:
-        return f"Nothing makes the run doubtful; open {page}."
+        return f"Nothing makes the run doubtful; open {left}."
     if status.startswith(FAILED):
-        return f"The run stopped before its end; open {page} for what came before."
+        return f"The run stopped before its end; open {left} for what came before."
     codes = status.removeprefix(DOUBTFUL).split(", ")
     logged = zip(figures.get("messages", ()), figures.get("codes", ()), strict=True)
     reasons = [f": {message}" for message, code in logged if code in codes]
-    return f"The run is {status}{reasons[0] if reasons else ''}; open {page}."
+    return f"The run is {status}{reasons[0] if reasons else ''}; open {left}."

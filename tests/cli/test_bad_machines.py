@@ -208,6 +208,17 @@ def test_a_machine_that_leaves_its_equilibrium_is_warned_of():
     assert machine_warnings(parse_rotor(text)) == [output]
 
 
+def test_a_machine_that_no_torque_can_drive_is_warned_of_when_its_fmu_is_built():
+    held = shaft(0.0, 0.1, 0.2) + bearing(1) + bearing(3)
+    rotor = parse_rotor(
+        held + "[[point_mass]]\nnode = 2\nmass = 1.0\n[[unbalance]]\nnode = 2\namount = 0.01\n"
+    )
+    with pytest.raises(EquilibriumError, match="a torque drives the rotor") as refused:
+        Simulation(rotor, choose("robust"), speed=100.0, drive_torque=0.0)
+    assert machine_warnings(rotor, is_free=True) == [str(refused.value)]
+    assert machine_warnings(rotor) == []
+
+
 def test_a_stable_machine_is_not_doubted():
     for text in (rig_toml(), *BASES[1:4], HELD + bearing(1) + bearing(3)):
         assert machine_warnings(parse_rotor(text)) == []

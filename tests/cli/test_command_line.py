@@ -18,6 +18,12 @@ from ..processes import run_anew
     [
         (["--preset", "best"], "--preset best: must be one of robust, paper"),
         (["--set", "bearing[1].clearence=1e-5"], "did you mean bearing[1].clearance"),
+        (
+            ["--set", "solver.mode=fixed"],
+            "solver.mode: unknown name; did you mean solver.adaptive?",
+        ),
+        (["--set", "tolerance=1e-4"], "tolerance: unknown name; did you mean solver.tolerance?"),
+        (["--set", "solver.preset=robst"], "5 realtime; did you mean robust?"),
         (["--set", "tau=1"], "--set tau: is an output, which the model computes"),
         (["--step", "1e-9"], "--step 1e-09 s: would give 4e+10 rows"),
         (["--rate", "1e-300"], "stop = 4e+302 s: would give 1e+305 rows at the communication step"),

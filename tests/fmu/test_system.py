@@ -11,6 +11,7 @@ from rotor_fmu.cli.systems import ssp
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.archive import contents_of
 
+from ..parts.machines import shaft
 from .test_hosts import LIBCOSIM, needs, run
 from .test_schemas import EXAMPLES, FMI3, SSP, mistakes, osp_schema
 
@@ -155,6 +156,15 @@ def test_osps_file_is_valid(folder):
     bonds = etree.fromstring(content).xpath("//*[@powerBond]")
     assert len(bonds) == 2
     assert len({bond.get("powerBond") for bond in bonds}) == 1
+
+
+def test_a_machine_that_nothing_holds_is_warned_of_as_by_build(tmp_path, capsys):
+    machine = tmp_path / "hanging.toml"
+    machine.write_text(shaft(0.0, 0.5, 1.0) + "[[support]]\nnode = 1\nstiffness = 1e7\n")
+    summary = ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path)
+    (warning,) = summary["warnings"]
+    assert warning.startswith("the machine is not held")
+    assert f"warning: {warning}\n" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -128,6 +128,7 @@ def test_without_what_draws_the_page_a_run_leaves_the_rest_and_says_so(tmp_path)
         "warning: report.html is not written: a page of a run: bokeh is not installed: "
         "pip install 'rotor-fmu[report]'"
     ]
+    assert done.stdout.endswith(f"; open {tmp_path}.\n")
     left = {file.name for file in tmp_path.iterdir()}
     assert "recording.npz" in left
     assert "report.html" not in left

@@ -82,9 +82,13 @@ def test_cc_links_for_this_machine_and_zig_where_it_cannot(monkeypatch, tmp_path
 
 
 @ON_LINUX
-def test_without_zig_a_library_that_cc_cannot_link_says_what_to_install(monkeypatch, tmp_path):
-    Compilers(monkeypatch, NEW, has_zig=False)
-    with pytest.raises(LibraryError, match=r"GLIBC 2\.17, and ziglang .*'rotor-fmu\[build\]'"):
+@pytest.mark.parametrize(("cc", "reason"), [(NEW, ""), (b"", r" \(error: no such thing\)")])
+def test_without_zig_a_library_that_cc_cannot_link_says_what_to_install(
+    monkeypatch, tmp_path, cc, reason
+):
+    Compilers(monkeypatch, cc, has_zig=False)
+    said = rf"GLIBC 2\.17{reason}, and ziglang .*'rotor-fmu\[build\]'"
+    with pytest.raises(LibraryError, match=said):
         link(PLATFORMS[here()], [], tmp_path / "library")
 
 
@@ -107,6 +111,25 @@ def test_the_package_that_is_missing_is_named(monkeypatch):
     monkeypatch.setattr(build, "find_spec", lambda name: name != "numba" or None)
     with pytest.raises(LibraryError, match=r"numba is not installed: pip install 'rotor-fmu\[bui"):
         build.library(PLATFORMS["win64"])
+
+
+@ON_LINUX
+@pytest.mark.parametrize("has_zig", [False, True])
+def test_a_disk_that_is_full_for_cc_is_no_reason_for_another_linker(monkeypatch, tmp_path, has_zig):
+    stderr = "ld: final link failed: No space left on device\ncollect2: error: ld returned 1\n"
+    Compilers(monkeypatch, OLD, has_zig)
+    done = subprocess.CompletedProcess([], 1, "", stderr)
+    monkeypatch.setattr(build, "_run", lambda command: done)
+    with pytest.raises(OSError, match=r"\S+ could not be made: No space left on device"):
+        link(PLATFORMS[here()], [], tmp_path / "library")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals end no process there")
+def test_a_linker_that_ended_without_a_word_says_by_which_signal(monkeypatch, tmp_path):
+    done = subprocess.CompletedProcess([], -6, "", "")
+    monkeypatch.setattr(build, "_run", lambda command: done)
+    with pytest.raises(LibraryError, match="win64 could not be made: ended by SIGABRT without a"):
+        link(PLATFORMS["win64"], [], tmp_path / "library")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 """A response that was stopped goes on where it was, to the points of an undisturbed one."""
 
+import errno
 import json
+import os
 import re
 import signal
 import subprocess
@@ -114,6 +116,13 @@ def test_what_was_saved_of_another_response_is_not_taken_over(tmp_path):
     called(tmp_path, machine, 5)
     other = called(tmp_path, machine, speed=(180.0, 240.0))
     assert equal(other, rf.response(machine, **OPTIONS | {"speed": (180.0, 240.0)}))
+
+
+def test_a_full_disk_is_an_error_of_the_file_with_the_points(tmp_path):
+    error = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # as of a write: without a name
+    with pytest.raises(OSError, match="No space") as full, saved_journal(tmp_path, "", {}):
+        raise error
+    assert full.value.filename == str(tmp_path / FILE)
 
 
 def started(folder):

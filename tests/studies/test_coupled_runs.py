@@ -118,7 +118,7 @@ def test_values_that_an_fmu_refuses_are_a_failed_row_with_its_own_words(tmp_path
         ("dissipated", '{ dissipated = "bearing[1]" }'),
         ("contact", '{ contact = "bearing[1]" }'),
         ("whirl", '{ whirl = "disc[3]" }'),
-        ("passing", '{ order = 1, speed = 100, of = "disc[3].x" }'),
+        ("order with speed", '{ order = 1, speed = 100, of = "disc[3].x" }'),
     ],
 )
 def test_what_lies_between_communication_points_is_not_kept(tmp_path, kind, keep):

@@ -1,6 +1,7 @@
 """The studies that come with the project, at their quick size, against what is known."""
 
 import math
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -32,11 +33,13 @@ def quick(tmp_path_factory):
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
-def test_every_study_of_the_examples_can_be_read(path):
+def test_every_study_of_the_examples_can_be_read_and_sent_to_a_worker(path):
     if path.stem == "whip":
         assert machine_of(path.read_text(), False).rotor.name == "Jeffcott rotor that whips"
         return
-    assert len(read_study(path).design) > 8
+    study = read_study(path)
+    assert len(study.design) > 8
+    assert pickle.loads(pickle.dumps(study.model)).identity == study.model.identity
     assert len(read_study(path, is_quick=True).design) <= 12
 
 

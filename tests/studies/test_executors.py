@@ -1,7 +1,7 @@
 """Runs of a study in other processes: the same rows, whatever ends the processes."""
 
-import multiprocessing
 import os
+import pickle
 import random
 import signal
 import subprocess
@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from rotor_fmu import studies
+from rotor_fmu.machine_studies import response_runs, run_metrics
 from rotor_fmu.studies import store
 from rotor_fmu.studies.executors import ExecutorConfig, engine
 from rotor_fmu.studies.runner import run_study
@@ -27,6 +28,12 @@ def test_a_pool_of_processes_makes_the_same_rows_bit_for_bit(undisturbed, tmp_pa
     assert studies.open(tmp_path).identical(data)
 
 
+@pytest.mark.parametrize("table", [run_metrics, response_runs])
+def test_every_kind_of_metric_can_be_sent_to_a_worker(table):
+    for name, kind in table.KINDS.items():
+        assert pickle.loads(pickle.dumps(kind)) == kind, name
+
+
 @pytest.mark.slow
 def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp_path):
     study, data = undisturbed
@@ -37,8 +44,8 @@ def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp
 def test_ctrl_c_ends_no_worker_that_has_just_been_started():
     with engine(ExecutorConfig(1)) as made:
         theirs = made.executor.submit(signal.getsignal, signal.SIGINT)
-        for process in multiprocessing.active_children():
-            os.kill(process.pid, signal.SIGINT)
+        for worker in made.executor._processes:  # other tests have children too
+            os.kill(worker, signal.SIGINT)
         assert theirs.result() == signal.SIG_IGN
 
 

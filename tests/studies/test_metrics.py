@@ -20,10 +20,18 @@ from .functions import here, quiet
 K, C, UNBALANCE = 1e4, 20.0, 0.5e-3
 
 
-def read(folder, run, metric, vary='"contact[1].mu" = { values = [0.0] }', tolerance=1e-3):
+def read(
+    folder,
+    run,
+    metric,
+    vary='"contact[1].mu" = { values = [0.0] }',
+    tolerance=1e-3,
+    is_verified=False,
+):
     """A study of the example's rotor, its contact out of reach; run: KEY = VALUE by lines."""
     path = folder / "study.toml"
     path.write_text(
+        f"verify = {str(is_verified).lower()}\n"
         'machine = "jeffcott_rub/jeffcott.toml"\n'
         f'[set]\n"solver.tolerance" = {tolerance}\n"contact[1].clearance" = 0.01\n'
         f"[run]\n{run}\n[vary]\n{vary}\n[keep]\n{metric}\n"
@@ -187,6 +195,11 @@ def test_a_run_that_fails_is_recorded_as_far_as_it_came(tmp_path):
         ("speed = 5\nper_turn = 2", '{ order = 1, of = "disc.x" }', "half of run.per_turn = 2"),
         ("speed = 5\nper_turn = 16", '{ order = 15, of = "disc.x" }', "half of run.per_turn = 16"),
         ("speed = 5\nper_turn = 16", '{ order = 8, of = "disc.x" }', "half of run.per_turn = 16"),
+        (
+            "speed = 5",
+            '{ order = 1, speed = 3, of = "disc.x" }',
+            "order with speed needs runs whose",
+        ),
         ("speed = 5", '{ order = 0, of = "disc.x" }', "order = 0: must be > 0"),
     ],
 )
@@ -243,6 +256,15 @@ def test_what_is_taken_after_the_end_of_a_run_is_nan(tmp_path):
     contact = 'contact = { contact = "contact[1]", after = 9 }'
     data = row(tmp_path, 'kind = "constant"\nspeed = 50\nturns = 1', "\n".join([*kept, contact]))
     assert all(np.isnan(data[name]) for name in ("peak", "rms", "mean", "contact"))
+
+
+@pytest.mark.parametrize("metric", ["mean = 'disc.x'", "order = 2, of = 'disc.x'"])
+def test_what_is_0_in_a_circle_is_confirmed_relative_to_the_motion(tmp_path, metric):
+    run = 'kind = "constant"\nspeed = 60\nsettle = 2\nturns = 4'
+    kept = f"q = {{ {metric} }}\nsize = {{ rms = 'disc.x' }}"
+    data = row(tmp_path, run, kept, is_verified=True)
+    assert abs(data.q) < 0.01 * data["size"]
+    assert data.status == "ok"
 
 
 @pytest.mark.parametrize("order", [0, -1, 0.3, 0.25, 40])

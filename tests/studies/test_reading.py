@@ -118,6 +118,11 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
             "run kind = 'drive-train': must be one of run-down, run-up",
         ),
         ("solver.tol", "solver.tal", "set solver.talerance: unknown name; did you mean solver.tol"),
+        (
+            "solver.tolerance",
+            "solver.mode",
+            "set solver.mode: unknown name; did you mean solver.ad",
+        ),
         ("= 1e-2", "= 2", "set solver.tolerance = 2: must be from 0 to 1"),
         ("disc[2].e", "disc[4].e", "vary disc[4].e: unknown name; did you mean disc[1].e"),
         (
