@@ -1,11 +1,12 @@
 """FMUs of machines: built, and driven through FMPy."""
 
+import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..errors import InputError, check_one_of, check_positive, listed, mapped, number, path_of
-from ..model.simulation import warn
+from ..model.simulation import RotorWarning, warn
 from ..runs.recording import Recording
 from ..runs.settings_text import parse_starts
 from .machine import Machine, check_machine, parse
@@ -69,6 +70,11 @@ def build_fmu(
     LibraryError
         If a library is missing and cannot be made (`pip install "rotor-fmu[build]"`).
 
+    Warns
+    -----
+    RotorWarning
+        If nothing holds the machine, if it is unstable at rest, or if no torque can drive it.
+
     Examples
     --------
     >>> import tempfile, rotor_fmu as rf
@@ -77,6 +83,7 @@ def build_fmu(
     'RotorBearing.fmu'
     """
     from ..fmi.packing.fmu_kinds import FmuKind
+    from ..linear.machine_warnings import machine_warnings
 
     check_machine(machine)
     if step is not None:
@@ -94,6 +101,8 @@ def build_fmu(
         starts = parse_starts(machine.rotor, is_free, given)
     except InputError as error:
         raise InputError(str(error).removeprefix("--set ")) from error
+    for text in machine_warnings(machine.rotor, is_free):
+        warnings.warn(RotorWarning(text), stacklevel=2)
     return kind.build(
         path_of("folder", folder), machine.toml, is_free, reduction, platforms, step, starts
     )

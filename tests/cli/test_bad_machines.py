@@ -9,8 +9,9 @@ from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
-from rotor_fmu.model.simulation import EquilibriumError, Simulation
+from rotor_fmu.model.simulation import EquilibriumError, RotorWarning, Simulation
 
+import rotor_fmu as rf
 from rotor_fmu.fmi.description import Described
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
@@ -208,15 +209,17 @@ def test_a_machine_that_leaves_its_equilibrium_is_warned_of():
     assert machine_warnings(parse_rotor(text)) == [output]
 
 
-def test_a_machine_that_no_torque_can_drive_is_warned_of_when_its_fmu_is_built():
+def test_a_machine_that_no_torque_can_drive_is_warned_of_when_its_fmu_is_built(tmp_path):
     held = shaft(0.0, 0.1, 0.2) + bearing(1) + bearing(3)
-    rotor = parse_rotor(
-        held + "[[point_mass]]\nnode = 2\nmass = 1.0\n[[unbalance]]\nnode = 2\namount = 0.01\n"
-    )
+    text = held + "[[point_mass]]\nnode = 2\nmass = 1.0\n[[unbalance]]\nnode = 2\namount = 0.01\n"
+    rotor = parse_rotor(text)
     with pytest.raises(EquilibriumError, match="a torque drives the rotor") as refused:
         Simulation(rotor, choose("robust"), speed=100.0, drive_torque=0.0)
     assert machine_warnings(rotor, is_free=True) == [str(refused.value)]
     assert machine_warnings(rotor) == []
+    with pytest.warns(RotorWarning) as warned:
+        rf.build_fmu(rf.parse(text), tmp_path, is_free=True)
+    assert [str(warning.message) for warning in warned] == [str(refused.value)]
 
 
 def test_a_stable_machine_is_not_doubted():
