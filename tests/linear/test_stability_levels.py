@@ -323,5 +323,15 @@ def test_a_mode_that_whirls_backward_but_for_some_nodes_is_not_the_first_forward
         whirl=("mixed", "backward", "mixed", "forward"),
         forwardness=np.array([-0.84, -0.23, 0.3, 0.9]),
         damping_ratio=np.full(4, 0.05),
+        is_held=np.full(4, True),
     )
     assert first_forward._place(lowest) == 2
+
+
+@pytest.mark.parametrize(("damping", "speed"), [(0.0, 50.0), (0.0, 300.0), (1.0, 300.0)])
+def test_a_motion_that_nothing_holds_is_not_the_first_forward_mode(damping, speed):
+    """Its frequency is rounding. The first forward mode is the cone about the centre of mass, whose
+    frequency is the speed times I_p / I_d of rotor and disc, 0.31."""
+    rotor = parse_rotor(SHAFT + support(1, 0.0, damping) + support(7, 0.0, damping))
+    result = level_1(rotor, speed, stiffness=[0.0])
+    assert result.first_frequency[0] == pytest.approx(0.31 * speed, rel=0.02)
