@@ -58,8 +58,8 @@ _SHARES = tuple(0.5**i for i in range(41))  # of such a step, down to what is ro
 _MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
 # Of the displacements, and of `small` where they are none but rounding; the second of a change that
 # no longer shrinks, the third where shorter steps still lead nearer, as where a pad is about to
-# bear, whose force sets in with an infinite slope; of shares that are none but rounding.
-_CHANGE, _STEADY, _STEADY_ASTRIDE, _SHORT = 1e-12, 1e-6, 1e-9, 1e-7
+# bear, whose force sets in with an infinite slope; of what they lead to, by which they do.
+_CHANGE, _STEADY, _STEADY_ASTRIDE, _NEARER = 1e-12, 1e-6, 1e-9, 0.99
 
 
 class LinearMachine:
@@ -208,7 +208,8 @@ class LinearMachine:
                 if left <= _MORE * change:
                     break
             rest = linear.rest
-            steady = _STEADY_ASTRIDE if _SHORT < share < 1.0 else _STEADY
+            is_astride = share < 1.0 and left < _NEARER * change
+            steady = _STEADY_ASTRIDE if is_astride else _STEADY
             is_steady = change <= steady * size and change >= 0.5 * before > 0.0
             if left <= max(_CHANGE * size, least) or is_steady:
                 return linear._replace(pull=pull)
