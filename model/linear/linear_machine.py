@@ -55,6 +55,7 @@ _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its 
 _FAR = 1e9  # what is more than any displacement [m]
 _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
 _SHARES = tuple(0.5**i for i in range(41))  # of such a step, down to what is rounding of it
+_ULP = 2.0**-52  # of the displacements: a shorter step changes nothing
 _MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
 # Of the displacements, and of `small` where they are none but rounding; the second of a change that
 # no longer shrinks, the third where shorter steps still lead nearer, as where a pad is about to
@@ -205,7 +206,7 @@ class LinearMachine:
                 linear = self._linear(speed, rest + share * step, 0.0, states)
                 ahead, pull = lead(linear.rest, linear.laws.force)
                 left = np.abs(ahead - linear.rest).max(initial=0.0)
-                if left <= _MORE * change:
+                if left <= _MORE * change or share * change <= _ULP * size:
                     break
             rest = linear.rest
             is_astride = share < 1.0 and left < _NEARER * change
