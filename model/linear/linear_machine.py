@@ -60,7 +60,7 @@ _MORE = 1.01  # of how far tangents led before: what is rounding where nothing h
 # Of the displacements, and of `small` where they are none but rounding; the second of a change that
 # no longer shrinks, the third where shorter steps still lead nearer, as where a pad is about to
 # bear, whose force sets in with an infinite slope; of what they lead to, by which they do.
-_CHANGE, _STEADY, _STEADY_ASTRIDE, _NEARER = 1e-12, 1e-6, 1e-9, 0.99
+CHANGE, _STEADY, _STEADY_ASTRIDE, _NEARER = 1e-12, 1e-6, 1e-9, 0.99
 
 
 class LinearMachine:
@@ -196,7 +196,7 @@ class LinearMachine:
         where it ends, lead hardly further than they did from where it began, which is no worse in
         other units (Deuflhard 2011)."""
         linear = self._linear(speed, rest)
-        least, before = _CHANGE * self.structure.numbers[0].small, 0.0
+        least, before = CHANGE * self.structure.numbers[0].small, 0.0
         for _ in range(_ITERATIONS):
             lead = self._leading(linear, force)
             result, _ = lead(rest, linear.laws.force)
@@ -212,7 +212,7 @@ class LinearMachine:
             is_astride = share < 1.0 and left < _NEARER * change
             steady = _STEADY_ASTRIDE if is_astride else _STEADY
             is_steady = change <= steady * size and change >= 0.5 * before > 0.0
-            if left <= max(_CHANGE * size, least) or is_steady:
+            if left <= max(CHANGE * size, least) or is_steady:
                 return linear._replace(pull=pull)
             before = change
         return None

@@ -26,7 +26,7 @@ from .orbit import AT_REST
 from .real_matrices import Between, differences
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
-_APART = 1e-9  # of a matrix: what is smaller couples nothing
+_APART = 1e-9  # of a matrix: what is smaller is rounding, and couples nothing
 # motion of x and y: forward circles, and in either plane
 _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
@@ -141,8 +141,11 @@ class UndampedMachine:
         its load there. NaN where nothing is found that holds it."""
         if speed not in self._own:
             try:
-                laws = self._loaded.at(speed).laws
-                interfaces = -np.diagonal(laws.by_d, axis1=1, axis2=2)
+                by_d = self._loaded.at(speed).laws.by_d
+                interfaces = -np.diagonal(by_d, axis1=1, axis2=2)
+                # of a film that nothing loads the cross coupling alone is more than rounding
+                least = _APART * np.abs(by_d).max(axis=(1, 2), initial=0.0)[:, None]
+                interfaces = np.where(np.abs(interfaces) > least, interfaces, 0.0)
             except LinearError:
                 interfaces = np.full((len(self._loaded.supports.interfaces), 2), np.nan)
             springs = self._loaded.structure.springs.stiffness

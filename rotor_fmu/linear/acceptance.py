@@ -85,6 +85,8 @@ class CriticalMap(Displayed, linear.CriticalMap):
         for lines in self._own_lines():
             own = lines[0]
             inside = (own.stiffness >= self.stiffness[0]) & (own.stiffness <= self.stiffness[-1])
+            if not inside.any():
+                continue
             color = ORANGE if own.axis == "x" else GREEN
             over = np.where(inside, own.stiffness, np.nan) * d.stiffness
             ls, label = next(dashes[own.axis]), _label_of(lines)
@@ -102,7 +104,7 @@ class CriticalMap(Displayed, linear.CriticalMap):
         if self.synchronous:
             what, unit = "critical speed", d.speed_unit
         axes.set_ylabel(f"Undamped {what} [{unit}]")
-        if self.own:
+        if axes.get_legend_handles_labels()[0]:
             figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
         entitle(axes, titled(self.machine_name, "Undamped critical speed map"))
         return figure

@@ -87,6 +87,11 @@ def clean_damping(ratio: Any) -> Any:
     return np.where(np.abs(ratio) < 1e-10, 0.0, ratio)[()]
 
 
+def is_rounding(values: np.ndarray, beside: np.ndarray) -> bool:
+    """Whether values are rounding, or nothing, beside the largest of values of their kind."""
+    return bool(np.abs(values).max() <= _ROUNDING * np.abs(beside).max())
+
+
 def without_rounding(factor: float, *values: np.ndarray) -> list[list[float]]:
     """Return values of one kind times a factor, 0 where they are rounding beside the largest."""
     least = _ROUNDING * max(np.abs(of).max(initial=0.0) for of in values)

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from rotor_fmu.display import (
     shown_speed,
     speed_with_unit,
 )
-from rotor_fmu.linear import acceptance, answers
+from rotor_fmu.linear import acceptance, answers, frequency_answers
 from rotor_fmu.linear.displayed import _shear
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.machine_file.loading import load_rotor
@@ -82,6 +83,27 @@ def test_what_of_a_load_is_rounding_is_shown_as_0():
     rows = answer.table().rows[-len(answer.supports) :]
     assert {row[4] for row in rows} == {0.0}
     assert [row[5] for row in rows] == pytest.approx(answer.load_y)
+
+
+@pytest.fixture(scope="module")
+def upright():
+    """A rotor in plain films, which nothing loads: these have no direct stiffness."""
+    _, rotor = load_rotor(EXAMPLES / "oil_film" / "rotor.toml")
+    return replace(rotor, inclination=math.pi / 2)
+
+
+def test_what_nothing_loads_rests_in_the_middle_of_its_films(upright):
+    answer = answers.static(upright, 400.0)
+    for moved in (answer.x, answer.y, answer.slope_x, answer.load_x, answer.load_y):
+        assert not moved.any()
+
+
+def test_what_is_rounding_is_not_drawn_beside_other_curves(upright):
+    assert not acceptance.critical_map(upright).figure().legends
+    found = frequency_answers.frequency_response(upright, [1.0, 10.0], 2, [2], speed=400.0)
+    found.receptance[:, :, 1, 0] *= 1e-12
+    above, _ = found.figure().axes
+    assert [line.get_label() for line in above.lines] == ["node 2: x by x", "node 2: y by y"]
 
 
 def test_a_value_is_shown_with_its_unit_if_it_has_one():
