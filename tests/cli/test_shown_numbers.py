@@ -18,7 +18,7 @@ from rotor_fmu.display import (
     shown_speed,
     speed_with_unit,
 )
-from rotor_fmu.linear import acceptance, answers, frequency_answers
+from rotor_fmu.linear import acceptance, answers, bearing_answers, frequency_answers
 from rotor_fmu.linear.displayed import _shear
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.machine_file.loading import load_rotor
@@ -96,6 +96,14 @@ def test_what_nothing_loads_rests_in_the_middle_of_its_films(upright):
     answer = answers.static(upright, 400.0)
     for moved in (answer.x, answer.y, answer.slope_x, answer.load_x, answer.load_y):
         assert not moved.any()
+
+
+def test_coefficients_that_are_rounding_are_shown_as_0(upright):
+    table = bearing_answers.bearing(upright, [100.0, 400.0]).table()
+    shown = dict(zip(table.heads, zip(*table.rows, strict=True), strict=True))
+    for name in ("kxx [N/m]", "kyy", "cxy", "cyx"):
+        assert shown[name] == (0.0, 0.0)
+    assert all(shown["kyx"])
 
 
 def test_what_is_rounding_is_not_drawn_beside_other_curves(upright):
