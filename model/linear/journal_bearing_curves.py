@@ -25,7 +25,7 @@ from .system_at_speed import LinearError
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
 _HALVINGS = 30
-_ROUNDING = 1e-12  # of a force of the film's size
+_ROUNDING = 1e-12  # of a force of the film's size, and of the clearance
 ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
 
@@ -121,7 +121,8 @@ def bearing_curves(
             loads[i] = 0.0
         on = complex(loads[i])
         start = alone.rest(on, None if on == 0.0 else start)
-        rows.append(_row(alone, known[name], on, start))
+        is_off = abs(start) > _ROUNDING * known[name].clearance
+        rows.append(_row(alone, known[name], on, start if is_off else 0j))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     gravity = rotor.gravity or GRAVITY
     mass = float(abs(loads[0])) / gravity

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.structure.beam import shaft_element
 
 from rotor_fmu.cells import cell
@@ -96,6 +97,15 @@ def test_what_nothing_loads_rests_in_the_middle_of_its_films(upright):
     answer = answers.static(upright, 400.0)
     for moved in (answer.x, answer.y, answer.slope_x, answer.load_x, answer.load_y):
         assert not moved.any()
+
+
+def test_a_journal_in_the_middle_of_its_pads_has_no_attitude(upright):
+    pads = {"pads": tuple(math.tau * n / 5 for n in range(5)), "arc": 1.0, "preload": 0.4}
+    (film, *_) = (p for p in upright.parts if isinstance(p, JournalBearing))
+    tilting = replace(upright, parts=(replace(film, tilting=True, pad_inertia=1e-4, **pads),))
+    found = bearing_answers.bearing(tilting, [100.0, 300.0, 400.0], load=0.0)
+    assert not found.eccentricity.any()
+    assert not found.attitude.any()
 
 
 def test_coefficients_that_are_rounding_are_shown_as_0(upright):
