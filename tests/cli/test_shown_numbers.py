@@ -100,12 +100,15 @@ def test_what_nothing_loads_rests_in_the_middle_of_its_films(upright):
 
 
 def test_a_journal_in_the_middle_of_its_pads_has_no_attitude(upright):
-    pads = {"pads": tuple(math.tau * n / 5 for n in range(5)), "arc": 1.0, "preload": 0.4}
+    pads = {"pads": tuple(math.tau * (n / 5 + 0.25) for n in range(5)), "arc": 1.0, "preload": 0.4}
     (film, *_) = (p for p in upright.parts if isinstance(p, JournalBearing))
     tilting = replace(upright, parts=(replace(film, tilting=True, pad_inertia=1e-4, **pads),))
     found = bearing_answers.bearing(tilting, [100.0, 300.0, 400.0], load=0.0)
     assert not found.eccentricity.any()
     assert not found.attitude.any()
+    assert not bearing_answers.bearing(tilting, [100.0, 300.0], load=1.0).attitude.any()
+    plain = bearing_answers.bearing(upright, [100.0, 250.0, 300.0, 400.0])
+    assert not plain.critical_mass.any()
 
 
 def test_coefficients_that_are_rounding_are_shown_as_0(upright):
