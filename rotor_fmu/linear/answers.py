@@ -267,7 +267,7 @@ class Static(Displayed, linear.Static):
             arrow = {"arrowstyle": "->", "color": "black", "lw": 0.9}
             axes.annotate("", (at, y), tail, arrowprops=arrow)
             marks += [(at, (y + tail[1]) / 2)]
-            words = f"{support} {abs(load) * d.force:.5g} {d.force_unit}"
+            words = f"{support} {five_digits(abs(load) * d.force)} {d.force_unit}"
             labels.append((*tail, words, load < 0))
         axes.set_xlabel(f"Along the shaft z [{d.length_unit}]")
         axes.set_ylabel(f"Deflection [{d.small_unit}]")

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..cells import cell, html_table
+from ..cells import cell, five_digits, html_table
 from ..display import speed_with_unit
 
 _ROUNDING = 1e-8  # of the largest of values of one kind
@@ -49,7 +49,7 @@ class Table(NamedTuple):
 
 def turns(speed: float, contacts: str) -> str:
     """Return the state of a machine in a heading."""
-    return f"{speed_with_unit(speed)} ({speed:.5g} rad/s), contacts {contacts}"
+    return f"{speed_with_unit(speed)} ({five_digits(speed)} rad/s), contacts {contacts}"
 
 
 def peaks(size: np.ndarray) -> list[int]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from matplotlib.text import Text
+from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER
@@ -57,6 +58,15 @@ def test_the_stiffnesses_of_four_bearings_look_different_in_a_critical_map(tmp_p
     lines = legend.get_lines()
     assert len(lines) == 7
     assert len({(line.get_color(), str(line._unscaled_dash_pattern)) for line in lines}) == 7
+
+
+def test_stiffnesses_that_a_critical_map_does_not_show_apart_are_one_line():
+    k = {"kxx": 1e6, "kyy": 1.001e6, "cxx": 0.0, "cyy": 0.0}
+    text = SHAFT + "".join(table("[linear_bearing]", node=node, **k) for node in (1, 7))
+    shown = acceptance.critical_map(parse_rotor(text), [1e5, 1e6, 1e7], count=1)
+    assert len(shown.table().rows) == 2
+    (legend,) = shown.figure().legends
+    assert [label.get_text().count("bearing") for label in legend.get_texts()] == [4]
 
 
 @pytest.mark.usefixtures("drawn")
