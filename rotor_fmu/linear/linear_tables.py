@@ -14,7 +14,7 @@ _PROMINENT = 1e-4  # of a peak, by which it rises above what lies beside it: les
 _DERIVED = (
     *("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"),
     *("amplification", "is_one_sided", "is_met", "ratio", "is_level_2_required"),
-    *("residual", "conclusion"),
+    *("depends_on_density", "residual", "conclusion"),
 )
 
 

@@ -227,6 +227,8 @@ def _stability(
         verdict = ", which is enough." if level_2.is_met else "; at least 0.1 is required."
         text = f"Stability: least log dec {log_dec:.3g} with all that acts{verdict}"
     asks = " Level 1 asks for level 2." if level_1.is_level_2_required else ""
+    if level_1.depends_on_density:
+        asks = " Level 1 asks for level 2 if the gas density lies in region B of API 617."
     return Conclusion(text + asks, level_2.is_met)
 
 
