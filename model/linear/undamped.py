@@ -31,6 +31,7 @@ _APART = 1e-9  # of a matrix: what is smaller is rounding, and couples nothing
 _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
+_SOFT = 1e-14  # of that: of a bearing that has no stiffness, so that shapes are those without it
 
 
 class Synchronous(NamedTuple):
@@ -172,6 +173,7 @@ class UndampedMachine:
         ascending frequency, shape (m, n); with the mean of both direct stiffnesses that each
         bearing has at a speed [rad/s]."""
         own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
+        own[own == 0.0] = _SOFT * self.rigid_stiffness
         inverse = self._inverse(own, self.mass.astype(complex))
         _, shapes = _solve(_half(inverse, _ACROSS)[0], 2 * self._nodes)
         w = shapes[: 2 * self._nodes : 2].T
