@@ -60,9 +60,9 @@ def static(
     machine = LinearMachine(rotor, contacts)
     s = machine.structure
     force = np.zeros(machine.across.shape[1])
-    for node, x, y in rows("loads", loads, "(node, force x, force y)"):
+    for node, across, up in rows("loads", loads, "(node, force x, force y)"):
         at = 4 * (check_node(machine, node) - 1)
-        force[at : at + 2] += x, y
+        force[at : at + 2] += across, up
     linear = machine.loaded(speed, force)
     whole = _without_rounding(machine.expand @ linear.rest, CHANGE * s.numbers[0].small)
     x, y = whole[::2], whole[1::2]
