@@ -118,10 +118,16 @@ def peaks(response: Callable[[float], float], speeds: Sequence[float] | np.ndarr
     """
     at = np.asarray(speeds, dtype=float)
     values = np.array([response(speed) for speed in at])
-    tops = ((i, *top(response, at, i)) for i in inner_peaks(values))
-    return [
-        _peak(response, at, values, *each) for each in tops if not _is_step(response, *each[1:])
-    ]
+    return [_peak(response, at, values, *each) for each in tops(response, at, values)]
+
+
+def tops(
+    response: Callable[[float], float], at: np.ndarray, values: np.ndarray
+) -> list[tuple[int, float, float]]:
+    """Return the place, speed [rad/s] and value of the peaks of a response with values at ascending
+    speeds; see `peaks`."""
+    found = ((i, *top(response, at, i)) for i in inner_peaks(values))
+    return [each for each in found if not _is_step(response, *each[1:])]
 
 
 def _is_step(response: Callable[[float], float], speed: float, largest: float) -> bool:

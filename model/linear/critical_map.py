@@ -12,6 +12,8 @@ from scipy.optimize import brentq
 
 from ..arguments import numbers
 from ..machine.rotor import Rotor
+from ..structure.assembly import assemble
+from ..structure.structure import total_mass
 from .forward_branches import ForwardBranches
 from .linear_machine import LinearError
 from .modes import check_count
@@ -20,7 +22,6 @@ from .undamped import UndampedMachine
 _MODES = 4
 _SAMPLES = 60  # speeds at which the bearings' own stiffness is listed
 _ALIKE = 1e-9  # relative difference of two stiffnesses that are one
-_NO_STIFFNESS = 1e7  # about which the map of bearings is drawn that have none [N/m]
 
 
 class BearingStiffness(NamedTuple):
@@ -139,13 +140,17 @@ class _Lines:
 
 def mean_stiffness(rotor: Rotor, contacts: str | None = None) -> float:
     """Return the geometric mean of the direct stiffnesses of the bearings [N/m], at standstill; of
-    those that hold the machine only as it turns, at the first critical speed on rigid supports."""
+    those that hold the machine only as it turns, at the first critical speed on rigid supports;
+    where none has any, that on which the rotor's mass has this critical speed."""
     machine = UndampedMachine(rotor, contacts, rigid_pedestals=False)
-    for speed in (0.0, first_rigid_critical(rotor, contacts)):
+    rigid = first_rigid_critical(rotor, contacts)
+    for speed in (0.0, rigid):
         values = machine.own_stiffness(speed)
         if (values > 0).any():
             return float(np.exp(np.log(values[values > 0]).mean()))
-    return _NO_STIFFNESS
+    structure = assemble(rotor)
+    lowest = np.fmin(rigid, structure.numbers[0].lowest_omega)  # that of one without such a speed
+    return float(total_mass(structure) * lowest**2)
 
 
 def _speeds_beside(criticals: np.ndarray) -> np.ndarray:

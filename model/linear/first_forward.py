@@ -199,7 +199,8 @@ def _place(found: Modes) -> int:
     """Return the place of the mode of the rotor alone, before cross coupling is tried: without
     gyroscopic moments both circles of a mode are one, and neither is backward."""
     is_backward = found.forwardness <= -_IN_DOUBT  # as a whole, though some nodes whirl forward
-    places = [i for i, word in enumerate(found.whirl) if word != BACKWARD and not is_backward[i]]
+    counts = found.is_held & ~is_backward
+    places = [i for i, word in enumerate(found.whirl) if word != BACKWARD and counts[i]]
     if not places:
         raise LinearError(
             f"all of the {len(found.whirl)} lowest modes at {found.speed:g} rad/s whirl backward"

@@ -25,7 +25,9 @@ from .system_at_speed import LinearError
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
 _HALVINGS = 30
-_ROUNDING = 1e-12  # of a force of the film's size
+# of a force of the film's size, of the clearance, and of the largest coefficient
+_ROUNDING = 1e-12
+_ALONG = 1e-9  # rad: the attitude of a journal that moves along its load
 ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
 
@@ -121,7 +123,8 @@ def bearing_curves(
             loads[i] = 0.0
         on = complex(loads[i])
         start = alone.rest(on, None if on == 0.0 else start)
-        rows.append(_row(alone, known[name], on, start))
+        is_off = abs(start) > _ROUNDING * known[name].clearance
+        rows.append(_row(alone, known[name], on, start if is_off else 0j))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     gravity = rotor.gravity or GRAVITY
     mass = float(abs(loads[0])) / gravity
@@ -153,16 +156,17 @@ def bearing_curves(
 
 
 def _row(alone: BearingAlone, part: JournalBearing, load: complex, d: complex) -> dict[str, object]:
-    K, C = alone.coefficients(d)
+    K, C = map(_without_rounding, alone.coefficients(d))
     mass, whirl = critical_mass(K, C)
     known = alone.outputs(d)
-    names = ("eccentricity", "attitude", "film", "pressure", "torque", "power", "flow")
+    names = ("eccentricity", "film", "pressure", "torque", "power", "flow")
     tilts = alone.tilts(d)
     in_plane = film_in_plane(part, alone.speed, d, tilts=tilts, viscosity=alone.viscosity)
     # without a load both are what is left where the forces of the pads cancel
     is_compared = load != 0.0 and in_plane != 0.0
     error = abs(alone.force(d) - in_plane) / abs(in_plane) if is_compared else math.nan
     return {name: known[name] for name in names} | {
+        "attitude": known["attitude"] if abs(known["attitude"]) > _ALONG else 0.0,
         "x": d.real,
         "y": d.imag,
         "around": alone.pressure(d, ANGLES),
@@ -175,6 +179,10 @@ def _row(alone: BearingAlone, part: JournalBearing, load: complex, d: complex) -
         "tilts": np.column_stack([tilts.real, tilts.imag]),
         "pad_loads": alone.pad_loads(d) if part.tilting else np.zeros(0),
     }
+
+
+def _without_rounding(values: np.ndarray) -> np.ndarray:
+    return np.where(np.abs(values) > _ROUNDING * np.abs(values).max(), values, 0.0)
 
 
 def _viscous(alone: BearingAlone) -> float:

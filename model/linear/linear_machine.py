@@ -55,11 +55,12 @@ _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its 
 _FAR = 1e9  # what is more than any displacement [m]
 _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
 _SHARES = tuple(0.5**i for i in range(41))  # of such a step, down to what is rounding of it
+_ULP = 2.0**-52  # of the displacements: a shorter step changes nothing
 _MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
 # Of the displacements, and of `small` where they are none but rounding; the second of a change that
 # no longer shrinks, the third where shorter steps still lead nearer, as where a pad is about to
-# bear, whose force sets in with an infinite slope; of shares that are none but rounding.
-_CHANGE, _STEADY, _STEADY_ASTRIDE, _SHORT = 1e-12, 1e-6, 1e-9, 1e-7
+# bear, whose force sets in with an infinite slope; of what they lead to, by which they do.
+CHANGE, _STEADY, _STEADY_ASTRIDE, _NEARER = 1e-12, 1e-6, 1e-9, 0.99
 
 
 class LinearMachine:
@@ -195,7 +196,7 @@ class LinearMachine:
         where it ends, lead hardly further than they did from where it began, which is no worse in
         other units (Deuflhard 2011)."""
         linear = self._linear(speed, rest)
-        least, before = _CHANGE * self.structure.numbers[0].small, 0.0
+        least, before = CHANGE * self.structure.numbers[0].small, 0.0
         for _ in range(_ITERATIONS):
             lead = self._leading(linear, force)
             result, _ = lead(rest, linear.laws.force)
@@ -205,12 +206,13 @@ class LinearMachine:
                 linear = self._linear(speed, rest + share * step, 0.0, states)
                 ahead, pull = lead(linear.rest, linear.laws.force)
                 left = np.abs(ahead - linear.rest).max(initial=0.0)
-                if left <= _MORE * change:
+                if left <= _MORE * change or share * change <= _ULP * size:
                     break
             rest = linear.rest
-            steady = _STEADY_ASTRIDE if _SHORT < share < 1.0 else _STEADY
+            is_astride = share < 1.0 and left < _NEARER * change
+            steady = _STEADY_ASTRIDE if is_astride else _STEADY
             is_steady = change <= steady * size and change >= 0.5 * before > 0.0
-            if left <= max(_CHANGE * size, least) or is_steady:
+            if left <= max(CHANGE * size, least) or is_steady:
                 return linear._replace(pull=pull)
             before = change
         return None

@@ -10,8 +10,9 @@ with the power P [W], the speed Omega [rad/s], the impeller's diameter D and its
 [m], and the densities at discharge and suction. It acts as F_x = -q y, F_y = q x. Level 1 puts the
 sum QA of all stages at one node, midway between the bearings or, of an overhung rotor, at its
 stage, and asks for a level 2 where the rotor becomes unstable at Q0 < 2 QA, or where its
-logarithmic decrement with QA is below 0.1. Level 2 asks for 0.1. The standard means the first
-forward mode; both levels judge by the least of all forward ones and give both: see
+logarithmic decrement with QA is below 0.1, and at Q0 < 10 QA where critical speed ratio and average
+gas density lie in region B of the standard's plot. Level 2 asks for 0.1. The standard means the
+first forward mode; both levels judge by the least of all forward ones and give both: see
 `first_forward`.
 """
 
@@ -34,6 +35,7 @@ from .undamped import UndampedMachine, without_seals
 
 LEAST_LOG_DEC = 0.1
 LEAST_RATIO = 2.0
+_CLEAR_RATIO = 10.0  # of Q0 / QA, from which on the gas density does not matter
 ALFORD = 3.0
 _POINTS = 41
 _STEP = 1e-4  # of QA or of Q0, for the sensitivity
@@ -93,8 +95,13 @@ class StabilityLevel1:
 
     @property
     def is_level_2_required(self) -> bool:
-        """Whether level 1 asks for a level 2."""
+        """Whether level 1 asks for a level 2, whatever the gas density."""
         return self.ratio < LEAST_RATIO or self.log_dec_anticipated < LEAST_LOG_DEC
+
+    @property
+    def depends_on_density(self) -> bool:
+        """Whether level 1 asks for a level 2 where the average gas density lies in region B."""
+        return not self.is_level_2_required and self.ratio < _CLEAR_RATIO
 
 
 class StabilityCase(NamedTuple):

@@ -8,10 +8,13 @@ import numpy as np
 
 from ..arguments import check_integer, rows
 from ..machine.rotor import Rotor
-from .linear_machine import LinearError, LinearMachine
+from ..quantities import STANDARD_GRAVITY
+from ..structure.structure import total_mass
+from .linear_machine import CHANGE, LinearError, LinearMachine
 from .modes import check_speed
 
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
+_NO_LOAD = 1e-10  # of the rotor's weight: what films bear that nothing loads is their rounding
 
 
 @dataclass(frozen=True)
@@ -55,15 +58,17 @@ def static(
     """
     check_speed(speed)
     machine = LinearMachine(rotor, contacts)
+    s = machine.structure
     force = np.zeros(machine.across.shape[1])
-    for node, x, y in rows("loads", loads, "(node, force x, force y)"):
+    for node, across, up in rows("loads", loads, "(node, force x, force y)"):
         at = 4 * (check_node(machine, node) - 1)
-        force[at : at + 2] += x, y
+        force[at : at + 2] += across, up
     linear = machine.loaded(speed, force)
-    whole = machine.expand @ linear.rest
+    whole = _without_rounding(machine.expand @ linear.rest, CHANGE * s.numbers[0].small)
     x, y = whole[::2], whole[1::2]
     n = 2 * len(machine.nodes)
     bears = machine.loads(linear, linear.rest, linear.pull, machine.weight + force, 0.0).real
+    bears = _without_rounding(bears, _NO_LOAD * total_mass(s) * STANDARD_GRAVITY)
     return Static(
         speed=speed,
         contacts=machine.contacts,
@@ -80,6 +85,10 @@ def static(
         load_x=bears[:, 0],
         load_y=bears[:, 1],
     )
+
+
+def _without_rounding(values: np.ndarray, least: float) -> np.ndarray:
+    return np.where(np.abs(values) > least, values, 0.0)
 
 
 def needs_to_turn(rotor: Rotor, contacts: str | None = None) -> bool:

@@ -6,8 +6,8 @@ equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y:
     (K + i Omega D - Omega^2 M) u = f,   u(t) = Re(u exp(i Omega t))
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache, partial
 
 import numpy as np
@@ -20,6 +20,8 @@ from .modes import check_speed
 from .static import check_node
 from .system_at_speed import LinearError
 
+_CREEPING = 1e-4  # of the lowest elastic frequency: a speed whose response is that of all below
+
 
 @dataclass(frozen=True)
 class UnbalanceResponse:
@@ -28,7 +30,8 @@ class UnbalanceResponse:
 
     contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y: shape (s, n) [m]; housings:
     names, housing_x, housing_y, shape (s, housings) [m]; supports: names of the supports; load_x,
-    load_y: the load on each, shape (s, supports) [N].
+    load_y: the load on each, shape (s, supports) [N]; peaks: speeds at which the orbits of nodes
+    (from 1) peak, where these were looked for [rad/s].
     """
 
     speeds: np.ndarray
@@ -42,6 +45,7 @@ class UnbalanceResponse:
     supports: tuple[str, ...]
     load_x: np.ndarray
     load_y: np.ndarray
+    peaks: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
 
     @property
     def forward(self) -> np.ndarray:
@@ -150,6 +154,8 @@ class SteadyWhirl:
         take longer."""
         check_speed(speed)
         machine = self.machine
+        if speed == 0.0 and not machine.is_held:  # it turns about its centre of mass
+            return self._solve(_CREEPING * float(machine.structure.numbers[0].lowest_omega))
         if speed == 0.0:  # nothing pulls, even on journals that no film carries yet
             nothing = np.zeros((len(machine.supports.names), 2), complex)
             return np.zeros((len(self._pull) // 2, 2), complex), lambda: nothing

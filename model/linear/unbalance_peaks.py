@@ -3,13 +3,14 @@ one is narrower than the distance of speeds spaced evenly."""
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from ..machine.rotor import Rotor
-from .amplification import with_modes, with_tops
+from .amplification import tops, with_modes
 from .campbell import campbell
 from .linear_machine import LinearMachine
 from .orbit import semi_axes
@@ -80,5 +81,10 @@ def response_with_peaks(
     whirl = SteadyWhirl(rotor, contacts, unbalances)
     close = with_criticals(rotor, speeds, contacts)
     shown = nodes or whirl.response(close).nodes()
-    sizes = [partial(major_of, whirl, check_node(whirl.machine, node)) for node in shown]
-    return whirl.response(with_tops(sizes, close))
+    peaks = {}
+    for node in shown:
+        size = partial(major_of, whirl, check_node(whirl.machine, node))
+        found = tops(size, close, np.array([size(at) for at in close]))
+        peaks[node] = tuple(speed for _, speed, _ in found)
+    at = np.unique([*close, *(speed for of in peaks.values() for speed in of)])
+    return replace(whirl.response(at), peaks=peaks)

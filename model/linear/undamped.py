@@ -26,11 +26,12 @@ from .orbit import AT_REST
 from .real_matrices import Between, differences
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
-_APART = 1e-9  # of a matrix: what is smaller couples nothing
+_APART = 1e-9  # of a matrix: what is smaller is rounding, and couples nothing
 # motion of x and y: forward circles, and in either plane
 _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
+_SOFT = 1e-14  # of that: of a bearing that has no stiffness, so that shapes are those without it
 
 
 class Synchronous(NamedTuple):
@@ -141,8 +142,11 @@ class UndampedMachine:
         its load there. NaN where nothing is found that holds it."""
         if speed not in self._own:
             try:
-                laws = self._loaded.at(speed).laws
-                interfaces = -np.diagonal(laws.by_d, axis1=1, axis2=2)
+                by_d = self._loaded.at(speed).laws.by_d
+                interfaces = -np.diagonal(by_d, axis1=1, axis2=2)
+                # of a film that nothing loads the cross coupling alone is more than rounding
+                least = _APART * np.abs(by_d).max(axis=(1, 2), initial=0.0)[:, None]
+                interfaces = np.where(np.abs(interfaces) > least, interfaces, 0.0)
             except LinearError:
                 interfaces = np.full((len(self._loaded.supports.interfaces), 2), np.nan)
             springs = self._loaded.structure.springs.stiffness
@@ -169,6 +173,7 @@ class UndampedMachine:
         ascending frequency, shape (m, n); with the mean of both direct stiffnesses that each
         bearing has at a speed [rad/s]."""
         own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
+        own[own == 0.0] = _SOFT * self.rigid_stiffness
         inverse = self._inverse(own, self.mass.astype(complex))
         _, shapes = _solve(_half(inverse, _ACROSS)[0], 2 * self._nodes)
         w = shapes[: 2 * self._nodes : 2].T

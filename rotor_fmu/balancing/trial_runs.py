@@ -33,9 +33,6 @@ _SETTLED = 16.0  # time constants of the slowest mode until the motion is steady
 _LEAST_TURNS, _MOST_TURNS = 60, 4000
 _MEASURED = 32  # turns at the end of a run, over which the vibration is measured
 _ROWS = 64  # a turn
-# Steps a turn at least: what is balanced rests, and in longer ones its sag would pass for 1x, all
-# rows having the same angle.
-_STEPS = 12
 _TRIAL = 0.1  # of the rotor's weight, the force of all trial unbalances together
 _TOLERANCE = 1e-5
 _STEADY = 0.01  # of the initial vibration: what another one within a run may differ by
@@ -170,7 +167,7 @@ class _Bench:
                 parameters={"solver.method": IN_STAGES},  # many times fewer steps than others
                 record=[*names, *self._touching],
                 per_turn=_ROWS,
-                step=turn / _STEPS,
+                step=turn,
             )
         self.messages |= dict.fromkeys(on_numbers(result.messages, result.codes))
         if result.status.startswith(FAILED):

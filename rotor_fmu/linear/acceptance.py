@@ -35,6 +35,8 @@ from .linear_plots import plain_ticks, shade, titled
 from .linear_tables import Table
 
 _MET = {True: "yes", False: "NO"}
+_PRINTED, _SEEN = 1e-6, 1e-2  # shares by which stiffnesses differ in a table, and in a picture
+_NARROW = 30  # characters of a label, of which three stand beside each other
 _DASHES: tuple[Any, ...] = ("-", DASHED, DOTTED, (0, (6, 2, 1, 2)), (0, (9, 3)))
 
 
@@ -63,7 +65,7 @@ class CriticalMap(Displayed, linear.CriticalMap):
                 *(_label_of(lines), c.mode + 1, float(c.stiffness) * d.stiffness),
                 *(float(c.speed), float(c.speed) * d.speed),
             )
-            for lines in self._own_lines()
+            for lines in self._own_lines(_PRINTED)
             for c in self.crossings
             if (c.bearing, c.axis) == (lines[0].bearing, lines[0].axis)
         ]
@@ -82,9 +84,11 @@ class CriticalMap(Displayed, linear.CriticalMap):
                 annotate(axes, f"{mode + 1}", at, aside, va="center", color=BLUE)
         # those of a bearing, which may lie on each other, differ in colour and dashes
         dashes = {"x": cycle(_DASHES), "y": cycle(_DASHES[1:] + _DASHES[:1])}
-        for lines in self._own_lines():
+        for lines in self._own_lines(_SEEN):
             own = lines[0]
             inside = (own.stiffness >= self.stiffness[0]) & (own.stiffness <= self.stiffness[-1])
+            if not inside.any():
+                continue
             color = ORANGE if own.axis == "x" else GREEN
             over = np.where(inside, own.stiffness, np.nan) * d.stiffness
             ls, label = next(dashes[own.axis]), _label_of(lines)
@@ -102,17 +106,19 @@ class CriticalMap(Displayed, linear.CriticalMap):
         if self.synchronous:
             what, unit = "critical speed", d.speed_unit
         axes.set_ylabel(f"Undamped {what} [{unit}]")
-        if self.own:
-            figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+        _, labels = axes.get_legend_handles_labels()
+        if labels:
+            columns = 3 if max(map(len, labels)) < _NARROW else 1
+            figure.legend(loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
         entitle(axes, titled(self.machine_name, "Undamped critical speed map"))
         return figure
 
-    def _own_lines(self) -> list[list[BearingStiffness]]:
-        """Return the bearings' own stiffnesses, those of the same values together."""
+    def _own_lines(self, alike: float) -> list[list[BearingStiffness]]:
+        """Return the bearings' own stiffnesses, those together that differ by less than a share."""
         lines: list[list[BearingStiffness]] = []
         for own in self.own:
             for others in lines:
-                if np.allclose(own.stiffness, others[0].stiffness, rtol=1e-6):
+                if np.allclose(own.stiffness, others[0].stiffness, rtol=alike, equal_nan=True):
                     others.append(own)
                     break
             else:

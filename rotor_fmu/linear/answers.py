@@ -145,11 +145,10 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
         d = current()
         moves = self.major > _ROUNDING * self.major.max(axis=1, keepdims=True)
         size = np.where(moves, self.major, 0.0)
-        is_few = len(self.speeds) <= MOST_SPEEDS
         places = [
             (i, node - 1)
             for node in nodes or self.nodes()
-            for i in (range(len(size)) if is_few else peaks(size[:, node - 1]))
+            for i in self._shown_of(node, size[:, node - 1])
         ]
         i, j = np.reshape(places, (-1, 2)).astype(int).T
         amplitudes = {"x": np.abs(self.x), "y": np.abs(self.y)}
@@ -165,8 +164,21 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
             ("phase x [deg]", np.degrees(self.phase_x[i, j])),
             ("phase y [deg]", np.degrees(self.phase_y[i, j])),
         )
-        what = "" if is_few else " where it peaks"
+        what = "" if self._is_few else " where it peaks, or is largest"
         return Table.of(f"Response to unbalance{what}, contacts {self.contacts}", columns)
+
+    @property
+    def _is_few(self) -> bool:
+        return len(self.speeds) <= MOST_SPEEDS
+
+    def _shown_of(self, node: int, size: np.ndarray) -> Sequence[int]:
+        """Return the places of the speeds at which the table shows a node (from 1)."""
+        if self._is_few:
+            return range(len(size))
+        if node not in self.peaks:
+            return peaks(size)
+        found = np.searchsorted(self.speeds, self.peaks[node])
+        return found[size[found] > 0.0].tolist() or [int(np.argmax(size))]
 
     def figure(
         self, nodes: Sequence[int] | None = None, operating: tuple[float, float] | None = None
@@ -255,7 +267,7 @@ class Static(Displayed, linear.Static):
             arrow = {"arrowstyle": "->", "color": "black", "lw": 0.9}
             axes.annotate("", (at, y), tail, arrowprops=arrow)
             marks += [(at, (y + tail[1]) / 2)]
-            words = f"{support} {abs(load) * d.force:.5g} {d.force_unit}"
+            words = f"{support} {five_digits(abs(load) * d.force)} {d.force_unit}"
             labels.append((*tail, words, load < 0))
         axes.set_xlabel(f"Along the shaft z [{d.length_unit}]")
         axes.set_ylabel(f"Deflection [{d.small_unit}]")

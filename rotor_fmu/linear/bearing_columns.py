@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from ..display import current, speed_with_unit
 from ..model import linear
 from ..plotting.figure_style import COLORS, entitle
+from .linear_tables import without_rounding
 
 Curves = linear.BearingCurves | linear.RingCurves | linear.RollingCurves
 
@@ -55,7 +56,10 @@ def speed_and_load(result: Curves) -> tuple[tuple[str, np.ndarray], ...]:
 def coefficient_columns(result: Curves) -> list[tuple[str, np.ndarray]]:
     """Return the columns of stiffness and damping, with their heads."""
     d = current()
-    K, C = (np.reshape(of, (-1, 4)).T for of in (result.K * d.stiffness, result.C * d.damping))
+    K, C = (
+        np.reshape(without_rounding(factor, of), (-1, 4)).T
+        for factor, of in ((d.stiffness, result.K), (d.damping, result.C))
+    )
     heads = (
         *(f"kxx [{d.stiffness_unit}]", "kxy", "kyx", "kyy"),
         *(f"cxx [{d.damping_unit}]", "cxy", "cyx", "cyy"),

@@ -29,7 +29,7 @@ from ..plotting.figure_style import (
 )
 from .displayed import Displayed, Machine, answer_of, displayed
 from .linear_plots import plain_ticks, titled
-from .linear_tables import Table, peaks, turns
+from .linear_tables import Table, is_rounding, peaks, turns
 
 ZONES = "ABCD"
 
@@ -76,7 +76,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         for k, (node, color) in enumerate(zip(self.shown_nodes, COLORS, strict=False)):
             for (i, j), dashes in (((0, 0), "-"), ((1, 1), DASHED), ((1, 0), DOTTED)):
                 values = self.receptance[:, k, i, j]
-                if i != j and not (np.abs(values) > 0).any():
+                if i != j and is_rounding(values, self.receptance):
                     continue
                 label = f"node {node}: {'xy'[i]} by {'xy'[j]}"
                 size = np.abs(values) * d.small / d.force

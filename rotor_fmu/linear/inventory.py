@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from ..cells import five_digits
 from ..display import current
 from ..model.machine.rotor import Rotor
 from ..model.structure.assembly import assemble
@@ -26,8 +27,9 @@ class Inventory:
         inertia = self.inertia * d.mass * (1.0 if d.length_unit == "mm" else d.length**2)
         unit = f"{d.mass_unit} {'m2' if d.length_unit == 'mm' else f'{d.length_unit}2'}"
         title = (
-            f"{self.name}: {len(self.nodes)} nodes, {self.length * d.length:.5g} {d.length_unit}, "
-            f"{self.mass * d.mass:.5g} {d.mass_unit}, {inertia:.4g} {unit} about its axis"
+            f"{self.name}: {len(self.nodes)} nodes, "
+            f"{five_digits(self.length * d.length)} {d.length_unit}, "
+            f"{five_digits(self.mass * d.mass)} {d.mass_unit}, {inertia:.4g} {unit} about its axis"
         )
         rows = [
             (name, node or "", z * d.length if node else "", text)

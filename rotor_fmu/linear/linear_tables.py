@@ -1,11 +1,11 @@
 """Tables of linear analyses: as text, as HTML for notebooks, and as numbers for JSON."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..cells import cell, html_table
+from ..cells import cell, five_digits, html_table
 from ..display import speed_with_unit
 
 _ROUNDING = 1e-8  # of the largest of values of one kind
@@ -14,7 +14,7 @@ _PROMINENT = 1e-4  # of a peak, by which it rises above what lies beside it: les
 _DERIVED = (
     *("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"),
     *("amplification", "is_one_sided", "is_met", "ratio", "is_level_2_required"),
-    *("residual", "conclusion"),
+    *("depends_on_density", "residual", "conclusion"),
 )
 
 
@@ -49,7 +49,7 @@ class Table(NamedTuple):
 
 def turns(speed: float, contacts: str) -> str:
     """Return the state of a machine in a heading."""
-    return f"{speed_with_unit(speed)} ({speed:.5g} rad/s), contacts {contacts}"
+    return f"{speed_with_unit(speed)} ({five_digits(speed)} rad/s), contacts {contacts}"
 
 
 def peaks(size: np.ndarray) -> list[int]:
@@ -73,6 +73,8 @@ def _plain(value: Any) -> Any:
         return numbers(value)
     if hasattr(value, "_asdict"):
         return {name: _plain(item) for name, item in value._asdict().items()}
+    if isinstance(value, Mapping):
+        return {str(name): _plain(item) for name, item in value.items()}
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, (list, tuple)):
@@ -83,6 +85,11 @@ def _plain(value: Any) -> Any:
 def clean_damping(ratio: Any) -> Any:
     """Return dampings with rounding errors set to 0."""
     return np.where(np.abs(ratio) < 1e-10, 0.0, ratio)[()]
+
+
+def is_rounding(values: np.ndarray, beside: np.ndarray) -> bool:
+    """Whether values are rounding, or nothing, beside the largest of values of their kind."""
+    return bool(np.abs(values).max() <= _ROUNDING * np.abs(beside).max())
 
 
 def without_rounding(factor: float, *values: np.ndarray) -> list[list[float]]:

@@ -36,6 +36,8 @@ class StabilityLevel1(Displayed, linear.StabilityLevel1):
     def table(self) -> Table:
         """Return a table of the figures that level 1 asks for."""
         conclusion = f"level 2 is {'' if self.is_level_2_required else 'not '}required"
+        if self.depends_on_density:
+            conclusion += " unless gas density and critical speed ratio lie in region B of API 617"
         title = (
             f"Stability level 1 at {speed_with_unit(self.speed)}, cross coupling at node "
             f"{self.node}: {conclusion}{_grows(self.log_dec_alone)}"

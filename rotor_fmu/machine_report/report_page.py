@@ -72,6 +72,7 @@ def machine_report(
     """Return the report of a machine; say: is given what takes long. Raises `LinearError` for
     impossible options."""
     low, high = options.low, options.high
+    at_rest = answers.static(rotor, afloat=high)  # first, since it refuses what is not held
     top = LOOKED_AT * high
     first = lowest_speed(rotor, top)
     speeds = np.linspace(first, top, _SPEEDS)
@@ -96,7 +97,6 @@ def machine_report(
     scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
     level_1 = stability_answers.level_1(rotor, high, anticipated=options.couplings or 0.0)
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
-    at_rest = answers.static(rotor, afloat=high)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
     conclusions = _conclusions(diagram, check, level_1, level_2, rub)
     sections = {
@@ -227,6 +227,8 @@ def _stability(
         verdict = ", which is enough." if level_2.is_met else "; at least 0.1 is required."
         text = f"Stability: least log dec {log_dec:.3g} with all that acts{verdict}"
     asks = " Level 1 asks for level 2." if level_1.is_level_2_required else ""
+    if level_1.depends_on_density:
+        asks = " Level 1 asks for level 2 if the gas density lies in region B of API 617."
     return Conclusion(text + asks, level_2.is_met)
 
 

@@ -7,12 +7,16 @@ from pathlib import Path
 
 import pytest
 from matplotlib.text import Text
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import acceptance
 from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.machine_report import report_page
 from rotor_fmu.machine_report.report_page import ReportOptions, as_ranges, machine_report
 
 from ..known import EXAMPLES
@@ -54,6 +58,15 @@ def test_the_stiffnesses_of_four_bearings_look_different_in_a_critical_map(tmp_p
     lines = legend.get_lines()
     assert len(lines) == 7
     assert len({(line.get_color(), str(line._unscaled_dash_pattern)) for line in lines}) == 7
+
+
+def test_stiffnesses_that_a_critical_map_does_not_show_apart_are_one_line():
+    k = {"kxx": 1e6, "kyy": 1.001e6, "cxx": 0.0, "cyy": 0.0}
+    text = SHAFT + "".join(table("[linear_bearing]", node=node, **k) for node in (1, 7))
+    shown = acceptance.critical_map(parse_rotor(text), [1e5, 1e6, 1e7], count=1)
+    assert len(shown.table().rows) == 2
+    (legend,) = shown.figure().legends
+    assert [label.get_text().count("bearing") for label in legend.get_texts()] == [4]
 
 
 @pytest.mark.usefixtures("drawn")
@@ -251,6 +264,15 @@ def test_impossible_reports_are_refused(tmp_path, arguments, expected):
         app(["report", *arguments, "--out", str(tmp_path / "page.html")], standalone_mode=False)
     assert expected in str(refused.value)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_report_of_a_machine_that_nothing_holds_is_refused_before_all_else(monkeypatch):
+    rotor = load_rotor(Path(JEFFCOTT))[1]
+    bare = tuple(p for p in rotor.parts if not isinstance(p, (LinearBearing, ClearanceContact)))
+    free = replace(rotor, parts=bare)
+    monkeypatch.setattr(report_page, "lowest_speed", None)
+    with pytest.raises(InputError, match="not held"):
+        machine_report(free, ReportOptions(10.0, 20.0))
 
 
 def test_peaks_of_one_critical_speed_are_reported_as_a_range():

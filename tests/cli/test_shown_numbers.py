@@ -2,10 +2,12 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.structure.beam import shaft_element
 
 from rotor_fmu.cells import cell
@@ -17,7 +19,7 @@ from rotor_fmu.display import (
     shown_speed,
     speed_with_unit,
 )
-from rotor_fmu.linear import acceptance, answers
+from rotor_fmu.linear import acceptance, answers, bearing_answers, frequency_answers
 from rotor_fmu.linear.displayed import _shear
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.machine_file.loading import load_rotor
@@ -82,6 +84,47 @@ def test_what_of_a_load_is_rounding_is_shown_as_0():
     rows = answer.table().rows[-len(answer.supports) :]
     assert {row[4] for row in rows} == {0.0}
     assert [row[5] for row in rows] == pytest.approx(answer.load_y)
+
+
+@pytest.fixture(scope="module")
+def upright():
+    """A rotor in plain films, which nothing loads: these have no direct stiffness."""
+    _, rotor = load_rotor(EXAMPLES / "oil_film" / "rotor.toml")
+    return replace(rotor, inclination=math.pi / 2)
+
+
+def test_what_nothing_loads_rests_in_the_middle_of_its_films(upright):
+    answer = answers.static(upright, 400.0)
+    for moved in (answer.x, answer.y, answer.slope_x, answer.load_x, answer.load_y):
+        assert not moved.any()
+
+
+def test_a_journal_in_the_middle_of_its_pads_has_no_attitude(upright):
+    pads = {"pads": tuple(math.tau * (n / 5 + 0.25) for n in range(5)), "arc": 1.0, "preload": 0.4}
+    (film, *_) = (p for p in upright.parts if isinstance(p, JournalBearing))
+    tilting = replace(upright, parts=(replace(film, tilting=True, pad_inertia=1e-4, **pads),))
+    found = bearing_answers.bearing(tilting, [100.0, 300.0, 400.0], load=0.0)
+    assert not found.eccentricity.any()
+    assert not found.attitude.any()
+    assert not bearing_answers.bearing(tilting, [100.0, 300.0], load=1.0).attitude.any()
+    plain = bearing_answers.bearing(upright, [100.0, 250.0, 300.0, 400.0])
+    assert not plain.critical_mass.any()
+
+
+def test_coefficients_that_are_rounding_are_shown_as_0(upright):
+    table = bearing_answers.bearing(upright, [100.0, 400.0]).table()
+    shown = dict(zip(table.heads, zip(*table.rows, strict=True), strict=True))
+    for name in ("kxx [N/m]", "kyy", "cxy", "cyx"):
+        assert shown[name] == (0.0, 0.0)
+    assert all(shown["kyx"])
+
+
+def test_what_is_rounding_is_not_drawn_beside_other_curves(upright):
+    assert not acceptance.critical_map(upright).figure().legends
+    found = frequency_answers.frequency_response(upright, [1.0, 10.0], 2, [2], speed=400.0)
+    found.receptance[:, :, 1, 0] *= 1e-12
+    above, _ = found.figure().axes
+    assert [line.get_label() for line in above.lines] == ["node 2: x by x", "node 2: y by y"]
 
 
 def test_a_value_is_shown_with_its_unit_if_it_has_one():

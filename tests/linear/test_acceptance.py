@@ -139,6 +139,20 @@ def test_unbalances_stand_where_the_mode_bends():
     assert left.mass + right.mass == pytest.approx(mass, rel=1e-6)
 
 
+def test_unbalances_of_a_vertical_rotor_stand_where_it_moves_as_one_body():
+    """In plain films that nothing loads, which have no direct stiffness: mode 1 moves it across,
+    mode 2 tilts it, each for the load that it would have lying."""
+    lying = example("oil_film")
+    rotor = replace(lying, inclination=math.pi / 2)
+    (whole,) = placed_unbalances(rotor, 1, 400.0)
+    left, right = placed_unbalances(rotor, 2, 400.0)
+    assert (left.node, right.node) == (1, 7)
+    assert abs(left.phase - right.phase) == pytest.approx(math.pi)
+    loads = -static(lying, 400.0).load_y / lying.gravity
+    assert [left.mass, right.mass] == pytest.approx(loads, rel=1e-3)
+    assert whole.mass == pytest.approx(loads.sum(), rel=1e-3)
+
+
 def test_an_overhung_disc_has_the_unbalance_of_its_overhung_mass():
     rotor = parse_rotor(SHAFT.replace("node = 4", "node = 7") + support(1, 1e9) + support(5, 1e9))
     (placed,) = placed_unbalances(rotor, 1, 5000 * RPM)

@@ -12,6 +12,7 @@ from rotor_fmu.model.linear import (
     LinearMachine,
     critical_map,
     critical_peaks,
+    mean_stiffness,
     static,
 )
 from rotor_fmu.model.machine.toml import parse_rotor, rig
@@ -175,6 +176,16 @@ def test_the_own_stiffness_of_a_damper_is_that_of_its_springs():
     for crossing in crossings:
         assert crossing.stiffness == pytest.approx(312500.0)
         assert crossing.speed == pytest.approx(250.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("heavier", [1.0, 1e-6, 1e6])
+def test_bearings_without_stiffness_are_varied_about_that_of_the_rotor(heavier):
+    """So does the map show the same of any that differ in mass and in stiffness by one factor."""
+    text = SHAFT.replace("2.1e11", f"{2.1e11 * heavier}").replace("7800.0", f"{7800.0 * heavier}")
+    rotor = parse_rotor(text + support(1, 0.0, 1.0) + support(7, 0.0, 1.0))
+    shown = critical_map(rotor, mean_stiffness(rotor) * np.array([1e-2, 1e2]), count=1)
+    soft, stiff = shown.speeds[:, 0] / shown.rigid
+    assert soft < 0.2 < 0.9 < stiff
 
 
 @pytest.mark.parametrize(

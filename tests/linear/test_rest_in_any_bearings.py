@@ -163,6 +163,21 @@ def test_a_journal_rests_where_the_force_of_a_pad_sets_in():
     assert there == pytest.approx(near, rel=1e-6)
 
 
+def test_a_journal_rests_where_the_end_of_its_film_passes_a_point_of_the_grid():
+    """The force has a step there of some 1e-8 of itself, and rest lies within it."""
+    film = {"journal_radius": 0.2, "length": 0.36, "clearance": 3e-4, "viscosity": 0.025}
+    lemon = {"pads": [1.5707963, 4.712389], "arc": 2.617994, "preload": 0.5}
+    tables = (
+        table("material", young=2.06e11, density=7850.0),
+        table("shaft", nodes=[0.0, 2.0, 4.0, 6.0, 8.0], diameters=[0.4, 0.8, 0.8, 0.4]),
+        *(table("[journal_bearing]", node=node, **film, **lemon) for node in (2, 4)),
+    )
+    rotor = parse_rotor("\n".join(tables))
+    for speed in (8.539206162608327, 39.65012876597377, 1.2373761518419273):
+        there, near = (static(rotor, speed=s).y for s in (speed, speed * (1.0 + 1e-6)))
+        assert there == pytest.approx(near, rel=1e-5)
+
+
 @pytest.mark.slow
 def test_no_machine_rests_where_only_a_run_finds_it():
     distances = [_distance(*_drawn(seed)) for seed in range(12, 312)]

@@ -13,6 +13,7 @@ from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.linear import stability_answers
 from tests.dense import dense_matrices
 from tests.linear.api_617 import CLOSE, ROOT, ROSS, RPM, SHAFT, support
 from tests.validation.test_ross import machine
@@ -323,5 +324,32 @@ def test_a_mode_that_whirls_backward_but_for_some_nodes_is_not_the_first_forward
         whirl=("mixed", "backward", "mixed", "forward"),
         forwardness=np.array([-0.84, -0.23, 0.3, 0.9]),
         damping_ratio=np.full(4, 0.05),
+        is_held=np.full(4, True),
     )
     assert first_forward._place(lowest) == 2
+
+
+@pytest.mark.parametrize(("damping", "speed"), [(0.0, 50.0), (0.0, 300.0), (1.0, 300.0)])
+def test_a_motion_that_nothing_holds_is_not_the_first_forward_mode(damping, speed):
+    """Its frequency is rounding. The first forward mode is the cone about the centre of mass, whose
+    frequency is the speed times I_p / I_d of rotor and disc, 0.31."""
+    rotor = parse_rotor(SHAFT + support(1, 0.0, damping) + support(7, 0.0, damping))
+    result = level_1(rotor, speed, stiffness=[0.0])
+    assert result.first_frequency[0] == pytest.approx(0.31 * speed, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("share", "is_required", "depends"),
+    [(0.6, True, False), (0.4, False, True), (0.12, False, True), (0.08, False, False)],
+)
+def test_level_1_asks_for_the_gas_density_where_q0_is_two_to_ten_times_qa(
+    share, is_required, depends
+):
+    """QA and Q0 = 2 kN/m of a rotor whose logarithmic decrement is 0.63 (1 - QA / Q0)."""
+    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+    result = stability_answers.level_1(
+        parse_rotor(text), 150.0, node=2, anticipated=share * 2000.0, stiffness=[0.0]
+    )
+    assert result.is_level_2_required == is_required
+    assert result.depends_on_density == depends
+    assert ("region B of API 617" in result.table().title) == depends

@@ -10,12 +10,13 @@ from rotor_fmu.model.linear import (
     critical_peaks,
     response_with_peaks,
     unbalance_check,
+    unbalance_peaks,
     unbalance_response,
 )
 from rotor_fmu.model.linear.amplification import peaks
 from rotor_fmu.model.machine.toml import parse_rotor
 
-from rotor_fmu.linear import acceptance
+from rotor_fmu.linear import acceptance, answers
 from rotor_fmu.machine_report.rub_check import rub_check
 
 OVERHUNG = """
@@ -55,6 +56,31 @@ def test_the_response_is_asked_for_at_its_peaks():
     i = int(np.argmax(found.major[:, 3]))
     assert found.speeds[i] == pytest.approx(x.peak.speed, rel=1e-9)
     assert found.major[i, 3] == pytest.approx(x.peak.amplitude, rel=1e-6)
+    assert found.peaks[4] == pytest.approx((x.peak.speed,), rel=1e-9)
+
+
+def test_a_step_of_the_response_is_no_row_of_its_table(monkeypatch):
+    real = unbalance_peaks.major_of
+    rotor, speeds = parse_rotor(LIGHT), np.linspace(0.0, 400.0, 41)
+    found = answers.response_with_peaks(rotor, speeds, nodes=[4])
+    monkeypatch.setattr(
+        *(unbalance_peaks, "major_of"),
+        lambda whirl, node, s: real(whirl, node, s) * (1.0 if s < 104.0 else 0.5),
+    )
+    stepped = answers.response_with_peaks(rotor, speeds, nodes=[4])
+    assert len(stepped.speeds) > len(speeds)
+    assert stepped.table([4]).rows == found.table([4]).rows
+    assert len(found.table([4]).rows) == 1
+
+
+def test_a_rotor_that_nothing_holds_has_no_peak_near_rest():
+    """It turns about its centre of mass, as far from it as its unbalance has that, at any speed; at
+    rest nothing says so, and between the two there was a peak."""
+    free = OVERHUNG.replace("stiffness = 2e7", "stiffness = 0.0").replace("DAMPING", "0.0")
+    found = response_with_peaks(parse_rotor(free), np.linspace(0.0, 200.0, 41), contacts="open")
+    assert len(found.peaks) == 3
+    assert not any(found.peaks.values())
+    assert found.major[0] == pytest.approx(found.major[1], rel=1e-3)
 
 
 def test_critical_speeds_that_are_all_but_the_same_are_marked_within_their_picture():
