@@ -33,7 +33,8 @@ _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double 
 _EVALUATIONS = 40  # evaluations of a test function at most
 _PRECISE = 1e-9  # of a step along the curve
 _CLOSE = 1e-5  # of a step: a test function changes little so close to its root
-_LITTLE = 1e-2  # of its larger value at the ends of the step
+_LITTLE = 1e-2  # of its larger value at the ends of the step,
+_ERRORS = 10.0  # or errors of a point along the curve, over the length of the step
 _ROUGH = 1e-3  # error of a multiplier where few harmonics, or steps that change, give it
 _FARTHEST = 2.0  # of its length: how far from its begin a point of a piece may be
 _HALVINGS = 10  # of a step with more than one bifurcation, at most
@@ -238,7 +239,9 @@ def _locate_root(
             known[share] = point, test(point)
         return known[share][1]
 
-    little = _LITTLE * max(abs(at_before), abs(at_after))
+    length = distance(piece.before, piece.after, problem.parameter.scale)
+    error = problem.tolerance * (1.0 + float(np.linalg.norm(piece.before.x))) / length
+    little = max(_LITTLE, min(_ERRORS * error, 0.5)) * max(abs(at_before), abs(at_after))
     try:
         root = brentq(tested, 0.0, 1.0, xtol=_PRECISE, maxiter=_EVALUATIONS, disp=False)
         point, _ = known[root]

@@ -228,6 +228,26 @@ def test_multipliers_that_jump_past_the_circle_are_a_grazing_of_any_kind(monkeyp
     assert seen.point.value == pytest.approx(0.3, abs=1e-8)
 
 
+def test_a_bifurcation_in_a_step_hardly_longer_than_the_error_of_its_points_is_no_grazing(
+    monkeypatch,
+):
+    """Its multiplier is as uncertain as the points, and seems to jump."""
+    line, error = _Line(), 0.02
+    line.tolerance = error
+
+    def multipliers_at(_, point):
+        beyond = point.value - 0.5
+        return np.array([-1.0 - 0.1 * (beyond + error * np.sign(beyond))])
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [_motion(multipliers_at, end) for end in ends]
+    (seen,) = bifurcation_search.bifurcations_between(line, *ends, *motions)
+    assert seen.kind == "period doubling"
+    assert seen.point.value == pytest.approx(0.5, abs=error)
+
+
 def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(monkeypatch):
     """As beside a corner, where another branch is near."""
 
