@@ -210,6 +210,44 @@ def test_two_bifurcations_of_which_the_second_undoes_the_first_are_located(
     assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("half_sum", "product", "kinds", "values"),
+    [
+        (  # both are outside when they meet, and one comes in again
+            lambda t: 0.9 + 0.4 * t,
+            lambda t: 0.9 + 0.4 * t + 0.3 * t * (1.0 - t),
+            ["Neimark-Sacker", "period doubling"],
+            [0.152873, 0.434259],
+        ),
+        (  # both are inside when they meet, and one goes out and comes in again
+            lambda t: 0.79 + 0.0778 * t + 0.3 * t * (1.0 - t),
+            lambda t: 0.7225 + 0.0291 * t,
+            ["period doubling"] * 2,
+            [0.246238, 0.964595],
+        ),
+    ],
+)
+def test_doublings_of_a_pair_that_meets_on_the_real_axis_are_located(
+    monkeypatch, half_sum, product, kinds, values
+):
+    """Of which the ends of the step show one or none, and other small multipliers at one end."""
+
+    def multipliers_at(_, point):
+        roots = np.roots([1.0, 2.0 * half_sum(point.value), product(point.value)])
+        return np.append(
+            roots[np.argsort(-np.abs(roots), kind="stable")], [0.0] * (point.value > 0.5)
+        )
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    monkeypatch.setattr(bifurcation_search, "_touched", lambda *_: np.array([True]))
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [_motion(multipliers_at, end) for end in ends]
+    seen = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
+    assert [b.kind for b in seen] == kinds
+    assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)
+
+
 @pytest.mark.parametrize("inside", [[0.3, 0.3], [0.9j, -0.9j]])
 def test_multipliers_that_jump_past_the_circle_are_a_grazing_of_any_kind(monkeypatch, inside):
     """Such as a pair, where a contact begins: no quasi-periodic motion begins there."""
