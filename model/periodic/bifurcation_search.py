@@ -28,7 +28,6 @@ from .branch import (
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 
-_VERTICAL = 0.05  # a smaller component of the tangent along the parameter: a fold is near
 _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier
 _EVALUATIONS = 40  # evaluations of a test function at most
 _PRECISE = 1e-9  # of a step along the curve
@@ -124,23 +123,27 @@ class _Piece(NamedTuple):
 
     def is_explained_by(self, located: list["_Located"]) -> bool:
         """Return whether these bifurcations leave as many multipliers outside as there are at the
-        end: real ones beyond 1 and beyond -1 come and go in pairs but for those that cross there.
-        A fold beside which few harmonics have the multiplier cross explains none."""
+        end: real ones beyond -1 come and go in pairs but for those that cross there."""
         kinds = [each.kind for each in located]
         if GRAZING in kinds or not len(self.second):
             return True
         above, below, pairs = _outside(self.second) - _outside(self.first)
-        at_one, doublings, tori = (
-            sum(map(kinds.count, of)) for of in ((FOLD, BRANCHING), (DOUBLING,), (TORUS,))
-        )
+        doublings, tori = kinds.count(DOUBLING), kinds.count(TORUS)
         if (below - doublings) % 2:
             return False
-        if np.abs(np.append(self.first, self.second) - 1.0).min() < _NEAR_ONE:
-            return True
-        crossed = above + below + 2 * pairs
-        return (above - at_one) % 2 == 0 and bool(
-            at_one or doublings or crossed % 4 == 2 * tori % 4
+        # with real ones that cross, which are folds above all, pairs may come and go at any number
+        return bool(above % 2 or doublings or (above + below + 2 * pairs - 2 * tori) % 4 == 0)
+
+    def is_branching(self, problem: PeriodicEquations) -> bool:
+        """Return whether a branch passes through it, or the curve has a corner in it: the
+        determinant of the Jacobian, bordered by the tangent, changes its sign. A multiplier by few
+        harmonics passes 1 beside a fold instead of in it."""
+        first, second = (
+            np.linalg.slogdet(problem.linearized(point.x, point.value)[1])[0]
+            * np.sign(point.tangent_value)
+            for point in (self.before, self.after)
         )
+        return bool(first != second)
 
     def between(self, problem: PeriodicEquations, share: float) -> CurvePoint:
         """Return the point at a share of its length along the tangent; raises `NotConverged`, also
@@ -252,8 +255,7 @@ def _locate_crossing(problem: PeriodicEquations, piece: _Piece, k: int) -> _Loca
     point, is_smooth = _locate_root(problem, piece, size_at, first, second)
     value = complex(_multipliers(problem, point)[k - 1])
     kind = TORUS if not _is_real(value) else DOUBLING if value.real < 0 else BRANCHING
-    steepest = max(abs(piece.before.tangent_value), abs(piece.after.tangent_value))
-    if kind == BRANCHING and abs(point.tangent_value) < _VERTICAL * steepest:
+    if kind == BRANCHING and not piece.is_branching(problem):
         return None  # a fold, in this step or beside it
     if not is_smooth and (kind == BRANCHING or abs(abs(value) - 1.0) > _ROUGH):
         return _Located(GRAZING, point, complex(math.nan), False)  # it jumps past the circle

@@ -286,11 +286,33 @@ def test_a_bifurcation_in_a_step_hardly_longer_than_the_error_of_its_points_is_n
     assert seen.point.value == pytest.approx(0.5, abs=error)
 
 
+@pytest.mark.parametrize(("slope", "kinds"), [(0.0, []), (1.0, ["branch point"])])
+def test_a_branch_passes_where_the_equations_are_singular_not_only_a_multiplier_by_few_harmonics(
+    monkeypatch, slope, kinds
+):
+    """That passes 1 beside a fold."""
+
+    def multipliers_at(_, point):
+        return np.array([point.value - 0.5 + 1.0])
+
+    line = _Line()
+    line.linearized = lambda x, value: (
+        x,
+        np.array([[0.5 * (1.0 - slope) + slope * (value - 0.5)]]),
+    )
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [_motion(multipliers_at, end) for end in ends]
+    seen = bifurcation_search.bifurcations_between(line, *ends, *motions)
+    assert [b.kind for b in seen] == kinds
+
+
 def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(monkeypatch):
     """As beside a corner, where another branch is near."""
 
     def multipliers_at(_, point):
-        return np.array([point.value - 0.5 + 1.0])
+        return np.array([0.5 - point.value - 1.0])
 
     monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
     monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
