@@ -202,7 +202,10 @@ def _reverse(branch: Branch) -> None:
 
 
 def _reason_lost(tracer: Tracer, branch: Branch, accuracy: Accuracy) -> str:
-    """Return the message for a branch that ends because Newton's method does not converge."""
+    """Return the message for a branch that ends because a film breaks at the next point, or
+    Newton's method does not converge."""
+    if tracer.broken:
+        return f"the film of {tracer.broken[0]} becomes thinner than its roughness there"
     if not branch.points:
         return "Newton's method does not converge there"
     last = branch.points[-1]

@@ -25,10 +25,10 @@ def hung(**more):
     return rf.parse(shaft(0.0, 0.1, 0.2) + body + support + damper)
 
 
-def dampers():
+def dampers(**more):
     slender = DAMPER["length"] / DAMPER["clearance"]
     viscosity = B * MASS * NATURAL / (2.0 * DAMPER["journal_radius"] * slender**3)
-    return on_dampers(viscosity, young=2.1e15, density=1e-3)
+    return on_dampers(viscosity, young=2.1e15, density=1e-3, **more)
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +78,23 @@ def test_stable_orbits_stay_in_time_and_the_unstable_one_is_left(curve, turns):
     for _, point in orbits(curve, 2.0):
         seen = curve.check(point, turns=turns)
         assert seen.stays == point.is_stable
+
+
+def test_a_branch_ends_where_a_film_becomes_thinner_than_its_roughness():
+    """As a run in time does: there is no such motion."""
+    rough = dampers(roughness=0.2 * DAMPER["clearance"])
+    result = rf.response(rough, speed=(1.2 * NATURAL, 1.8 * NATURAL))
+    (note,) = [n for n in result.notes if n.code == "branch-lost"]
+    assert "the film of squeeze_film_damper[1] becomes thinner than its roughness" in note
+    largest = max(result.amplitude(p, "body[1]") for p in result.points)
+    assert 0.7 < largest / DAMPER["clearance"] < 0.8
+
+
+def test_nor_does_one_begin_there():
+    """The rotor's weight would hang it through the wall of the damper."""
+    result = rf.response(hung(full=True, stiffness=5e4), speed=(250.0, 260.0))
+    assert not result.branches
+    assert all("when it is as thin as its roughness" in note for note in result.notes)
 
 
 def test_a_motion_that_a_damper_carries_by_whirling_alone_stays_in_time():
