@@ -21,6 +21,7 @@ LAWS = {
     "linearize_laws": (REAL,),
     "vibrate_laws": (REAL, REAL, REAL),
     "find_gaps": (),
+    "find_invalid": (),
 }
 PERIODIC = {"step_through": (REAL,)}
 ANALYSES = LAWS | PERIODIC

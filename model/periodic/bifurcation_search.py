@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from copy import copy
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, linear_sum_assignment
@@ -28,17 +28,18 @@ from .branch import (
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 
-_VERTICAL = 0.05  # a smaller component of the tangent along the parameter: a fold is near
 _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier
 _EVALUATIONS = 40  # evaluations of a test function at most
 _PRECISE = 1e-9  # of a step along the curve
 _CLOSE = 1e-5  # of a step: a test function changes little so close to its root
-_LITTLE = 1e-2  # of its larger value at the ends of the step
+_LITTLE = 1e-2  # of its larger value at the ends of the step,
+_ERRORS = 10.0  # or errors of a point along the curve, over the length of the step
 _ROUGH = 1e-3  # error of a multiplier where few harmonics, or steps that change, give it
 _FARTHEST = 2.0  # of its length: how far from its begin a point of a piece may be
 _HALVINGS = 10  # of a step with more than one bifurcation, at most
 _LOOKS = 2  # halvings of a step in which multipliers only come near to the unit circle,
-_NEAR_CIRCLE, _TINY = 0.1, 1e-300  # in the logarithm of their sizes
+_NEAR_CIRCLE, _TINY = 0.1, 1e-300  # in the logarithm of their sizes,
+_NEAR_IF_MEETING = 0.3  # or those that meet on the real axis
 
 
 class _Located(NamedTuple):
@@ -107,18 +108,42 @@ class _Piece(NamedTuple):
         # of two that cancel each other, one may be the begin of a contact
         if (_touched(problem, self.first_orbit) != _touched(problem, self.second_orbit)).any():
             return False
-        first, second = self._sizes_of_same()
+        both = np.zeros((2, max(len(self.first), len(self.second))), complex)
+        both[0, : len(self.first)], both[1, : len(self.second)] = self.first, self.second
+        both[1] = both[1, linear_sum_assignment(np.abs(both[0][:, None] - both[1]))[1]]
+        first, second = np.log(np.maximum(np.abs(both), _TINY))
         moved, nearest = np.abs(second - first), np.minimum(np.abs(first), np.abs(second))
         crosses = (moved > _ROUGH) & (first * second < 0)
-        comes_near = (moved > _ROUGH) & (nearest < np.minimum(moved, _NEAR_CIRCLE))
+        # where a step was halved for one that comes near, its halves are looked at for any
+        reach = moved if halvings == _HALVINGS else np.inf
+        comes_near = (moved > _ROUGH) & (nearest < np.minimum(reach, _NEAR_CIRCLE))
+        # two that meet on the real axis move as a root there, faster than the ends show
+        comes_near |= (_is_real(both[0]) != _is_real(both[1])) & (nearest < _NEAR_IF_MEETING)
         return not crosses.any() and not (comes_near.any() and halvings > _HALVINGS - _LOOKS)
 
-    def _sizes_of_same(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the logarithms of the sizes of each multiplier at both ends, where it is the
-        nearest one."""
-        first, second = linear_sum_assignment(np.abs(self.first[:, None] - self.second))
-        of_first, of_second = np.abs(self.first[first]), np.abs(self.second[second])
-        return np.log(np.maximum(of_first, _TINY)), np.log(np.maximum(of_second, _TINY))
+    def is_explained_by(self, located: list["_Located"]) -> bool:
+        """Return whether these bifurcations leave as many multipliers outside as there are at the
+        end: real ones beyond -1 come and go in pairs but for those that cross there."""
+        kinds = [each.kind for each in located]
+        if GRAZING in kinds or not len(self.second):
+            return True
+        above, below, pairs = _outside(self.second) - _outside(self.first)
+        doublings, tori = kinds.count(DOUBLING), kinds.count(TORUS)
+        if (below - doublings) % 2:
+            return False
+        # with real ones that cross, which are folds above all, pairs may come and go at any number
+        return bool(above % 2 or doublings or (above + below + 2 * pairs - 2 * tori) % 4 == 0)
+
+    def is_branching(self, problem: PeriodicEquations) -> bool:
+        """Return whether a branch passes through it, or the curve has a corner in it: the
+        determinant of the Jacobian, bordered by the tangent, changes its sign. A multiplier by few
+        harmonics passes 1 beside a fold instead of in it."""
+        first, second = (
+            np.linalg.slogdet(problem.linearized(point.x, point.value)[1])[0]
+            * np.sign(point.tangent_value)
+            for point in (self.before, self.after)
+        )
+        return bool(first != second)
 
     def between(self, problem: PeriodicEquations, share: float) -> CurvePoint:
         """Return the point at a share of its length along the tangent; raises `NotConverged`, also
@@ -142,28 +167,45 @@ def _outside(multipliers: np.ndarray) -> np.ndarray:
     """Return how many multipliers are outside the unit circle: real ones above 1, real ones below
     -1, and complex pairs."""
     outside = multipliers[np.abs(multipliers) > UNIT]
-    real = np.array([_is_real(each) for each in outside], bool)
+    real = _is_real(outside)
     above = int((real & (outside.real > 0)).sum())
     return np.array([above, int(real.sum()) - above, int((~real).sum()) // 2])
 
 
-def _is_real(multiplier: complex) -> bool:
-    return abs(multiplier.imag) < 1e-6 * abs(multiplier)
+def _is_real(multiplier: Any) -> Any:
+    """Return whether each multiplier is real."""
+    return np.abs(np.imag(multiplier)) < 1e-6 * np.abs(multiplier)
 
 
 def _located_on(problem: PeriodicEquations, piece: _Piece, halvings: int) -> list[_Located]:
-    """Return the bifurcations of a piece in their order; one that is not simple is halved, so many
-    times at most."""
+    """Return the bifurcations of a piece in their order; one that is not simple, or in which those
+    that are located do not explain how many multipliers are outside, is halved, so many times at
+    most."""
     if halvings and not piece.is_simple(problem, halvings):
         with suppress(NotConverged):
-            middle = piece.between(problem, 0.5)
-            at_middle = _multipliers(problem, middle) if len(piece.second) else piece.second
-            orbit = problem.split(middle.x, middle.value)
-            halves = (
-                piece._replace(after=middle, second=at_middle, second_orbit=orbit),
-                piece._replace(before=middle, first=at_middle, first_orbit=orbit),
-            )
-            return [each for half in halves for each in _located_on(problem, half, halvings - 1)]
+            return _located_on_halves(problem, piece, halvings)
+    located = _located_at_once(problem, piece)
+    if halvings and not piece.is_explained_by(located):
+        with suppress(NotConverged):
+            return _located_on_halves(problem, piece, halvings)
+    return located
+
+
+def _located_on_halves(problem: PeriodicEquations, piece: _Piece, halvings: int) -> list[_Located]:
+    """Return the bifurcations of both halves of a piece; raises `NotConverged`."""
+    middle = piece.between(problem, 0.5)
+    at_middle = _multipliers(problem, middle) if len(piece.second) else piece.second
+    orbit = problem.split(middle.x, middle.value)
+    halves = (
+        piece._replace(after=middle, second=at_middle, second_orbit=orbit),
+        piece._replace(before=middle, first=at_middle, first_orbit=orbit),
+    )
+    return [each for half in halves for each in _located_on(problem, half, halvings - 1)]
+
+
+def _located_at_once(problem: PeriodicEquations, piece: _Piece) -> list[_Located]:
+    """Return the bifurcations of a piece in their order, for each multiplier that is outside at
+    one of its ends one."""
     located = list[_Located]()
     if piece.turns:
         located.append(_locate_fold(problem, piece))
@@ -213,8 +255,7 @@ def _locate_crossing(problem: PeriodicEquations, piece: _Piece, k: int) -> _Loca
     point, is_smooth = _locate_root(problem, piece, size_at, first, second)
     value = complex(_multipliers(problem, point)[k - 1])
     kind = TORUS if not _is_real(value) else DOUBLING if value.real < 0 else BRANCHING
-    steepest = max(abs(piece.before.tangent_value), abs(piece.after.tangent_value))
-    if kind == BRANCHING and abs(point.tangent_value) < _VERTICAL * steepest:
+    if kind == BRANCHING and not piece.is_branching(problem):
         return None  # a fold, in this step or beside it
     if not is_smooth and (kind == BRANCHING or abs(abs(value) - 1.0) > _ROUGH):
         return _Located(GRAZING, point, complex(math.nan), False)  # it jumps past the circle
@@ -238,7 +279,9 @@ def _locate_root(
             known[share] = point, test(point)
         return known[share][1]
 
-    little = _LITTLE * max(abs(at_before), abs(at_after))
+    length = distance(piece.before, piece.after, problem.parameter.scale)
+    error = problem.tolerance * (1.0 + float(np.linalg.norm(piece.before.x))) / length
+    little = max(_LITTLE, min(_ERRORS * error, 0.5)) * max(abs(at_before), abs(at_after))
     try:
         root = brentq(tested, 0.0, 1.0, xtol=_PRECISE, maxiter=_EVALUATIONS, disp=False)
         point, _ = known[root]

@@ -202,16 +202,20 @@ def _reverse(branch: Branch) -> None:
 
 
 def _reason_lost(tracer: Tracer, branch: Branch, accuracy: Accuracy) -> str:
-    """Return the message for a branch that ends because Newton's method does not converge."""
+    """Return the message for a branch that ends because a film breaks at the next point, or
+    Newton's method does not converge."""
+    if tracer.broken:
+        return f"the film of {tracer.broken[0]} becomes thinner than its roughness there"
     if not branch.points:
         return "Newton's method does not converge there"
     last = branch.points[-1]
+    machine = tracer.balance.machine_at(last.value)
     if accuracy.most == last.orbit.H and last.last_share > accuracy.share:
+        advice = "ask for more, or soften the wall" if machine.laws.rubbing else "ask for more"
         return (
             f"the motion has more than {accuracy.most} harmonics: the highest are "
-            f"{last.last_share:.1g} of it; ask for more, or soften the wall"
+            f"{last.last_share:.1g} of it; {advice}"
         )
-    machine = tracer.balance.machine_at(last.value)
     gap = machine.gaps_along(last.orbit.b)
     if (np.abs(gap).min(axis=0) < 1e-3 * machine.laws.length).any():
         return "a corner of a law: a contact just opens or closes there"

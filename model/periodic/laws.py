@@ -13,6 +13,7 @@ from .. import backend
 from ..contact.wall import ContactQuantities
 from ..linear.real_matrices import in_plane
 from ..parts import LAWS
+from ..parts.law import never_breaks
 from ..parts.law_probe import BY_D
 from ..step.laws_along_motion import (
     Samples,
@@ -20,12 +21,13 @@ from ..step.laws_along_motion import (
     call_laws,
     fill,
     find_gaps,
+    find_invalid,
     linearize_laws,
 )
 from ..structure.structure import Structure, sizes_of_laws, starts_of
 from . import entry_points
 
-_CALLED = call_laws, linearize_laws, find_gaps
+_CALLED = call_laws, linearize_laws, find_gaps, find_invalid
 _BLOCKS = 4  # blocks, one for each number of samples that is asked for
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
 _LEAST_STEP = 1e-9  # of one beside a corner
@@ -68,6 +70,7 @@ class _SampleBlock(NamedTuple):
     call_laws: Callable[..., object]
     linearize_laws: Callable[[float], object]
     find_gaps: Callable[[], object]
+    find_invalid: Callable[[], object]
 
 
 class LawsAlongMotion:
@@ -156,6 +159,16 @@ class LawsAlongMotion:
         at.samples.d[...] = _complex(d)
         at.find_gaps()
         return at.samples.gap.T.copy()
+
+    def are_invalid(self, d: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return whether the laws are invalid, such as of an oil film thinner than its roughness,
+        shape (n, m); d: x and y in turn, shape (n, 2 m) [m]; states: shape (n, s)."""
+        if all(LAWS[i.law].breaks is never_breaks for i in self._interfaces):
+            return np.zeros((len(d), self.count), bool)
+        at = self._at(len(d))
+        at.samples.d[...], at.samples.states[...] = _complex(d), states
+        at.find_invalid()
+        return at.samples.is_invalid.T.copy()
 
     def corner_gaps(self, d: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return how far wall forces are from their corners [m], shape (n, corners); d, v: x and y

@@ -20,7 +20,7 @@ from ..linear.linear_machine import OPEN
 from ..linear.real_matrices import TURN, in_plane
 from ..linear.supports import are_linear
 from ..machine.rotor import Rotor
-from ..structure.assembly import assemble
+from ..structure.assembly import assemble, interface_names
 from ..structure.structure import Structure
 from .fourier import sampled
 from .laws import LawsAlongMotion
@@ -209,6 +209,14 @@ class CondensedMachine:
         series of 2 H + 1 coefficients, at evenly spaced instants, shape (n, m)."""
         n = max(_INSTANTS, 4 * len(b))
         return self.laws.gaps(sampled(b, n) @ self.B.T)
+
+    def broken_films(self, b: np.ndarray, states: np.ndarray) -> list[str]:
+        """Return the names of the parts whose film is thinner than its roughness somewhere along a
+        motion b with internal states, series of 2 H + 1 coefficients."""
+        n = max(_INSTANTS, 4 * len(b))
+        is_broken = self.laws.are_invalid(sampled(b, n) @ self.B.T, sampled(states, n)).any(axis=0)
+        names = np.array(interface_names(self.rotor), object)[self.is_nonlinear]
+        return list(names[is_broken])
 
     def check_supported(self) -> None:
         """Raise `LinearError` unless the machine is supported while its interfaces are fixed."""

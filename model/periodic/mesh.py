@@ -66,17 +66,19 @@ def at_mesh_points(values: np.ndarray, ends: np.ndarray, others: np.ndarray) -> 
 
 def with_corners(
     machine: CondensedMachine, y: np.ndarray, ends: np.ndarray, cells: np.ndarray
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the mesh of cells, the ends of steps, that also ends in the corners along a motion y,
-    at the points of the present mesh, shape (steps, 3, m)."""
+    at the points of the present mesh, shape (steps, 3, m); and the cells without the ends close to
+    a corner, which stay away where it moves on."""
     corners = _corners(machine, y, ends)
     corners = np.unique(corners[np.minimum(corners, 1.0 - corners) > _APART])
     inner, h = cells[1:-1], np.diff(cells)
     around = np.concatenate([[-1.0], corners, [2.0]])
     behind = np.searchsorted(around, inner)
     apart = np.minimum(inner - around[behind - 1], around[behind] - inner)
-    far = inner[apart > _BESIDE * np.minimum(h[:-1], h[1:])]
-    return np.concatenate([[0.0], np.union1d(far, corners), [1.0]])
+    is_far = apart > _BESIDE * np.minimum(h[:-1], h[1:])
+    cells = np.concatenate([[0.0], inner[is_far], [1.0]])
+    return np.union1d(cells, corners), cells
 
 
 def adapted_cells(force: np.ndarray, ends: np.ndarray) -> np.ndarray:

@@ -67,14 +67,21 @@ def damping_factor(
 ) -> float:
     """Return the factor for a correction of x and lambda with which the residual decreases
     (Armijo's rule), or the smallest one tried."""
-    size = float(np.linalg.norm(residual))
+    size = _norm(residual)
     while damping > smallest:
         ahead = equations.residual(x + damping * step, value + damping * value_step)
-        left = float(np.linalg.norm(ahead))
+        left = _norm(ahead)
         if left <= (1.0 - 0.1 * damping) * size or size < _ROUNDING_RESIDUAL:
             break
         damping *= 0.5
     return damping
+
+
+def _norm(residual: np.ndarray) -> float:
+    """Return the length of a residual, inf of one as far from 0 as that of a law far beyond its
+    wall may be."""
+    with np.errstate(over="ignore"):
+        return float(np.linalg.norm(residual))
 
 
 def solve_linear(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -229,6 +229,11 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
                 x = newton.solve(problem, problem.join(guess), value)
             except NotConverged:
                 continue
+        orbit = problem.split(x, value)
+        broken = problem.machine_at(value).broken_films(orbit.b, orbit.states)
+        if broken:
+            failures.append(f"the film of {broken[0]} would be thinner than its roughness")
+            continue
         if direction and isinstance(problem, HarmonicBalance):
             point = arclength.with_tangent(problem, x, value, direction)
             try:

@@ -41,10 +41,11 @@ _HARMONICS = 256  # at least, of the orbit that is given
 # of a step: how far before its end its last tangent is taken, since a corner moves from there with
 # the motion, until the steps are chosen anew
 _OWN_SIDE = 0.02
-# clearances by which a motion moves before the ends of steps in corners move with it, and before
-# all steps are chosen anew, which changes the equations by the error of the steps
+# clearances by which a motion moves before the ends of steps in corners move with it, however often
+# since the equations stay smooth, and before all steps are chosen anew, which changes the equations
+# by the error of the steps
 _RENEW_BEYOND, _CELLS_BEYOND = 1e-6, 1e-4
-_FAR_BEYOND, _RENEWALS = 1e-2, 3  # so many times after it has moved far
+_FAR_BEYOND, _RENEWALS = 1e-2, 3  # so many times all steps, after it has moved far
 _REFINEMENTS = 5  # times that steps are shortened at most
 _STEP = 1e-6  # of the parameter, as a share of its scale, for the derivative by it
 _SHORTER = 3.0  # than by the mean square of all coordinates, a way along the curve counts
@@ -121,8 +122,8 @@ class Shooting:
             self._motion_of_mesh = self._interface_motion(machine, orbit)
             force = self._forces(self.reference, self._motion_of_mesh)
             ends = self._ends
-            self._cells = mesh.adapted_cells(force, ends)
-            self._ends = mesh.with_corners(machine, self._motion_of_mesh, ends, self._cells)
+            cells = mesh.adapted_cells(force, ends)
+            self._ends, self._cells = mesh.with_corners(machine, self._motion_of_mesh, ends, cells)
         self._ends = ends
         tangent = self._tangents(self.reference, ends, self._motion_of_mesh)
         h = np.diff(self._ends)
@@ -239,12 +240,13 @@ class Shooting:
         far = float(moved.max()) / self.balance.length_scale
         if far > _FAR_BEYOND:
             self._renewals = _RENEWALS
-        if far > _RENEW_BEYOND and self._renewals:
-            self._renewals -= 1
-            if far > _CELLS_BEYOND:
+        if far > _RENEW_BEYOND:
+            if far > _CELLS_BEYOND and self._renewals:
+                self._renewals -= 1
                 self._cells = mesh.adapted_cells(self._forces(value, period.y), period.ends)
             machine = self.machine_at(value)
-            self._ends = mesh.with_corners(machine, period.y, period.ends, self._cells)
+            steps = mesh.with_corners(machine, period.y, period.ends, self._cells)
+            self._ends, self._cells = steps
             self._motion_of_mesh = self._nearby_motion(self._ends)
             period = self._adopted(self._integrated(x, value))
         return period

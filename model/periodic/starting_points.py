@@ -8,6 +8,7 @@ import numpy as np
 
 from ..linear.real_matrices import in_plane, to_complex
 from ..machine.rotor import Rotor
+from ..parts.base_and_start import Start
 from ..settings import choose
 from ..simulation import EquilibriumError, Simulation, StepFailure
 from .balance import HarmonicBalance, Orbit
@@ -54,7 +55,9 @@ def guesses(
     def settled(periods: int, *begin: Any) -> Orbit:
         """Return the motion after a number of periods from rest, or from an orbit and its
         motion."""
-        run = _simulation(changed, speed, loads, _TOLERANCE_OF_GUESSES)
+        run = _simulation(
+            _in_motion(changed) if begin else changed, speed, loads, _TOLERANCE_OF_GUESSES
+        )
         if begin:
             _set_motion(run, machine, *begin)
         run.advance(2 * math.pi / speed * periods * task.turns, speed)
@@ -118,7 +121,7 @@ def integrate_from_orbit(
     """Start the integrator on an orbit, and return whether it is still there after so many turns;
     motion: complex amplitudes of all dofs, x and y in turn, shape (H + 1, 2 size). Raises
     `StepFailure`."""
-    run = _simulation(rotor, orbit.speed, loads, _TOLERANCE)
+    run = _simulation(_in_motion(rotor), orbit.speed, loads, _TOLERANCE)
     _set_motion(run, machine, orbit, motion)
     start = run.motion.q.copy()
     size = float(np.abs(motion[1:, : 2 * (len(start) - 1)]).sum(axis=0)[::2].max())
@@ -135,6 +138,12 @@ def _simulation(
     return Simulation(
         rotor, choose(tolerance=tolerance), speed=speed, loads=loads, warn=lambda _: None
     )
+
+
+def _in_motion(rotor: Rotor) -> Rotor:
+    """Return a machine whose motion is set after its start, which then needs no rest: a damper
+    without a spring carries its journal by whirling alone."""
+    return rotor.with_parts(Start, Start())
 
 
 def _set_motion(

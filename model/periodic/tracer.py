@@ -57,6 +57,9 @@ class Tracer:
         self.balance = problem.balance if isinstance(problem, Shooting) else problem
         self.steps, self.accuracy = steps, accuracy
         self.end = ""
+        self.broken = list[
+            str
+        ]()  # parts whose film is thinner than its roughness at the next point
 
     def follow(self, point: CurvePoint) -> Iterator[TracedPoint]:
         """Yield the points, each with the bifurcations before it, from the start on; raises
@@ -66,7 +69,7 @@ class Tracer:
         if isinstance(problem, HarmonicBalance):
             is_end = point.value in (self.low, self.high)
             problem, point = with_enough_harmonics(problem, point, self.accuracy, is_end)
-        last = solution(problem, point, self.accuracy)
+        last = self._solution(problem, point)
         H = problem.H if isinstance(problem, HarmonicBalance) else 0
         state = TracerState(problem.reference, H, point, self.steps.initial)
         yield TracedPoint(last, [], state)
@@ -96,7 +99,7 @@ class Tracer:
                 trace, step, coarse_steps = self._trace(problem, point, self.steps.initial), None, 0
                 continue
             before, (result, length) = point, step
-            now = solution(problem, result, accuracy)
+            now = self._solution(problem, result)
             bifurcations = bifurcations_between(problem, before, result, last, now)
             is_end = result.value in (self.low, self.high)
             here, point, is_coarse = suitable_equations(
@@ -104,7 +107,7 @@ class Tracer:
             )
             here.fix_phase(point.x)
             if here is not problem:
-                problem, now = here, solution(here, point, accuracy)
+                problem, now = here, self._solution(here, point)
             coarse_steps = coarse_steps + 1 if is_coarse and length < self.steps.initial else 0
             H = problem.H if isinstance(problem, HarmonicBalance) else 0
             yield TracedPoint(
@@ -115,6 +118,15 @@ class Tracer:
                 return
             last = now
         self.end = why_ended(point.value, self.low, self.high, self.steps.max_points)
+
+    def _solution(self, problem: PeriodicEquations, point: CurvePoint) -> Solution:
+        """Return the motion at a point; raises `NotConverged` where a film breaks."""
+        result = solution(problem, point, self.accuracy)
+        machine = problem.machine_at(point.value)
+        self.broken = machine.broken_films(result.orbit.b, result.orbit.states)
+        if self.broken:
+            raise NotConverged()
+        return result
 
     def _trace(self, problem: PeriodicEquations, point: CurvePoint, length: float) -> CurveTrace:
         steps = replace(self.steps, initial=length)

@@ -25,7 +25,7 @@ class Samples(NamedTuple):
     """Relative displacements [m], velocities [m/s] and internal states of the interfaces at
     samples; the states that the laws solve for; forces [N], their tangents p z + q conj(z) with
     respect to displacement and velocity, rates of the states with the derivatives of `StateSlopes`,
-    gaps [m], and, at rest, whether the laws are invalid."""
+    gaps [m], and whether the laws are invalid."""
 
     d: Annotated[np.ndarray, complex, "interfaces", "samples"]
     v: Annotated[np.ndarray, complex, "interfaces", "samples"]
@@ -165,4 +165,18 @@ def find_gaps(block):
     for j in range(len(interfaces)):
         for t in range(run.samples.d.shape[1]):
             run.samples.gap[j, t] = law_gap(laws, interfaces[j], run.samples.d[j, t])
+    return DONE
+
+
+@jit
+def find_invalid(block):
+    """Fill in whether the laws are invalid at all samples."""
+    run = _view(block)
+    laws, interfaces = run.machine
+    samples = run.samples
+    for j in range(len(interfaces)):
+        interface = interfaces[j]
+        for t in range(samples.d.shape[1]):
+            states = samples.states[t, interface.internal_state :]
+            samples.is_invalid[j, t] = law_breaks(laws, interface, samples.d[j, t], states)
     return DONE

@@ -36,11 +36,11 @@ def in_films(e=0.0, start="", **more):
     return parse_rotor(heavy_shaft(e) + film(1, **more) + film(3, **more) + start)
 
 
-def on_dampers(viscosity, young=2.1e13, density=1.0, e=3e-5):
+def on_dampers(viscosity, young=2.1e13, density=1.0, e=3e-5, **others):
     """A weightless rotor of 10 kg, by default 30 um out of balance, on two short dampers with
-    springs."""
+    springs; others: further quantities of these."""
     body = table("[body]", node=2, mass=10.0, I_d=1e-2, I_p=1e-3, e=e)
-    more = {"viscosity": viscosity, "short": True, "stiffness": 5e4}
+    more = {"viscosity": viscosity, "short": True, "stiffness": 5e4, **others}
     dampers = [table("[squeeze_film_damper]", **{**DAMPER, **more, "node": n}) for n in (1, 3)]
     stiff = shaft(0.0, 0.1, 0.2, material=table("material", young=young, density=density))
     return parse_rotor(f"gravity = 0.0\n{stiff}{body}{''.join(dampers)}")

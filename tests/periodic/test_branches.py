@@ -2,6 +2,7 @@
 of others."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from rotor_fmu.model.periodic import starting_points
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.branch import Branch
 from rotor_fmu.model.periodic.checkpoint import EventLog
-from rotor_fmu.model.periodic.continuation import BranchSearch, follow, start_at
+from rotor_fmu.model.periodic.continuation import BranchSearch, _reason_lost, follow, start_at
 from rotor_fmu.model.periodic.harmonic_count import Accuracy
 from rotor_fmu.model.periodic.newton import solve
 from rotor_fmu.model.periodic.problem import Response, Task, machines_of
@@ -273,3 +274,14 @@ def test_a_branch_is_followed_once_although_few_harmonics_are_another_motion_at_
     result = rf.response(rf.parse(WORN), speed=(150.0, 420.0))
     assert len(result.branches) == 1
     assert len(result.at(300.0)) == 1
+
+
+@pytest.mark.parametrize(("walls", "advice"), [([], "ask for more"), ([0], "soften the wall")])
+def test_a_branch_with_too_many_harmonics_advises_of_a_wall_only_where_there_is_one(walls, advice):
+    """Of a machine in oil films there is none to be softened."""
+    machine = SimpleNamespace(laws=SimpleNamespace(rubbing=walls))
+    balance = SimpleNamespace(machine_at=lambda _: machine)
+    tracer = SimpleNamespace(broken=[], balance=balance)
+    last = SimpleNamespace(value=1.0, last_share=0.1, orbit=SimpleNamespace(H=30))
+    why = _reason_lost(tracer, Branch(points=[last]), Accuracy(most=30))
+    assert why.endswith(advice)

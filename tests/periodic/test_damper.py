@@ -10,17 +10,30 @@ import pytest
 import rotor_fmu as rf
 
 from ..parts.films import DAMPER, on_dampers
+from ..parts.machines import shaft
+from ..toml_text import table
 
 B, U, NATURAL, MASS = 0.05, 0.3, 100.0, 10.0
 FOLD, ORBITS = 1.5312, (0.87388, 0.84178, 0.41580)  # the latter at a speed of 2
 
 
-@pytest.fixture(scope="module")
-def curve():
+def hung(**more):
+    """A rotor of 2 kg with a support at its left end and a short damper at its right one."""
+    body = table("[body]", node=2, mass=2.0, I_d=1e-2, I_p=1e-3, e=3e-4)
+    damper = table("[squeeze_film_damper]", **{**DAMPER, "node": 3, "short": True, **more})
+    support = table("[support]", node=1, stiffness=1e6, damping=200.0)
+    return rf.parse(shaft(0.0, 0.1, 0.2) + body + support + damper)
+
+
+def dampers(**more):
     slender = DAMPER["length"] / DAMPER["clearance"]
     viscosity = B * MASS * NATURAL / (2.0 * DAMPER["journal_radius"] * slender**3)
-    rotor = on_dampers(viscosity, young=2.1e15, density=1e-3)
-    return rf.response(rotor, speed=(1.2 * NATURAL, 2.2 * NATURAL))
+    return on_dampers(viscosity, young=2.1e15, density=1e-3, **more)
+
+
+@pytest.fixture(scope="module")
+def curve():
+    return rf.response(dampers(), speed=(1.2 * NATURAL, 2.2 * NATURAL))
 
 
 def orbits(curve, speed):
@@ -65,3 +78,27 @@ def test_stable_orbits_stay_in_time_and_the_unstable_one_is_left(curve, turns):
     for _, point in orbits(curve, 2.0):
         seen = curve.check(point, turns=turns)
         assert seen.stays == point.is_stable
+
+
+def test_a_branch_ends_where_a_film_becomes_thinner_than_its_roughness():
+    """As a run in time does: there is no such motion."""
+    rough = dampers(roughness=0.2 * DAMPER["clearance"])
+    result = rf.response(rough, speed=(1.2 * NATURAL, 1.8 * NATURAL))
+    (note,) = [n for n in result.notes if n.code == "branch-lost"]
+    assert "the film of squeeze_film_damper[1] becomes thinner than its roughness" in note
+    largest = max(result.amplitude(p, "body[1]") for p in result.points)
+    assert 0.7 < largest / DAMPER["clearance"] < 0.8
+
+
+def test_nor_does_one_begin_there():
+    """The rotor's weight would hang it through the wall of the damper."""
+    result = rf.response(hung(full=True, stiffness=5e4), speed=(250.0, 260.0))
+    assert not result.branches
+    assert all("when it is as thin as its roughness" in note for note in result.notes)
+
+
+def test_a_motion_that_a_damper_carries_by_whirling_alone_stays_in_time():
+    """Although the rotor has no rest in which a run could begin: nothing centres its damper."""
+    result = rf.response(hung(), speed=(250.0, 260.0))
+    (point,) = result.at(250.0)
+    assert result.check(point, turns=5).stays

@@ -1,7 +1,10 @@
 """The equations' Jacobian is their derivative, laws with states of their own included."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic import newton
 
 import rotor_fmu as rf
 
@@ -191,3 +194,15 @@ def test_a_state_that_a_part_does_without_has_no_multiplier():
         largest.append(np.abs(rubbing.multipliers[:3]))
     assert largest[0] == pytest.approx(largest[1], rel=1e-3)
     assert largest[0].max() < 0.999
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_residual_whose_square_no_number_holds_is_no_warning_to_the_user():
+    """Such as that of an oil film far beyond its wall."""
+    slope = np.diag([1e200, 1.0])
+    steep = SimpleNamespace(
+        tolerance=1e-9,
+        residual=lambda x, _: slope @ (x - 1.0),
+        linearized=lambda x, _: (slope @ (x - 1.0), slope),
+    )
+    assert newton.solve(steep, np.zeros(2), 0.0) == pytest.approx(1.0)

@@ -210,6 +210,44 @@ def test_two_bifurcations_of_which_the_second_undoes_the_first_are_located(
     assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("half_sum", "product", "kinds", "values"),
+    [
+        (  # both are outside when they meet, and one comes in again
+            lambda t: 0.9 + 0.4 * t,
+            lambda t: 0.9 + 0.4 * t + 0.3 * t * (1.0 - t),
+            ["Neimark-Sacker", "period doubling"],
+            [0.152873, 0.434259],
+        ),
+        (  # both are inside when they meet, and one goes out and comes in again
+            lambda t: 0.79 + 0.0778 * t + 0.3 * t * (1.0 - t),
+            lambda t: 0.7225 + 0.0291 * t,
+            ["period doubling"] * 2,
+            [0.246238, 0.964595],
+        ),
+    ],
+)
+def test_doublings_of_a_pair_that_meets_on_the_real_axis_are_located(
+    monkeypatch, half_sum, product, kinds, values
+):
+    """Of which the ends of the step show one or none, and other small multipliers at one end."""
+
+    def multipliers_at(_, point):
+        roots = np.roots([1.0, 2.0 * half_sum(point.value), product(point.value)])
+        return np.append(
+            roots[np.argsort(-np.abs(roots), kind="stable")], [0.0] * (point.value > 0.5)
+        )
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    monkeypatch.setattr(bifurcation_search, "_touched", lambda *_: np.array([True]))
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [_motion(multipliers_at, end) for end in ends]
+    seen = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
+    assert [b.kind for b in seen] == kinds
+    assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)
+
+
 @pytest.mark.parametrize("inside", [[0.3, 0.3], [0.9j, -0.9j]])
 def test_multipliers_that_jump_past_the_circle_are_a_grazing_of_any_kind(monkeypatch, inside):
     """Such as a pair, where a contact begins: no quasi-periodic motion begins there."""
@@ -228,11 +266,53 @@ def test_multipliers_that_jump_past_the_circle_are_a_grazing_of_any_kind(monkeyp
     assert seen.point.value == pytest.approx(0.3, abs=1e-8)
 
 
+def test_a_bifurcation_in_a_step_hardly_longer_than_the_error_of_its_points_is_no_grazing(
+    monkeypatch,
+):
+    """Its multiplier is as uncertain as the points, and seems to jump."""
+    line, error = _Line(), 0.02
+    line.tolerance = error
+
+    def multipliers_at(_, point):
+        beyond = point.value - 0.5
+        return np.array([-1.0 - 0.1 * (beyond + error * np.sign(beyond))])
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [_motion(multipliers_at, end) for end in ends]
+    (seen,) = bifurcation_search.bifurcations_between(line, *ends, *motions)
+    assert seen.kind == "period doubling"
+    assert seen.point.value == pytest.approx(0.5, abs=error)
+
+
+@pytest.mark.parametrize(("slope", "kinds"), [(0.0, []), (1.0, ["branch point"])])
+def test_a_branch_passes_where_the_equations_are_singular_not_only_a_multiplier_by_few_harmonics(
+    monkeypatch, slope, kinds
+):
+    """That passes 1 beside a fold."""
+
+    def multipliers_at(_, point):
+        return np.array([point.value - 0.5 + 1.0])
+
+    line = _Line()
+    line.linearized = lambda x, value: (
+        x,
+        np.array([[0.5 * (1.0 - slope) + slope * (value - 0.5)]]),
+    )
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [_motion(multipliers_at, end) for end in ends]
+    seen = bifurcation_search.bifurcations_between(line, *ends, *motions)
+    assert [b.kind for b in seen] == kinds
+
+
 def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(monkeypatch):
     """As beside a corner, where another branch is near."""
 
     def multipliers_at(_, point):
-        return np.array([point.value - 0.5 + 1.0])
+        return np.array([0.5 - point.value - 1.0])
 
     monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
     monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)

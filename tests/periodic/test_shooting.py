@@ -129,11 +129,29 @@ def test_steps_end_in_the_corners_also_after_many_small_changes_of_the_motion(sh
     assert np.sort(gap)[:2].max() < 1e-6 * CLEARANCE
 
 
+def test_steps_end_in_the_corners_also_where_newtons_method_goes_to_and_fro(shot):
+    """As beside a sharp fold, where one step along the curve after another is shortened."""
+    equations, x, _ = shot
+    equations = copy(equations)
+    for i in range(8):
+        away = x.copy()
+        away[-2:] += 1e-4 * np.array([1.0, -1.0]) * (-1) ** i * (i + 1)
+        equations.linearized(away, SPEED)
+    flight = equations._integrated(away, SPEED)
+    at = mesh.interpolated(flight.y[..., :2], flight.ends, flight.ends)
+    gap = np.abs(np.hypot(at[:, 0], at[:, 1]) - CLEARANCE)
+    assert np.sort(gap)[:2].max() < 1e-6 * CLEARANCE
+
+
 def test_beside_a_corner_no_other_step_ends_so_that_it_can_move(monkeypatch):
-    monkeypatch.setattr(mesh, "_corners", lambda *_: np.array([0.505, 0.73]))
-    tenths = np.linspace(0.0, 1.0, 11)
-    ends = mesh.with_corners(None, None, None, tenths)
+    """And none comes back behind it: the equations stay smooth."""
+    at, tenths = np.array([0.505, 0.73]), np.linspace(0.0, 1.0, 11)
+    monkeypatch.setattr(mesh, "_corners", lambda *_: at)
+    ends, cells = mesh.with_corners(None, None, None, tenths)
     assert ends == pytest.approx([0, 0.1, 0.2, 0.3, 0.4, 0.505, 0.6, 0.7, 0.73, 0.8, 0.9, 1])
+    at[0] = 0.55
+    ends, cells = mesh.with_corners(None, None, None, cells)
+    assert ends == pytest.approx([0, 0.1, 0.2, 0.3, 0.4, 0.55, 0.6, 0.7, 0.73, 0.8, 0.9, 1])
 
 
 def test_multipliers_of_a_damped_contact_are_those_of_its_harmonics():

@@ -7,6 +7,7 @@ int32_t rotor_call_laws_kernel(int64_t *, void **, uint8_t *, double, double, do
 int32_t rotor_linearize_laws_kernel(int64_t *, void **, uint8_t *, double);
 int32_t rotor_vibrate_laws_kernel(int64_t *, void **, uint8_t *, double, double, double);
 int32_t rotor_find_gaps_kernel(int64_t *, void **, uint8_t *);
+int32_t rotor_find_invalid_kernel(int64_t *, void **, uint8_t *);
 int32_t rotor_step_through_kernel(int64_t *, void **, uint8_t *, double);
 
 EXPORT int rotor_call_laws(
@@ -26,6 +27,10 @@ EXPORT int rotor_vibrate_laws(uint8_t *block, double speed, double sliding, doub
 EXPORT int rotor_find_gaps(uint8_t *block)
 {
     CALL(rotor_find_gaps, block);
+}
+EXPORT int rotor_find_invalid(uint8_t *block)
+{
+    CALL(rotor_find_invalid, block);
 }
 EXPORT int rotor_step_through(uint8_t *block, double speed)
 {
