@@ -59,10 +59,11 @@ Status enter(Instance *m)
 
 Status leave_initialization(Instance *m)
 {
-    if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m))
+    if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m)
+        || (m->is_whole && take_state(m, &m->before))) /* steps then need no memory */
         return ERROR;
     m->state->phase = STEPPING;
-    return m->is_whole ? take_state(m, &m->before) : OK; /* steps then need no memory */
+    return OK;
 }
 
 Status terminate(Instance *m)

@@ -92,15 +92,19 @@ static FILE *opened(const char *path)
 #endif
 }
 
+static const char OUT_OF_MEMORY[] = "out of memory";
+
 Table *read_table(const char *resources, char *why, size_t room)
 {
     char *path = resources ? file_in(resources) : NULL;
     FILE *file = path ? opened(path) : NULL;
     Table *table = NULL;
-    const char *fault = "cannot be read";
+    const char *fault = resources && !path ? OUT_OF_MEMORY : "cannot be read";
     if (file && !fseek(file, 0, SEEK_END)) {
         long size = ftell(file);
-        if (size > 0 && (table = malloc((size_t)size)) != NULL) {
+        if (size > 0 && (table = malloc((size_t)size)) == NULL) {
+            fault = OUT_OF_MEMORY;
+        } else if (size > 0) {
             rewind(file);
             size_t got = fread(table, 1, (size_t)size, file);
             fault = got == (size_t)size ? check_table(table, got) : "cannot be read";
