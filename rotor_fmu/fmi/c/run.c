@@ -29,11 +29,11 @@ Status set_up(Instance *m, const char *call, double start, int has_stop, double 
         return ERROR;
     if (!isfinite(start))
         return refuse(m, "%s: start time = %g: must be finite", call, start);
-    if (has_stop && !(stop >= start))
+    if (has_stop && !isgreaterequal(stop, start)) /* of a NaN it does not trap */
         return refuse(m, "%s: stop time = %g s: must not lie before the start time, %g s", call,
                       stop, start);
     const Variable *rule = setting(m->table, m->table->tolerance_at);
-    if (has_tolerance && !(tolerance > 0 && tolerance <= rule->most))
+    if (has_tolerance && !(isgreater(tolerance, 0) && tolerance <= rule->most))
         return refuse(m, "%s: tolerance = %g: %s", call, tolerance, text(m->table, rule->rule));
     if (has_tolerance && tolerance < rule->least) { /* hosts give one for all FMUs of a system */
         warn_of(m, "%s: tolerance = %g: %g is taken, the least that can be held "
