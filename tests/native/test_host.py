@@ -83,6 +83,7 @@ def test_a_stranger_is_not_instantiated(library, tmp_path, capfd):
         ({"kind": 0}, "rotor: error: instantiate: the FMU is for co-simulation alone"),
         ({"resources": b"file:///nowhere"}, "/nowhere/machine.table: cannot be read"),
         ({"resources": b"file://%b" % bytes(tmp_path)}, "machine.table: cannot be read"),
+        ({"resources": b"file:///" + 1000 * b"x"}, "xxx: cannot be read"),
     ):
         assert not library.instantiate(**wrong)
         assert words in capfd.readouterr().err

@@ -115,7 +115,7 @@ Table *read_table(const char *resources, char *why, size_t room)
     if (file)
         fclose(file);
     if (fault) {
-        snprintf(why, room, "%s: %s", path ? path : "the location of the resources", fault);
+        snprintf(why, room, "%.600s: %s", path ? path : "the location of the resources", fault);
         free(table);
         table = NULL;
     }
