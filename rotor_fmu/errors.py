@@ -9,7 +9,7 @@ from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from .model.arguments import check_integer as check_integer
 from .model.arguments import check_positive as check_positive
@@ -64,8 +64,13 @@ def run(app: Callable[..., int | None]) -> None:
     except OSError as error:
         _end(_unreachable(error), FAILED)
     if status == INTERRUPTED:  # which typer may have made of Ctrl-C by itself
-        _end("stopped; nothing unfinished was written", INTERRUPTED)
+        end_stopped()
     sys.exit(status)
+
+
+def end_stopped() -> NoReturn:
+    """End the process after Ctrl-C."""
+    _end("stopped; nothing unfinished was written", INTERRUPTED)
 
 
 def _one_line(error: "typer.TyperException") -> str:
@@ -114,7 +119,7 @@ def _unreachable(error: OSError) -> str:
     return f"{file or 'a file or the output'}: cannot be read or written: {reason}"
 
 
-def _end(message: str, status: int) -> None:
+def _end(message: str, status: int) -> NoReturn:
     for folder in _made:  # what failed leaves none behind that it wrote nothing into
         with suppress(OSError):
             folder.rmdir()

@@ -113,9 +113,10 @@ class Metric:
     def least_size(self, windows: Sequence[Any], unit: str, still: float) -> float:
         """Return the size to which differences of its cells are relative at least, in its unit: of
         a displacement that of a motion that is none, `still` [m]."""
-        if self.kind.least is not None:
-            return max(self.kind.least(self, window) for window in windows)
-        return still if unit == "m" else 0.0
+        least = still if unit == "m" else 0.0
+        if self.kind.least is None:
+            return least
+        return max(least, *(self.kind.least(self, window) for window in windows))
 
     def error(self, reason: str) -> InputError:
         """Return the error that says why the metric cannot be."""

@@ -92,24 +92,57 @@ def _mean(metric: Metric, window: Window) -> float:
     return _averaged(*_late_values(metric, window))
 
 
-@_kind("value at the end of {of}")
+def _around(metric: Metric, window: Window, at: int) -> np.ndarray:
+    """Return the steps' values within half a turn of a row of them."""
+    phi = window.steps.columns["phi"]
+    return window.steps.quantity(metric.of)[np.abs(phi - phi[at]) <= math.pi]
+
+
+def _size_around(metric: Metric, window: Window, at: int) -> float:
+    """Return the root mean square of a turn, since what vibrates may be 0 at an instant."""
+    return float(np.sqrt(np.mean(_around(metric, window, at) ** 2)))
+
+
+def _last_size(metric: Metric, window: Window) -> float:
+    return _size_around(metric, window, -1)
+
+
+@_kind("value at the end of {of}", also=("phi",), least=_last_size)
 def _last(metric: Metric, window: Window) -> float:
     return float(window.steps.quantity(metric.of)[-1])
 
 
-@_kind(
-    "value when the speed first passes {speed:g} rad/s, of {of}", "speed", also=("w",), varying=True
-)
-def _value(metric: Metric, window: Window) -> float:
-    """Return the value at a speed, linear between two steps; nan if it is never passed."""
-    speed, values = window.steps.columns["w"], window.steps.quantity(metric.of)
+def _passage(metric: Metric, window: Window) -> tuple[int, float] | None:
+    """Return the row before the speed is first passed, and the share of the step until then; None
+    if it never is."""
+    speed = window.steps.columns["w"]
     w = speed - metric.option("speed")
     w[np.abs(w) <= _ROUNDING * np.abs(speed).max()] = 0.0  # a run may end at the speed
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
     if not len(passed):
+        return None
+    at = int(passed[0])
+    return at, float(w[at] / (w[at] - w[at + 1])) if w[at] != w[at + 1] else 0.0
+
+
+def _passed_size(metric: Metric, window: Window) -> float:
+    passage = _passage(metric, window)
+    return _size_around(metric, window, passage[0]) if passage else 0.0
+
+
+@_kind(
+    "value when the speed first passes {speed:g} rad/s, of {of}",
+    "speed",
+    also=("w", "phi"),
+    least=_passed_size,
+    varying=True,
+)
+def _value(metric: Metric, window: Window) -> float:
+    """Return the value at a speed, linear between two steps; nan if it is never passed."""
+    passage, values = _passage(metric, window), window.steps.quantity(metric.of)
+    if passage is None:
         return math.nan
-    at = passed[0]
-    share = w[at] / (w[at] - w[at + 1]) if w[at] != w[at + 1] else 0.0
+    at, share = passage
     return float(values[at] + share * (values[at + 1] - values[at]))
 
 
@@ -139,7 +172,16 @@ def _turn_axis(metric: Metric, how: Excitation) -> ListAxis:
     return ListAxis("turn")
 
 
-@_kind("value once a turn, at the keyphasor's mark of {of}", axis=_turn_axis, held=_ANY_LEVEL)
+def _spread(metric: Metric, window: Window) -> float:
+    return float(window.turns.quantity(metric.of).std())
+
+
+@_kind(
+    "value once a turn, at the keyphasor's mark of {of}",
+    axis=_turn_axis,
+    least=_spread,
+    held=_ANY_LEVEL,
+)
 def _poincare(metric: Metric, window: Window) -> np.ndarray:
     return window.turns.quantity(metric.of)[window.per_turn - 1 :: window.per_turn]
 
@@ -158,10 +200,6 @@ def _check_order(metric: Metric, how: Excitation) -> None:
     order, turns = metric.option("order"), how.numbers["turns"]
     if not _is_whole(order * turns):
         raise metric.error(f"order = {order:g}: must make whole periods in run.turns = {turns:g}")
-
-
-def _spread(metric: Metric, window: Window) -> float:
-    return float(window.turns.quantity(metric.of).std())
 
 
 @_kind(
@@ -186,12 +224,18 @@ def _check_passing(metric: Metric, how: Excitation) -> None:
         )
 
 
+def _passed_spread(metric: Metric, window: Window) -> float:
+    passage = _passage(metric, window)
+    return float(_around(metric, window, passage[0]).std()) if passage else 0.0
+
+
 @_kind(
     "amplitude of order {order:g} where {speed:g} rad/s is first passed, of {of}",
     "order",
     "speed",
     check=_check_passing,
-    also=("phi",),
+    least=_passed_spread,
+    also=("w", "phi"),
     varying=True,
     is_fine=True,
 )

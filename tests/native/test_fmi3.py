@@ -366,3 +366,10 @@ def test_the_arithmetic_that_a_host_has_chosen_changes_no_bit_and_stays(fmu, tmp
         library.c.fmi3FreeInstance(m)
     assert results[1] == results[0]
     assert results[2] == results[0]
+    m, nan = library.instantiate(), ctypes.c_double(float("nan"))
+    for given in ((True, nan, ZERO, False, ZERO), (False, ZERO, ZERO, True, nan)):
+        flags.set(0x1F00)  # a NaN that is compared traps
+        status = library.c.fmi3EnterInitializationMode(m, *given)
+        flags.set(0x1F80)
+        assert status == ERROR
+    library.c.fmi3FreeInstance(m)

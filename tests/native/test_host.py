@@ -76,11 +76,14 @@ def test_it_runs_from_a_folder_whose_name_is_escaped(library):
     library.c.fmi2FreeInstance(m)
 
 
-def test_a_stranger_is_not_instantiated(library, capfd):
+def test_a_stranger_is_not_instantiated(library, tmp_path, capfd):
+    (tmp_path / "machine.table").mkdir()
     for wrong, words in (
         ({"guid": b"{another}"}, "the GUID is not this FMU's"),
         ({"kind": 0}, "rotor: error: instantiate: the FMU is for co-simulation alone"),
         ({"resources": b"file:///nowhere"}, "/nowhere/machine.table: cannot be read"),
+        ({"resources": b"file://%b" % bytes(tmp_path)}, "machine.table: cannot be read"),
+        ({"resources": b"file:///" + 1000 * b"x"}, "xxx: cannot be read"),
     ):
         assert not library.instantiate(**wrong)
         assert words in capfd.readouterr().err

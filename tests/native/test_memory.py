@@ -3,8 +3,10 @@ of the whole C interface leave the host alive."""
 
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
+from fmpy import extract, read_model_description
 
 from rotor_fmu.library.build import C_SOURCES, fmi_headers, kernels, objects, sources_digest
 from rotor_fmu.library.platforms import PLATFORMS
@@ -54,6 +56,24 @@ def test_valgrind_finds_neither_a_wrong_access_nor_a_leak(c_host):
         pytest.skip("valgrind is not installed")
     printed = run((valgrind, "-q", "--leak-check=full"), c_host, failures(1))
     assert "==" not in printed, printed[-3000:]
+
+
+@NEEDS_COMPILER
+def test_where_memory_is_out_a_call_fails_and_can_be_made_again(make, tmp_path):
+    folder, host = extract(make(fmi=3), str(tmp_path / "fmu")), tmp_path / "host"
+    include = f"-I{fmi_headers()}"
+    source = Path(__file__).with_name("no_memory.c")
+    subprocess.run([COMPILER, "-rdynamic", include, "-o", host, source, "-ldl"], check=True)
+    library = f"{folder}/binaries/x86_64-linux/RotorBearingNative.so"
+    token = read_model_description(folder).guid
+    command = [host, library, f"{folder}/resources/", token]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    runs = [line.split() for line in done.stdout.splitlines()]
+    failed = [run[0] for run in runs]
+    assert set(failed) == {"0", "1"}
+    assert {tuple(run[1:]) for run in runs} == {("0", runs[0][2], "0")}
+    # of two there is no instance yet that could speak, and of one the file cannot be opened
+    assert done.stderr.count("out of memory") == failed.count("1") - 3
 
 
 @pytest.mark.slow

@@ -39,6 +39,16 @@ with contextlib.redirect_stdout(io.StringIO()) as text, contextlib.suppress(Syst
     main()
 assert "run-down" in text.getvalue(), text.getvalue()
 """
+STOPPED_EARLY = """
+import sys
+class Stopped:
+    def find_spec(self, name, *others):
+        if name == "typer":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Stopped())
+from rotor_fmu.command import main
+main()
+"""
 
 
 def run(script, **environment):
@@ -102,3 +112,9 @@ def test_the_command_takes_one_thread_for_linear_algebra_unless_it_is_told_anoth
     assert run(script, OPENBLAS_NUM_THREADS="3").split() == ["False", "3"]
     bare = f"import os; os.environ.pop('OPENBLAS_NUM_THREADS', None)\n{script}"
     assert run(bare).split() == ["False", "1"]
+
+
+def test_ctrl_c_during_the_first_imports_ends_the_command_in_one_line():
+    done = run_anew(STOPPED_EARLY)
+    assert done.returncode == 130
+    assert done.stderr == "rotor-fmu: stopped; nothing unfinished was written\n"

@@ -81,7 +81,7 @@ def test_it_has_one_name_at_the_top(wheel):
     (entries,) = wheel.glob("*.dist-info/entry_points.txt")
     assert entries.read_text().split("\n\n")[0].splitlines() == [
         "[console_scripts]",
-        "rotor-fmu = rotor_fmu.cli:main",
+        "rotor-fmu = rotor_fmu.command:main",
     ]
 
 

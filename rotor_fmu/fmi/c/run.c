@@ -29,11 +29,11 @@ Status set_up(Instance *m, const char *call, double start, int has_stop, double 
         return ERROR;
     if (!isfinite(start))
         return refuse(m, "%s: start time = %g: must be finite", call, start);
-    if (has_stop && !(stop >= start))
+    if (has_stop && !isgreaterequal(stop, start)) /* of a NaN it does not trap */
         return refuse(m, "%s: stop time = %g s: must not lie before the start time, %g s", call,
                       stop, start);
     const Variable *rule = setting(m->table, m->table->tolerance_at);
-    if (has_tolerance && !(tolerance > 0 && tolerance <= rule->most))
+    if (has_tolerance && !(isgreater(tolerance, 0) && tolerance <= rule->most))
         return refuse(m, "%s: tolerance = %g: %s", call, tolerance, text(m->table, rule->rule));
     if (has_tolerance && tolerance < rule->least) { /* hosts give one for all FMUs of a system */
         warn_of(m, "%s: tolerance = %g: %g is taken, the least that can be held "
@@ -59,10 +59,11 @@ Status enter(Instance *m)
 
 Status leave_initialization(Instance *m)
 {
-    if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m))
+    if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m)
+        || (m->is_whole && take_state(m, &m->before))) /* steps then need no memory */
         return ERROR;
     m->state->phase = STEPPING;
-    return m->is_whole ? take_state(m, &m->before) : OK; /* steps then need no memory */
+    return OK;
 }
 
 Status terminate(Instance *m)

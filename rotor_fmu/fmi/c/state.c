@@ -43,7 +43,7 @@ Status take_state(Instance *m, void **state)
     if (!room || state_size(room) != head + run) /* what is given may be of another instance */
         room = realloc(room, head + run);
     if (!room)
-        return refuse(m, "getFMUstate: out of memory");
+        return refuse(m, "out of memory for a state");
     *state = room;
     memcpy(room, m->state, head);
     if (m->state->is_built)

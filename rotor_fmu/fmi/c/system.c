@@ -92,24 +92,30 @@ static FILE *opened(const char *path)
 #endif
 }
 
+static const char OUT_OF_MEMORY[] = "out of memory";
+
 Table *read_table(const char *resources, char *why, size_t room)
 {
     char *path = resources ? file_in(resources) : NULL;
     FILE *file = path ? opened(path) : NULL;
     Table *table = NULL;
-    const char *fault = "cannot be read";
-    if (file && !fseek(file, 0, SEEK_END)) {
-        long size = ftell(file);
-        if (size > 0 && (table = malloc((size_t)size)) != NULL) {
-            rewind(file);
-            size_t got = fread(table, 1, (size_t)size, file);
-            fault = got == (size_t)size ? check_table(table, got) : "cannot be read";
-        }
+    const char *fault = resources && !path ? OUT_OF_MEMORY : "cannot be read";
+    /* a folder can be opened, and has a size */
+    int is_file = file && fgetc(file) != EOF && !fseek(file, 0, SEEK_END);
+    long size = is_file ? ftell(file) : 0;
+    if (size > 0) {
+        rewind(file);
+        table = malloc((size_t)size);
+        size_t got = table ? fread(table, 1, (size_t)size, file) : 0;
+        if (!table)
+            fault = OUT_OF_MEMORY;
+        else if (got == (size_t)size)
+            fault = check_table(table, got);
     }
     if (file)
         fclose(file);
     if (fault) {
-        snprintf(why, room, "%s: %s", path ? path : "the location of the resources", fault);
+        snprintf(why, room, "%.600s: %s", path ? path : "the location of the resources", fault);
         free(table);
         table = NULL;
     }
