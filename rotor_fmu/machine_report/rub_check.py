@@ -28,6 +28,7 @@ from ..model.parts.unbalance import Unbalance
 from ..model.structure.assembly import assemble
 from ..model.structure.reduction_offer import reduction_offer
 from ..run_status import FAILED, on_numbers
+from ..runs.measuring_points import last_of_the_largest
 
 _TURNS = 1200.0  # of a run up or down
 _SETTLING = 60.0  # turns at the first speed, before the run begins
@@ -174,7 +175,8 @@ def rub_check(
     }
     speeds = with_tops(list(probes.values()), close)
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
-    place = max(seen, key=lambda name: seen[name].max()) if seen else ""
+    largest = [float(sizes.max()) for sizes in seen.values()]
+    place = [*seen][last_of_the_largest(largest)] if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
     runs = []
     for direction in ("run-up", "run-down") if closings else ():

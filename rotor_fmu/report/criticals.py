@@ -33,13 +33,13 @@ class Criticals(NamedTuple):
         listed = listed.replace(" and ", ", ", len(self.hz) - 2)
         unit = current().speed_unit
         if not self.contacts:
-            return f"Linear critical speeds, dashed: {listed} {unit}."
+            return f"Linear critical speeds, dotted: {listed} {unit}."
         why = {
             PINNED: "a journal that leaves its wall is held less than one that is pinned to it",
             OPEN: "a journal that touches is held more than one that is free",
         }[self.contacts]
         return (
-            f"Linear critical speeds with contacts {self.contacts}, dashed: {listed} {unit}. The "
+            f"Linear critical speeds with contacts {self.contacts}, dotted: {listed} {unit}. The "
             f"run's peaks lie elsewhere where contacts open and close: {why}."
         )
 

@@ -80,9 +80,14 @@ def probe_that_moves_most(columns: Mapping[str, np.ndarray]) -> str | None:
 
 def moves_most(points: Sequence[MeasuringPoint]) -> MeasuringPoint:
     """Return the point that moves most, the last of several that move as much."""
-    motions = [point.motion for point in points]
-    largest = [i for i, motion in enumerate(motions) if motion >= (1 - _EQUAL) * max(motions)]
-    return points[largest[-1]]
+    return points[last_of_the_largest([point.motion for point in points])]
+
+
+def last_of_the_largest(motions: Sequence[float]) -> int:
+    """Return the position of the largest motion, the last of several that are as large: a sensor
+    rather than the bearing or the disc at its node."""
+    least = (1 - _EQUAL) * max(motions)
+    return max(i for i, motion in enumerate(motions) if motion >= least)
 
 
 def named(name: str, known: Sequence[Any], what: str) -> Any:

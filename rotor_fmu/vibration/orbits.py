@@ -105,7 +105,7 @@ def whirl(
 
     A block must hold whole cycles of what is slower than the shaft, or its mean is not what the
     place goes round: with 16 turns under Hann's window the mean is right within 0.6 % of a
-    component of 0.2x and within 0.05 % of one of 0.43x. With w = z less that mean and w' = dw by
+    component of 0.2x and within 0.04 % of one of 0.43x. With w = z less that mean and w' = dw by
     the angle turned: sense = Im <conj(w) w'> / sqrt(<|w|^2> <|w'|^2>), order = Im <conj(w) w'> /
     <|w|^2>. Raises `TooFewTurns` for less than 3.
     """

@@ -155,12 +155,14 @@ def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def second_half(t: np.ndarray, phi: np.ndarray) -> slice:
     """Return the rows of the second half of a run, cut to whole turns where it holds any: orders
-    then lie on lines of a spectrum. Raises `TooFewRows` for none."""
+    then lie on lines of a spectrum. Of a run of few rows it is more than half, the last three or
+    all. Raises `TooFewRows` for none."""
     _check_rows(t, 1)
     turned = np.abs(phi - phi[-1])
     half = int(np.searchsorted(t, (t[0] + t[-1]) / 2))
     whole = TURN * math.floor(turned[half] / TURN)
-    return slice(half + int(np.argmax(turned[half:] <= whole)) if whole else half, None)
+    begin = half + int(np.argmax(turned[half:] <= whole)) if whole else half
+    return slice(max(0, min(begin, len(t) - LEAST_ROWS)), None)
 
 
 def _check_rows(t: np.ndarray, least: int) -> None:

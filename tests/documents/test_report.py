@@ -314,7 +314,7 @@ def test_the_linear_critical_speeds_of_the_rig_are_said_beside_its_run():
     given = recorded(speed=400.0, rate=-60.0, toml=rig_toml(), parameters={})
     found = criticals_of(given.named("rig"))
     assert found.hz == pytest.approx([29.4, 32.5], rel=0.02)
-    assert found.sentence.startswith("Linear critical speeds with contacts pinned, dashed: ")
+    assert found.sentence.startswith("Linear critical speeds with contacts pinned, dotted: ")
     assert "a journal that leaves its wall is held less" in found.sentence
     page = runs_page([given.named("rig")], [{}])
     assert found.sentence in unescape(page)

@@ -66,6 +66,14 @@ def test_a_response_that_closes_no_contact_says_nothing_of_other_clearances():
     assert conclusion == "The linear response closes no contact; no run with contacts was needed."
 
 
+def test_the_figure_shows_a_sensor_rather_than_the_bearing_at_its_node():
+    """As the page of a run does, of whose places the last of those that move as much counts."""
+    bearings = "".join(_BEARING.format(node=node, c=1.0, crossed=0.0) for node in (1, 2, 3))
+    at_the_disc = f"{bearings}[[sensor]]\nnode = 2\nname = 'probe'"
+    rotor = parse_rotor(f"{_JEFFCOTT}k = 1e4\n{at_the_disc}".replace("1e-5", "1.0"))
+    assert rub_check(rotor, 10.0, 10.0).place == "probe"
+
+
 @pytest.mark.parametrize(("trip", "top"), [(None, 12.5), (11.0, 12.5), (17.0, 17.0)])
 def test_what_is_looked_at_reaches_the_trip_speed(trip, top):
     rotor = _machine(1e4, 300.0, 0.0)

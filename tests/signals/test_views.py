@@ -294,7 +294,16 @@ def test_a_signal_of_too_few_rows_for_a_spectrum_says_so(rows):
     with pytest.raises(vibration.TooFewRows, match=f"has {rows} recorded rows; at least 3 are"):
         vibration.spectrum(t, t)
     if rows:
-        assert vibration.second_half(t, t) == slice(rows // 2, None)
+        assert vibration.second_half(t, t) == slice(0, None)
     else:
         with pytest.raises(vibration.TooFewRows, match="has 0 recorded rows; at least 1 are"):
             vibration.second_half(t, t)
+
+
+@pytest.mark.parametrize(("turn", "rows"), [(0.01, 3), (0.01, 4), (1.0, 5)])
+def test_half_of_a_run_that_failed_after_a_few_steps_is_enough_for_a_spectrum(turn, rows):
+    """turn: by which the shaft turned in a step, in turns."""
+    t = np.arange(float(rows))
+    late = vibration.second_half(t, TURN * turn * t)
+    assert len(t[late]) == 3
+    assert np.isfinite(vibration.spectrum(t[late], t[late])[1]).all()

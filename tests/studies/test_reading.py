@@ -1,10 +1,17 @@
 """STUDY.toml: what it may say, and the one line where it says something else."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from rotor_fmu.errors import InputError
+from rotor_fmu.machine_studies import response_runs, run_metrics
 from rotor_fmu.machine_studies.machine_tables import read_study
+from rotor_fmu.machine_studies.run_kinds import IN_TIME
+from rotor_fmu.studies.design import DESIGNS, DISTRIBUTIONS, GRID
+from rotor_fmu.studies.study_file import TABLES
 
 VALUES = "values = [40e-6, 60e-6]"
 STUDY = """
@@ -290,3 +297,20 @@ def test_what_is_kept_is_not_called_like_a_dimension_of_the_rows(tmp_path):
 def test_keeps_of_constant_speeds_that_cannot_be_are_refused(tmp_path, keep, expected):
     with pytest.raises(InputError, match=expected.replace("[", r"\[")):
         read(tmp_path, f"{HELD}[keep]\nq = {keep}\n")
+
+
+def test_the_page_of_the_study_file_has_every_name_and_default():
+    page = Path(__file__).parents[2] / "docs" / "reference" / "study_file.md"
+    text = page.read_text(encoding="utf-8")
+    words = {*re.findall(r"[\w-]+", " ".join(re.findall(r"`([^`\n]+)`", text)))}
+    runs = (*IN_TIME, response_runs.RESPONSE)
+    metrics = (*run_metrics.KINDS.values(), *response_runs.KINDS.values())
+    named = {name for run in runs for name in (run.name, *run.numbers)}
+    named |= {
+        name for kind in metrics for name in (kind.said.split()[0], *kind.needed, *kind.optional)
+    }
+    named |= {*DESIGNS, *DISTRIBUTIONS, *(p for needed in DISTRIBUTIONS.values() for p in needed)}
+    assert not sorted((named | {*TABLES}) - words - {GRID})
+    defaults = {(n, of.default) for run in runs for n, of in run.numbers.items()}
+    given = [(n, value) for n, value in defaults if isinstance(value, float) and value]
+    assert not [n for n, value in given if f"`{n}` = {value:g}" not in text]
