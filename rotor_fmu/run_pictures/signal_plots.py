@@ -76,14 +76,13 @@ def polar(view: View) -> Figure:
     figure = empty_figure(5.8, 5.4)
     axes = figure.add_subplot(projection="polar")
     track = vibration.order_track(*view.signal, (1.0,))
-    n = _speed(track.speed)
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", "-"),
         (track.y(), ORANGE, "1x of y", DASHED),
     ):
         radius = np.abs(vector) * view.shown.amplitude
         axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
-        _speeds_along(axes, vector * view.shown.amplitude, n, color)
+        _speeds_along(axes, vector * view.shown.amplitude, track.speed, color)
     axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.tick_params(labelsize=8)
@@ -92,14 +91,14 @@ def polar(view: View) -> Figure:
     return figure
 
 
-def _speeds_along(axes: Axes, vector: np.ndarray, n: np.ndarray, color: str) -> None:
+def _speeds_along(axes: Axes, vector: np.ndarray, speed: np.ndarray, color: str) -> None:
     """Speeds written beside a curve where it has gone a share of its length."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(vector)))])
     for share in (0.1, 0.3, 0.5, 0.7, 0.9):
         i = int(np.searchsorted(length, share * length[-1]))
         where = (float(np.angle(vector[i])), float(np.abs(vector[i])))
         axes.plot(*where, "o", color=color, ms=3)
-        annotate(axes, f"{n[i]:.1f}", where, (4, 3), fontsize=7, color=color)
+        annotate(axes, shown_speed(speed[i]), where, (4, 3), fontsize=7, color=color)
 
 
 def orbit(view: View, caption: str = "") -> Figure:
@@ -151,7 +150,7 @@ def spectrum(view: View) -> Figure:
     axes.set_xlim(-reach, reach)
     axes.set_xlabel(f"Whirl frequency [{current().frequency_unit}], backward < 0 < forward")
     axes.set_ylabel(f"Amplitude [{view.shown.amplitude_unit}]")
-    at = f"{_speed(result.speed):.4g} {current().speed_unit}"
+    at = f"{shown_speed(result.speed)} {current().speed_unit}"
     view.title(axes, f"full spectrum of {view.place.label} at {at}")
     return figure
 

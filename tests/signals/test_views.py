@@ -8,12 +8,13 @@ import pytest
 from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu import vibration
+from rotor_fmu.display import choose, restored
 from rotor_fmu.errors import InputError
-from rotor_fmu.plotting.figure_style import broken_at_turns
+from rotor_fmu.plotting.figure_style import broken_at_turns, new_figure
 from rotor_fmu.report.run_data import run_data
-from rotor_fmu.run_pictures.run_folder import write_run_pictures
-from rotor_fmu.run_pictures.signal_plots import contact_angle, contact_force
-from rotor_fmu.run_pictures.view import View
+from rotor_fmu.run_pictures.run_folder import spectra, write_run_pictures
+from rotor_fmu.run_pictures.signal_plots import contact_angle, contact_force, polar, spectrum
+from rotor_fmu.run_pictures.view import View, speed_axis
 from rotor_fmu.runs.input_signals import Signals
 from rotor_fmu.runs.job import execute_recorded, prepare
 from rotor_fmu.runs.measuring_points import probe_that_moves_most
@@ -298,3 +299,36 @@ def test_a_signal_of_too_few_rows_for_a_spectrum_says_so(rows):
     else:
         with pytest.raises(vibration.TooFewRows, match="has 0 recorded rows; at least 1 are"):
             vibration.second_half(t, t)
+
+
+@pytest.mark.parametrize(
+    ("slowest", "fastest", "ends"),
+    [(0.3, 1.67, (0, 2)), (48.0, 219.3, (0, 220)), (-1.67, -0.1, (-2, 0)), (1e-13, 1e-13, (0, 10))],
+)
+def test_the_speeds_of_a_slow_machine_fill_their_axis(slowest, fastest, ends):
+    _, axes = new_figure()
+    speed_axis(axes, np.array([slowest, fastest]))
+    assert axes.get_xlim() == pytest.approx(ends)
+
+
+def test_speeds_in_pictures_have_all_digits_before_the_point():
+    speed = 12345.0 / (30 / math.pi)
+    run = recorded(stop=0.3, step=1e-4, speed=speed, rate=0.0)
+    with restored():
+        choose("rpm")
+        assert spectrum(View(run)).axes[0].get_title("left").endswith("at 12345 rpm")
+        line = spectra(run, "disc[1]", "").axes[0].get_legend().get_texts()[-1]
+        assert line.get_text() == "1x, 12345 cpm"
+        marks = [text.get_text() for text in polar(View(run)).axes[0].texts]
+        assert set(marks) == {"12345"}
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-6, 0.0])
+def test_a_spectrum_spans_five_decades_below_its_highest_line(size):
+    """Of a rotor that moves by picometres too."""
+    run = recorded(stop=0.3, rate=0.0)
+    still = {name: size * run.columns[name] for name in ("disc[1].x", "disc[1].y")}
+    axes = spectra(Recording(run.t, run.columns | still, run.units, {}), "disc[1]", "").axes[0]
+    low, high = axes.get_ylim()
+    highest = max(float(line.get_ydata().max()) for line in axes.get_lines()[:2]) if size else 1.0
+    assert (low, high) == pytest.approx((1e-5 * highest, 2 * highest))
