@@ -12,6 +12,7 @@ from .. import vibration
 from ..cells import cell, html_table
 from ..display import current, shown_speed
 from ..run_status import FAILED, OK
+from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
 from ..runs.verify_run import headline_of, rows_of
 from ..vibration import TooFewTurns
@@ -112,16 +113,19 @@ def _places(run: Recording, of: str) -> str:
         *("place", f"1x, largest [{d.amplitude_unit}]", f"at [{d.speed_unit}]"),
         *("amplification [1]", f"x [{small} pp]", f"y [{small} pp]", f"S_max [{small} 0-p]"),
     ]
-    rows = []
+    rows, begin = [], start_up(run.t, run.w)
     for place in run.places:
         signal = run.resampled(place)
         track = vibration.order_track_of(signal, (1.0,))
-        at = int(np.nanargmax(track.major()))
+        at = largest_row(track.t, track.major(), begin)
         direct = vibration.displacement_of(signal)
-        largest = [float(v.max()) * d.small * _UM for v in (direct.x_pp, direct.y_pp, direct.s_max)]
+        largest = [
+            float(size[largest_row(direct.t, size, begin)]) * d.small * _UM
+            for size in (direct.x_pp, direct.y_pp, direct.s_max)
+        ]
         peak, speed = track.major()[at] * d.amplitude * _UM, track.speed[at] * d.speed
         rows.append([place.label, peak, speed, _amplification(track), *largest])
-    return table(f"{of}responses over the run (API RP 684, ISO 20816-1)", heads, rows)
+    return table(f"{of}responses after the start-up (API RP 684, ISO 20816-1)", heads, rows)
 
 
 def _amplification(track: vibration.OrderTrack) -> float | str:

@@ -14,7 +14,7 @@ from ..display import Display, current
 from ..errors import InputError, number
 from ..plotting.figure_style import entitle, new_panels
 from ..runs.measuring_points import MeasuringPoint
-from ..runs.peaks import start_up
+from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
 
 # Positions of a contact angle and their labels.
@@ -77,9 +77,8 @@ class View:
                 raise InputError(f"speed = {chosen:g} rad/s: the run turns at {had} rad/s")
             return chosen
         track = vibration.order_track(*self.signal, (1.0,))
-        late = track.t > start_up(self.run.t, self.run.w)
-        amplitude = np.where(late | ~late.any(), track.major(), np.nan)
-        return float(track.speed[np.nanargmax(amplitude)])
+        begin = start_up(self.run.t, self.run.w)
+        return float(track.speed[largest_row(track.t, track.major(), begin)])
 
     def turns(self, count: int) -> TurnsShown:
         """Return consecutive turns about the time, or else nearest to the speed; fewer where the

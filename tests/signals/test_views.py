@@ -1,6 +1,7 @@
 """Pictures of runs draw the run, not where it was sampled."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from rotor_fmu import vibration
 from rotor_fmu.display import choose, restored
 from rotor_fmu.errors import InputError
 from rotor_fmu.plotting.figure_style import broken_at_turns, new_figure
+from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
 from rotor_fmu.run_pictures.run_folder import spectra, write_run_pictures
 from rotor_fmu.run_pictures.signal_plots import contact_angle, contact_force, polar, spectrum
@@ -18,7 +20,7 @@ from rotor_fmu.run_pictures.view import View, speed_axis
 from rotor_fmu.runs.input_signals import Signals
 from rotor_fmu.runs.job import execute_recorded, prepare
 from rotor_fmu.runs.measuring_points import probe_that_moves_most
-from rotor_fmu.runs.peaks import is_constant, peak_index, start_up
+from rotor_fmu.runs.peaks import is_constant, largest_row, peak_index, start_up
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run, run_recorded
 from rotor_fmu.runs.run_files import clear
@@ -332,3 +334,22 @@ def test_a_spectrum_spans_five_decades_below_its_highest_line(size):
     low, high = axes.get_ylim()
     highest = max(float(line.get_ydata().max()) for line in axes.get_lines()[:2]) if size else 1.0
     assert (low, high) == pytest.approx((1e-5 * highest, 2 * highest))
+
+
+def test_what_is_largest_is_sought_after_the_start_up():
+    """By the plots, the page's table and the speed at which the page opens; where the rows show it
+    in the start-up alone, it is the largest there."""
+    run = recorded()
+    size = np.where(run.t < 0.6, 20.0, 1 + np.exp(-(((run.t - 4) / 0.3) ** 2)))
+    moved = {f"disc[2].{axis}": size * run.columns[f"disc[2].{axis}"] for axis in "xy"}
+    run = Recording(run.t, run.columns | moved, run.units, run.about)
+    assert View(run, "disc[2]").speed == pytest.approx(300 - 20 * 4, abs=2)
+    (largest,) = (p["largest"] for p in run_data(run)["places"] if p["name"] == "disc[2]")
+    assert largest == pytest.approx(4, abs=0.1)
+    (row,) = re.findall("<td[^>]*>disc 2</td>(.*?)</tr>", tables(run, {}))
+    _, at, _, x, *_ = re.findall("<td[^>]*>([^<]*)</td>", row)
+    assert float(at) == pytest.approx(View(run, "disc[2]").speed / TURN, rel=1e-4)
+    assert float(x) == pytest.approx(2 * 200, rel=0.05)
+    t, amplitude = np.arange(4.0), np.array([1.0, 3.0, math.nan, math.nan])
+    assert largest_row(t, amplitude, 1.5) == 1
+    assert largest_row(t, amplitude[::-1], 1.5) == 2
