@@ -7,15 +7,17 @@ import re
 import runpy
 import select
 import socket
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import rig_toml
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from typer.testing import CliRunner
 
 from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.live.controls import MOST_ROWS, course
 from rotor_fmu.live.live_page import solver_page, solver_table
 from rotor_fmu.runs.peaks import start_up
 
@@ -355,3 +357,16 @@ def test_the_sites_first_page_leads_to_pages_on_which_machines_run(silent, tmp_p
     # not over 40 s: on some processors Firefox now and then takes fifty times as long
     LivePage(silent, rig).ended()
     LivePage(silent, drop, "").ended()
+
+
+@pytest.mark.parametrize("rate", [0.1, 50.0])
+def test_a_machine_that_runs_down_for_an_hour_has_no_more_points_than_there_may_be(rate):
+    """A turbogenerator loses a revolution a minute each second: the page would open refused."""
+    rig = parse_rotor(rig_toml())
+    rotor = replace(rig, operation=replace(rig.operation, trip_speed=400.0, run_down_rate=rate))
+    chosen = {control["name"]: control["start"] for control in course(rotor)["controls"]}
+    ramp = chosen["course.from"] / chosen["course.rate"]
+    step = math.tau / chosen["course.from"] / chosen["course.samples"] / math.sqrt(2)
+    assert ramp / step <= MOST_ROWS * (1 + 1e-9)
+    assert chosen["course.rate"] >= rate
+    assert rate < 50 or chosen["course.rate"] == rate
