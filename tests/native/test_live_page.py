@@ -370,3 +370,20 @@ def test_a_machine_that_runs_down_for_an_hour_has_no_more_points_than_there_may_
     assert ramp / step <= MOST_ROWS * (1 + 1e-9)
     assert chosen["course.rate"] >= rate
     assert rate < 50 or chosen["course.rate"] == rate
+
+
+def test_numbers_beside_an_axis_leave_room_for_its_name(silent, rig):
+    page = LivePage(silent, rig).ended()
+    drawn = (
+        "charts.time.draw({ series: [{ x: [0, 1], y: [0, arguments[0]], kind: 'now' }],"
+        " xLabel: 'x', yLabel: 'y' });"
+        "const left = (text) => text.getBoundingClientRect().left;"
+        "const texts = [...charts.time.root.querySelectorAll('[text-anchor=end]')];"
+        "return [texts.map((text) => text.textContent), Math.min(...texts.map(left)) -"
+        " charts.time.root.querySelector('[transform]').getBoundingClientRect().right]"
+    )
+    for size, largest in ((3e6, "3e+6"), (-3e6, "0"), (3e-5, "3e-5"), (3e3, "3000")):
+        texts, room = page.run(drawn, size)
+        assert "0" in texts
+        assert texts[-1] == largest
+        assert room > 0
