@@ -116,6 +116,7 @@ def _control(v: Variable, reference: int | None) -> dict[str, Any]:
         "text": text.partition(": 0 ")[0],
         "label": display_name(v.name),
         "about": v.text,
+        "si": v.unit if v.kind == "Real" else "1",
         **shown_in(v.unit if v.kind == "Real" else "1"),
         "start": None if v.start is None else float(v.start),
         "unset": v.is_unset_at_start,
