@@ -18,6 +18,7 @@ from ..runs.verify_run import headline_of, rows_of
 from ..vibration import TooFewTurns
 
 _UM = 1e-6  # [m], in which signals are recorded and resampled here
+_BLOCK = 16  # turns of which displacements are
 _SUMMARY = {
     "solver_s": "time of the run [s]",
     "steps": "steps",
@@ -118,9 +119,11 @@ def _places(run: Recording, of: str) -> str:
         signal = run.resampled(place)
         track = vibration.order_track_of(signal, (1.0,))
         at = largest_row(track.t, track.major(), begin)
-        direct = vibration.displacement_of(signal)
+        turns = min(_BLOCK, signal.longest)
+        direct = vibration.displacement_of(signal, turns=turns)
+        began = signal.begin[signal.blocks(turns)]  # in the start-up one has its transient
         largest = [
-            float(size[largest_row(direct.t, size, begin)]) * d.small * _UM
+            float(size[largest_row(began, size, begin)]) * d.small * _UM
             for size in (direct.x_pp, direct.y_pp, direct.s_max)
         ]
         peak, speed = track.major()[at] * d.amplitude * _UM, track.speed[at] * d.speed
@@ -157,7 +160,8 @@ def _contacts(run: Recording, of: str) -> str:
     for contact in run.contacts if weight.any() else ():
         at = int(np.argmax(np.nan_to_num(contact.fn)))
         share = 100 * float((weight * (contact.fn > 0)).sum() / weight.sum())
-        rows.append([contact.label, contact.fn[at] * d.force, run.w[at] * d.speed, share])
+        speed = run.w[at] * d.speed if share else math.nan
+        rows.append([contact.label, contact.fn[at] * d.force, speed, share])
     return table(f"{of}contacts", heads, rows) if rows else ""
 
 

@@ -24,6 +24,7 @@ from ..plotting.figure_style import (
     empty_figure,
     new_figure,
 )
+from ..runs.measuring_points import ContactSignals
 from .view import (
     View,
     angle_axis,
@@ -144,7 +145,7 @@ def spectrum(view: View) -> Figure:
     axes.axvline(0, color=GREY, lw=0.8)
     axes.set_ylim(bottom=0)
     # as far as there is something to see, on either side
-    seen = np.abs(frequency[amplitude > _SEEN * amplitude.max(initial=0.0)])
+    seen = np.abs(frequency[amplitude > _SEEN * np.nanmax(amplitude, initial=0.0)])
     once = abs(_speed(result.speed))
     reach = min(1.1 * max(3 * once, float(seen.max(initial=0.0))), np.abs(frequency).max())
     axes.set_xlim(-reach, reach)
@@ -262,13 +263,11 @@ def contact_angle(view: View) -> Figure:
     legend_below(figure)
     angle_axis(axes, "")
     axes.set_xlabel(current().speed_label)
-    where = f"where {contact.label} touches"
     if not touches.any():
-        where += ": nowhere in this run"
         speeds = _speed(view.run.w)
         axes.update_datalim([(speeds.min(), 0.0), (speeds.max(), 0.0)])
         axes.autoscale_view(scaley=False)
-    view.title(axes, where)
+    view.title(axes, f"where {contact.label} touches{_nowhere(contact)}")
     return figure
 
 
@@ -287,8 +286,12 @@ def contact_force(view: View) -> Figure:
     above.set_ylabel(f"Normal force [{d.force_unit}]")
     below.plot(n, broken_at_reversals(n, 100 * result.share), color=GREEN, lw=1.0)
     below.set(ylim=(0, 105), ylabel="Touches [% of the turn]")
-    view.title(above, f"contact force of {contact.label}")
+    view.title(above, f"contact force of {contact.label}{_nowhere(contact)}")
     return figure
+
+
+def _nowhere(contact: ContactSignals) -> str:
+    return "" if (contact.fn > 0).any() else ": nowhere in this run"
 
 
 def energy(view: View) -> Figure:

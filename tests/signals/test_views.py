@@ -353,3 +353,32 @@ def test_what_is_largest_is_sought_after_the_start_up():
     t, amplitude = np.arange(4.0), np.array([1.0, 3.0, math.nan, math.nan])
     assert largest_row(t, amplitude, 1.5) == 1
     assert largest_row(t, amplitude[::-1], 1.5) == 2
+
+
+def test_a_transient_in_the_first_turns_is_not_in_the_displacements_of_slow_turns():
+    """Sixteen turns of a hydro generator take ten seconds, its start-up two."""
+    run = recorded(stop=120.0, step=0.01, speed=10.5, rate=-0.05)
+    size = np.where(run.t < 1.0, 5.0, 1.0)
+    moved = {f"disc[2].{axis}": size * run.columns[f"disc[2].{axis}"] for axis in "xy"}
+    run = Recording(run.t, run.columns | moved, run.units, run.about)
+    (row,) = re.findall("<td[^>]*>disc 2</td>(.*?)</tr>", tables(run, {}))
+    *_, s_max = (float(cell) for cell in re.findall("<td[^>]*>([0-9.]+)</td>", row))
+    assert s_max == pytest.approx(100, rel=0.01)
+
+
+def test_a_contact_without_a_force_has_no_speed_of_its_largest():
+    run = recorded(stop=1.0)
+    quiet = Recording(run.t, run.columns | {"bearing[1].fn": 0 * run.t}, run.units, {})
+    row = re.findall("<td[^>]*>bearing 1</td>(.*?)</tr>", tables(quiet, {}))[-1]
+    assert re.findall("<td[^>]*>([^<]*)</td>", row) == ["0", "-", "0"]
+    title = contact_force(View(quiet)).axes[0].get_title("left")
+    assert title.endswith("contact force of bearing 1: nowhere in this run")
+
+
+def test_a_line_beyond_3x_is_seen_in_the_spectrum_of_few_rows_a_turn():
+    """What so few rows cannot show is NaN, and must not hide what they show."""
+    run = recorded(stop=2.0, step=TURN / 300 / 12, rate=0.0)
+    more = {"disc[2].x": run.columns["disc[2].x"] + 3e-5 * np.cos(5 * run.phi)}
+    both = Recording(run.t, run.columns | more, run.units, run.about)
+    low, high = spectrum(View(both, "disc[2]")).axes[0].get_xlim()
+    assert low < -5 * 300 / TURN < 5 * 300 / TURN < high
