@@ -174,7 +174,7 @@ def display_of(shown: str, text: str) -> Display:
 def shown_speed(omega: float) -> str:
     """Return a speed [rad/s] in the unit that is shown: four digits, or all before the point."""
     value = float(omega) * current().speed
-    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
+    return f"{value:.4g}" if abs(value) < 9999.5 else f"{value:.0f}"
 
 
 def speed_with_unit(omega: float) -> str:

@@ -207,7 +207,7 @@ def _named(name: str, unit: str) -> str:
 def _print_table(rows: list[dict[str, Any]]) -> None:
     if not rows:
         return
-    cells = [[cell(v, ".4g" if isinstance(v, float) else "") for v in row.values()] for row in rows]
+    cells = [[cell(v) for v in row.values()] for row in rows]
     table = text_table("", list(rows[0]), cells, folds=["status"])
     least = Console(width=_WIDEST).measure(table).minimum  # a number is never cut off
     Console(width=max(Console().width, 120, least), highlight=False).print(table)

@@ -29,14 +29,18 @@ _RECORDED = ("x", "y", "r_amp", "fn", "ft", "psi", "w", "tau", "phi")
 _OF_SOLVER = ("solver.steps", "solver.h_last", "solver.error")
 _DEGREE = math.pi / 180.0
 _SAMPLES_A_TURN = 16
+MOST_ROWS = 400_000  # points of a run
+_ROUNDED = 2.0**0.5  # by which the distance of two points may be rounded down to a number such as 2
 _DECADE, _FEW = 10.0, 4.0  # how far a slider goes from the value in the machine file
 _STRAIGHT = 1e-6  # of the largest speed: how far a ramp may be from a straight line
 
 
 def course(rotor: Rotor) -> dict[str, Any]:
-    """Return the controls of the course of the speed, at first the machine's run-down."""
+    """Return the controls of the course of the speed, at first the machine's run-down, or a faster
+    one where that takes more points than there may be."""
     usual = operating_speeds(rotor)
-    speed, rate = _linear(0.0, 3 * usual.trip), usual.run_down_rate
+    least = _ROUNDED * usual.trip**2 * _SAMPLES_A_TURN / (2 * math.pi * MOST_ROWS)
+    speed, rate = _linear(0.0, 3 * usual.trip), max(usual.run_down_rate, least)
     rates = {"low": rate / _DECADE, "high": _DECADE * rate, "log": True}
     rows = (
         ("from", "speed at the start", "rad/s", usual.trip, speed),
@@ -112,6 +116,7 @@ def _control(v: Variable, reference: int | None) -> dict[str, Any]:
         "text": text.partition(": 0 ")[0],
         "label": display_name(v.name),
         "about": v.text,
+        "si": v.unit if v.kind == "Real" else "1",
         **shown_in(v.unit if v.kind == "Real" else "1"),
         "start": None if v.start is None else float(v.start),
         "unset": v.is_unset_at_start,

@@ -14,7 +14,7 @@ from ..library.build import library, sources_digest
 from ..library.platforms import WASM
 from ..report.run_page import head, json_in_script, machine_html, template
 from ..runs.peaks import START_UP
-from .controls import course, groups, places, recorded, shown_in
+from .controls import MOST_ROWS, course, groups, places, recorded, shown_in
 
 _PACKAGE = __package__
 _SCRIPTS = ("plan.js", "chart.js", "panel.js", "pictures.js", "page.js")
@@ -59,6 +59,7 @@ def page_data(machine: Machine) -> dict[str, Any]:
         "speed": index["speed"],
         "speed_rate": index["speed_rate"],
         "course": course(machine.rotor),
+        "mostRows": MOST_ROWS,
         "startUp": START_UP._asdict(),
         "units": {
             "speed": shown_in("rad/s"),

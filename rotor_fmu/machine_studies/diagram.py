@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..display import current, range_with_unit, speed_with_unit
+from ..display import Shown, current, range_with_unit, speed_with_unit
 from ..errors import InputError, RunFailed
 from ..run_status import FAILED
 from ..studies.design import Axis
@@ -54,7 +54,8 @@ def diagrams(study: Study, data: "xarray.Dataset", say: Say) -> "dict[str, Figur
         raise RunFailed("--diagram: every run failed")
     axis = None if runs.how.kind.name == STEPS.name else _across(study.design.axes)
     panels = _panels(study, data, runs, axis, say)
-    return {m.name: _figure(m, axis, panels[m.name]) for m in sections}
+    shown = {column.name: current().of_si(column.unit) for column in runs.columns}
+    return {m.name: _figure(m, shown[m.name], axis, panels[m.name]) for m in sections}
 
 
 def sections_of(study: Study) -> tuple[MachineRuns, list[Metric]]:
@@ -153,37 +154,36 @@ def _text(axis: Axis, value: float) -> str:
     return f"{axis.name} = {factor * value:.6g}{'' if unit in ('', '1') else f' {unit}'}"
 
 
-def _figure(metric: Metric, axis: Axis | None, panels: list[Panel]) -> "Figure":
+def _figure(metric: Metric, shown: Shown, axis: Axis | None, panels: list[Panel]) -> "Figure":
     from ..plotting.figure_style import new_panels
 
     figure, axes = new_panels(7.2, 0.8 + 3.2 * len(panels), len(panels), 1, share_x=True)
     name, unit = ("speed", "rad/s") if axis is None else (axis.name.removeprefix(RUN), axis.unit)
     for panel, ax in zip(panels, axes, strict=True):
-        _draw(metric, unit, panel, ax)
+        _draw(metric, shown, unit, panel, ax)
     axes[-1].set_xlabel(f"{name} [{current().of_si(unit).unit}]")
     return figure
 
 
-def _draw(metric: Metric, unit: str, panel: Panel, ax: "Axes") -> None:
-    """Draw a panel; unit: the SI unit of its parameter."""
+def _draw(metric: Metric, shown: Shown, unit: str, panel: Panel, ax: "Axes") -> None:
+    """Draw a panel; shown: how its section is shown; unit: the SI unit of its parameter."""
     from ..plotting.figure_style import BLUE, GREY, ORANGE
 
-    across, small = current().of_si(unit).factor, current().small
-
+    across = current().of_si(unit).factor
     place, _, side = metric.of.rpartition(".")
     response = panel.response
     if response is not None and place in response.probes and side in "xy":
         for over, value, stable in response.section(place, side):
             dashes = "-" if stable else (0, (4, 2))
             width = 2.2 if stable else 1.2
-            ax.plot(over * across, value * small, color=GREY, ls=dashes, lw=width, zorder=1)
+            ax.plot(over * across, value * shown.factor, color=GREY, ls=dashes, lw=width, zorder=1)
     for falls, color, text in ((False, BLUE, "rising"), (True, ORANGE, "falling")):
         mine = panel.falls == falls
         if mine.any():
             label = text if panel.falls.any() else "once a turn"
             ax.plot(
                 panel.parameter[mine] * across,
-                panel.section[mine] * small,
+                panel.section[mine] * shown.factor,
                 "x" if falls else ".",
                 color=color,
                 ms=3,
@@ -196,4 +196,4 @@ def _draw(metric: Metric, unit: str, panel: Panel, ax: "Axes") -> None:
         ax.plot([], [], color=GREY, lw=1.2, ls=(0, (4, 2)), label="periodic, unstable")
     ax.legend(frameon=False, fontsize=8)
     ax.set_title(", ".join(panel.others), fontsize=9)
-    ax.set_ylabel(f"{metric.of} at the mark [{current().small_unit}]")
+    ax.set_ylabel(f"{metric.of} at the mark [{shown.unit}]")

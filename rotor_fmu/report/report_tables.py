@@ -12,11 +12,13 @@ from .. import vibration
 from ..cells import cell, html_table
 from ..display import current, shown_speed
 from ..run_status import FAILED, OK
+from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
 from ..runs.verify_run import headline_of, rows_of
 from ..vibration import TooFewTurns
 
 _UM = 1e-6  # [m], in which signals are recorded and resampled here
+_BLOCK = 16  # turns of which displacements are
 _SUMMARY = {
     "solver_s": "time of the run [s]",
     "steps": "steps",
@@ -112,16 +114,21 @@ def _places(run: Recording, of: str) -> str:
         *("place", f"1x, largest [{d.amplitude_unit}]", f"at [{d.speed_unit}]"),
         *("amplification [1]", f"x [{small} pp]", f"y [{small} pp]", f"S_max [{small} 0-p]"),
     ]
-    rows = []
+    rows, begin = [], start_up(run.t, run.w)
     for place in run.places:
         signal = run.resampled(place)
         track = vibration.order_track_of(signal, (1.0,))
-        at = int(np.nanargmax(track.major()))
-        direct = vibration.displacement_of(signal)
-        largest = [float(v.max()) * d.small * _UM for v in (direct.x_pp, direct.y_pp, direct.s_max)]
+        at = largest_row(track.t, track.major(), begin)
+        turns = min(_BLOCK, signal.longest)
+        direct = vibration.displacement_of(signal, turns=turns)
+        began = signal.begin[signal.blocks(turns)]  # in the start-up one has its transient
+        largest = [
+            float(size[largest_row(began, size, begin)]) * d.small * _UM
+            for size in (direct.x_pp, direct.y_pp, direct.s_max)
+        ]
         peak, speed = track.major()[at] * d.amplitude * _UM, track.speed[at] * d.speed
         rows.append([place.label, peak, speed, _amplification(track), *largest])
-    return table(f"{of}responses over the run (API RP 684, ISO 20816-1)", heads, rows)
+    return table(f"{of}responses after the start-up (API RP 684, ISO 20816-1)", heads, rows)
 
 
 def _amplification(track: vibration.OrderTrack) -> float | str:
@@ -153,7 +160,8 @@ def _contacts(run: Recording, of: str) -> str:
     for contact in run.contacts if weight.any() else ():
         at = int(np.argmax(np.nan_to_num(contact.fn)))
         share = 100 * float((weight * (contact.fn > 0)).sum() / weight.sum())
-        rows.append([contact.label, contact.fn[at] * d.force, run.w[at] * d.speed, share])
+        speed = run.w[at] * d.speed if share else math.nan
+        rows.append([contact.label, contact.fn[at] * d.force, speed, share])
     return table(f"{of}contacts", heads, rows) if rows else ""
 
 

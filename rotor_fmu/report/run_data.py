@@ -9,7 +9,7 @@ from .. import vibration
 from ..display import current
 from ..plotting.thinning import extremes
 from ..runs.measuring_points import MeasuringPoint, display_name
-from ..runs.peaks import is_constant
+from ..runs.peaks import is_constant, largest_row, start_up
 from ..runs.recording import Recording
 from ..vibration import TURN, Synchronous, TooFewTurns
 from .criticals import criticals_of
@@ -52,7 +52,7 @@ def _turns(run: Recording) -> dict[str, Any]:
         if place.name not in retained:
             continue
         signal = run.resampled(place)
-        result["places"].append(_place(place, signal))
+        result["places"].append(_place(place, signal, start_up(run.t, run.w)))
         if "stations" not in result:
             result |= _shared(signal)
     result["chosen"] = run.place().name
@@ -104,7 +104,7 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
     }
 
 
-def _place(place: MeasuringPoint, signal: Synchronous) -> dict[str, Any]:
+def _place(place: MeasuringPoint, signal: Synchronous, begin: float) -> dict[str, Any]:
     track, cascade = _tracked(signal)
     rows = _thin(len(track.t))
     whirl = vibration.whirl_of(signal, turns=_block(signal))
@@ -124,6 +124,7 @@ def _place(place: MeasuringPoint, signal: Synchronous) -> dict[str, Any]:
     return {
         "name": place.name,
         "label": place.label,
+        "largest": float(track.t[largest_row(track.t, track.major(), begin)]),
         "clearance": None if place.clearance is None else place.clearance * 1e6,
         "curves": curves,
         "orbits": {"re": packed(orbits.real, COARSE), "im": packed(orbits.imag, COARSE)},

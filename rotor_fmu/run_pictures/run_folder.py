@@ -23,6 +23,7 @@ from .signal_plots import FINE, orbit
 from .view import View, angle_axis, legend_below, speed_axis
 
 _STRETCHES = 1500  # of a curve over time, whose extremes are drawn
+_NOTHING = 1e-100  # of a spectrum, whose scale has no zero
 _DIRECTIONS = (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical"))
 
 
@@ -51,13 +52,13 @@ def draw_amplitude(
     start-up is named."""
     d = current()
     values = run.columns[f"{place}.{axis}_amp"] * d.amplitude
-    n = run.columns["w"] * d.speed
-    end = start_up(run.t, run.columns["w"])
+    w = run.columns["w"]
+    n, end = w * d.speed, start_up(run.t, w)
     early, late = run.t <= end, run.t >= end
     start = f"start-up, the first {end:.3g} s" if has_start else None
-    at = peak_index(run.t, run.columns["w"], values)
+    at = peak_index(run.t, w, values)
     if at is not None:
-        label += f": {values[at]:.4g} {d.amplitude_unit} at {n[at]:.4g} {d.speed_unit}"
+        label += f": {values[at]:.4g} {d.amplitude_unit} at {shown_speed(w[at])} {d.speed_unit}"
         axes.plot(n[at], values[at], "o", color=color, ms=4)
     axes.plot(n[early], values[early], color=GREY, lw=0.6, label=start)
     axes.plot(n[late], values[late], color=color, lw=width, label=label)
@@ -144,17 +145,19 @@ def spectra(recording: Recording, place: str, caption: str) -> Figure:
     figure, axes = new_figure()
     late = vibration.second_half(recording.t, recording.phi)
     d, speed = current(), float(np.abs(recording.w[late]).mean())
-    highest = 1e-3
+    highest = 0.0
     for axis, color, direction in _DIRECTIONS:
         values = recording.columns[f"{place}.{axis}"][late] * d.amplitude
         hz, lines = vibration.spectrum(recording.t[late], values)
         f = hz * vibration.TURN * d.speed
         highest = max(highest, float(lines.max()))
-        axes.semilogy(f, np.maximum(lines, 1e-12), color=color, lw=0.9, label=direction)
+        axes.semilogy(f, np.maximum(lines, _NOTHING), color=color, lw=0.9, label=direction)
     if speed > 0:
         once = speed * d.speed
-        axes.axvline(once, color=GREY, lw=0.8, ls="--", label=f"1x, {once:.4g} {d.frequency_unit}")
+        label = f"1x, {shown_speed(speed)} {d.frequency_unit}"
+        axes.axvline(once, color=GREY, lw=0.8, ls="--", label=label)
         axes.set_xlim(0, min(6 * once, f[-1]))
+    highest = highest or 1.0  # of a place that does not move
     axes.set_ylim(highest * 1e-5, highest * 2)
     axes.legend(frameon=False, loc="upper right")
     axes.set_xlabel(d.frequency_label)

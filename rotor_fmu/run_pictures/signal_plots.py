@@ -24,6 +24,7 @@ from ..plotting.figure_style import (
     empty_figure,
     new_figure,
 )
+from ..runs.measuring_points import ContactSignals
 from .view import (
     View,
     angle_axis,
@@ -76,14 +77,13 @@ def polar(view: View) -> Figure:
     figure = empty_figure(5.8, 5.4)
     axes = figure.add_subplot(projection="polar")
     track = vibration.order_track(*view.signal, (1.0,))
-    n = _speed(track.speed)
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", "-"),
         (track.y(), ORANGE, "1x of y", DASHED),
     ):
         radius = np.abs(vector) * view.shown.amplitude
         axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
-        _speeds_along(axes, vector * view.shown.amplitude, n, color)
+        _speeds_along(axes, vector * view.shown.amplitude, track.speed, color)
     axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.tick_params(labelsize=8)
@@ -92,14 +92,14 @@ def polar(view: View) -> Figure:
     return figure
 
 
-def _speeds_along(axes: Axes, vector: np.ndarray, n: np.ndarray, color: str) -> None:
+def _speeds_along(axes: Axes, vector: np.ndarray, speed: np.ndarray, color: str) -> None:
     """Speeds written beside a curve where it has gone a share of its length."""
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(vector)))])
     for share in (0.1, 0.3, 0.5, 0.7, 0.9):
         i = int(np.searchsorted(length, share * length[-1]))
         where = (float(np.angle(vector[i])), float(np.abs(vector[i])))
         axes.plot(*where, "o", color=color, ms=3)
-        annotate(axes, f"{n[i]:.1f}", where, (4, 3), fontsize=7, color=color)
+        annotate(axes, shown_speed(speed[i]), where, (4, 3), fontsize=7, color=color)
 
 
 def orbit(view: View, caption: str = "") -> Figure:
@@ -145,13 +145,13 @@ def spectrum(view: View) -> Figure:
     axes.axvline(0, color=GREY, lw=0.8)
     axes.set_ylim(bottom=0)
     # as far as there is something to see, on either side
-    seen = np.abs(frequency[amplitude > _SEEN * amplitude.max(initial=0.0)])
+    seen = np.abs(frequency[amplitude > _SEEN * np.nanmax(amplitude, initial=0.0)])
     once = abs(_speed(result.speed))
     reach = min(1.1 * max(3 * once, float(seen.max(initial=0.0))), np.abs(frequency).max())
     axes.set_xlim(-reach, reach)
     axes.set_xlabel(f"Whirl frequency [{current().frequency_unit}], backward < 0 < forward")
     axes.set_ylabel(f"Amplitude [{view.shown.amplitude_unit}]")
-    at = f"{_speed(result.speed):.4g} {current().speed_unit}"
+    at = f"{shown_speed(result.speed)} {current().speed_unit}"
     view.title(axes, f"full spectrum of {view.place.label} at {at}")
     return figure
 
@@ -263,13 +263,11 @@ def contact_angle(view: View) -> Figure:
     legend_below(figure)
     angle_axis(axes, "")
     axes.set_xlabel(current().speed_label)
-    where = f"where {contact.label} touches"
     if not touches.any():
-        where += ": nowhere in this run"
         speeds = _speed(view.run.w)
         axes.update_datalim([(speeds.min(), 0.0), (speeds.max(), 0.0)])
         axes.autoscale_view(scaley=False)
-    view.title(axes, where)
+    view.title(axes, f"where {contact.label} touches{_nowhere(contact)}")
     return figure
 
 
@@ -288,8 +286,12 @@ def contact_force(view: View) -> Figure:
     above.set_ylabel(f"Normal force [{d.force_unit}]")
     below.plot(n, broken_at_reversals(n, 100 * result.share), color=GREEN, lw=1.0)
     below.set(ylim=(0, 105), ylabel="Touches [% of the turn]")
-    view.title(above, f"contact force of {contact.label}")
+    view.title(above, f"contact force of {contact.label}{_nowhere(contact)}")
     return figure
+
+
+def _nowhere(contact: ContactSignals) -> str:
+    return "" if (contact.fn > 0).any() else ": nowhere in this run"
 
 
 def energy(view: View) -> Figure:

@@ -14,13 +14,14 @@ from ..display import Display, current
 from ..errors import InputError, number
 from ..plotting.figure_style import entitle, new_panels
 from ..runs.measuring_points import MeasuringPoint
-from ..runs.peaks import start_up
+from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
 
 # Positions of a contact angle and their labels.
 ANGLES = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
 _AS_GOOD = 0.01  # of the highest speed: how far a chosen speed may lie beyond those of a run
 _CONSTANT = 1e-6  # of a speed: a range that is less than this is rounding
+_STANDS = 1e-8  # in the unit that is shown: of what is slower rounding may be all
 _NEAR_STANDSTILL = 0.4  # of the highest speed: a run that comes so near is drawn down to standstill
 
 
@@ -76,9 +77,8 @@ class View:
                 raise InputError(f"speed = {chosen:g} rad/s: the run turns at {had} rad/s")
             return chosen
         track = vibration.order_track(*self.signal, (1.0,))
-        late = track.t > start_up(self.run.t, self.run.w)
-        amplitude = np.where(late | ~late.any(), track.major(), np.nan)
-        return float(track.speed[np.nanargmax(amplitude)])
+        begin = start_up(self.run.t, self.run.w)
+        return float(track.speed[largest_row(track.t, track.major(), begin)])
 
     def turns(self, count: int) -> TurnsShown:
         """Return consecutive turns about the time, or else nearest to the speed; fewer where the
@@ -133,16 +133,19 @@ def widened(limits: tuple[float | None, float | None]) -> tuple[float, float]:
 
 
 def speed_axis(axes: Axes, speed: np.ndarray) -> None:
-    """Label an axis of speeds, in the unit that is shown, and let it end at tens: down to
-    standstill, unless the run stays far from it."""
+    """Label an axis of speeds, in the unit that is shown, and let it end at tens, or at ones,
+    tenths, ... where the shaft is slower than that: down to standstill, unless the run stays far
+    from it."""
     axes.set_xlabel(current().speed_label)
+    highest = float(np.abs(speed).max(initial=0.0))
     # rounding leaves something of a shaft that stands
-    tens = np.round(speed / 10, 9) if len(speed) else np.array([6.0])
+    step = min(10.0 ** math.floor(math.log10(highest)), 10.0) if highest > _STANDS else 10.0
+    tens = np.round(speed / step, 9) if len(speed) else np.array([6.0])
     ends = float(tens.min()), float(tens.max())
     if min(ends) < _NEAR_STANDSTILL * max(ends) or ends[0] == ends[1]:
         ends = min(ends[0], 0.0), max(ends[1], 0.0)
-    low = 10 * math.floor(ends[0])
-    axes.set_xlim(low, 10 * math.ceil(ends[1]) or (low == 0) * 10)
+    low = math.floor(ends[0])
+    axes.set_xlim(step * low, step * (math.ceil(ends[1]) or (low == 0)))
 
 
 def angle_axis(axes: Axes, label: str) -> None:

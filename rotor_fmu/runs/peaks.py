@@ -41,6 +41,15 @@ def start_up(t: np.ndarray, w: np.ndarray) -> float:
     return min(START_UP.seconds, by_turns, START_UP.share * float(t[-1]))
 
 
+def largest_row(t: np.ndarray, amplitude: np.ndarray, begin: float) -> int:
+    """Return the row of the largest amplitude after a time [s], the end of the start-up, or of all
+    where none is known later; t, amplitude: shape (n,), NaN where it is not known."""
+    is_known = np.isfinite(amplitude)
+    is_late = is_known & (t > begin)
+    among = is_late if is_late.any() else is_known
+    return int(np.argmax(np.where(among, amplitude, -math.inf)))
+
+
 def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | None:
     """Return the row at which an amplitude over the last turn, shape (n,), has a peak after
     the start-up; None where it is largest at an edge of the run or of its speeds: that is no

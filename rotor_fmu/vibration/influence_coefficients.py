@@ -9,7 +9,9 @@ unbalance u_k in the correction plane k changes it to v_k, so that the influence
 and the correction unbalances w, those for which v + A w is smallest in the sense of least squares.
 Planes whose effects are alike at all measuring points cannot be told apart, as two planes by x and
 y of one node of a machine whose bearings are the same all round. The smallest of the unbalances
-that do the same is taken then: the rounding that differs is no reason for large ones.
+that do the same is taken then: the rounding that differs is no reason for large ones. What is small
+is so beside the trial unbalances and their effects, as the error of a measurement is: a plane in
+which ten thousand times as much unbalance is needed counts like the others.
 """
 
 from collections.abc import Sequence
@@ -19,7 +21,8 @@ import numpy as np
 
 from ..errors import InputError, shown_value
 
-# Share of the largest singular value of A below which one is an error of the measured vibration.
+# Share of the largest singular value of the effects of the trial unbalances below which one is an
+# error of the measured vibration.
 _RANK_TOLERANCE = 1e-4
 
 
@@ -58,9 +61,9 @@ def correction(
     if (u == 0).any():
         raise InputError("a trial unbalance is 0: it must not be")
     enough_measurements(len(v), len(u))
-    influence = ((seen - v) / u[:, None]).T
-    result, _, rank, _ = np.linalg.lstsq(influence, -v, rcond=_RANK_TOLERANCE)
-    return Correction(influence, result, v + influence @ result, int(rank))
+    effects = (seen - v).T
+    shares, _, rank, _ = np.linalg.lstsq(effects, -v, rcond=_RANK_TOLERANCE)
+    return Correction(effects / u, shares * u, v + effects @ shares, int(rank))
 
 
 def _finite(name: str, values: Any) -> np.ndarray:

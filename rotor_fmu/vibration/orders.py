@@ -13,6 +13,7 @@ from ..errors import InputError, numbers
 from ..short_repr import ShortRepr
 from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
+_BLOCK = 4  # turns in which an order is read
 _HALF_POWER = 0.5**0.5
 _RIPPLE = 0.05  # share of a peak by which its flank may rise again
 # Square of the half-power width over the rate of the speed, below which a linear resonance shows a
@@ -81,8 +82,9 @@ class Resonance(ShortRepr):
 
     speed [rad/s]; amplitude, 0-p [m]; amplification: the factor speed / (N2 - N1) between the
     half-power points (API RP 684), NaN where the response does not fall to one of them before the
-    run ends or another peak begins; rate: of the speed between them, without sign [rad/s2], NaN
-    where it is not known.
+    run ends or another peak begins, or the run passes both within fewer turns than an order is read
+    in: that is a beat; rate: of the speed between them, without sign [rad/s2], NaN where it is not
+    known.
     """
 
     speed: float
@@ -103,7 +105,7 @@ def order_track(
     z: np.ndarray,
     orders: Sequence[float] = (0.5, 1.0, 2.0),
     *,
-    turns: int = 4,
+    turns: int = _BLOCK,
     per_turn: int | None = None,
 ) -> OrderTrack:
     """Follow orders through a run, in blocks of `turns` turns under Hann's window, one a turn.
@@ -118,7 +120,7 @@ def order_track(
 
 
 def order_track_of(
-    signal: Synchronous, orders: Sequence[float] = (0.5, 1.0, 2.0), *, turns: int = 4
+    signal: Synchronous, orders: Sequence[float] = (0.5, 1.0, 2.0), *, turns: int = _BLOCK
 ) -> OrderTrack:
     """Return `order_track` of a signal that is already resampled."""
     signal.needs(turns)
@@ -180,8 +182,11 @@ def _resonance(n: np.ndarray, a: np.ndarray, t: np.ndarray, peak: int) -> Resona
     ends = [_half_power(n[side], a[side], t[side]) for side in sides]
     (low, t_low), (high, t_high) = ends
     width = high - low
-    rate = abs(width / (t_high - t_low)) if t_high != t_low else np.nan
-    return Resonance(float(n[peak]), float(a[peak]), float(abs(n[peak]) / width), float(rate))
+    took = abs(t_high - t_low)
+    rate = abs(width) / took if took else np.nan
+    is_beat = abs(n[peak]) * took < _BLOCK * TURN
+    factor = np.nan if is_beat else abs(n[peak]) / width
+    return Resonance(float(n[peak]), float(a[peak]), float(factor), float(rate))
 
 
 def _half_power(n: np.ndarray, a: np.ndarray, t: np.ndarray) -> tuple[float, float]:

@@ -54,6 +54,9 @@ def test_speeds_in_pictures_have_all_digits_before_the_point():
         choose("rpm")
         assert shown_speed(1814.3) == "17325"
         assert shown_speed(100 * math.pi / 3) == "1000"
+        # where rounding missed 10000 rpm by a little
+        assert shown_speed(-9999.9999 * math.pi / 30) == "-10000"
+        assert shown_speed(9999.4 * math.pi / 30) == "9999"
 
 
 def test_speeds_in_tables_and_titles_have_all_digits_before_the_point_too():

@@ -238,8 +238,10 @@ def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_i
     assert [name for name, *_ in lines] == ["1x of x", "1x of y", "2x", "0.5x"]
     assert len({color for _, color, _ in lines}) == len({dash for *_, dash in lines}) == 4
     assert page.run("return over.bode.hover.tooltips.map((row) => row.join(' '))") == [
-        "line $name", "amplitude @y{0.00} µm 0-p", "speed @x{custom} Hz",
+        "line $name", "amplitude @y{custom} µm 0-p", "speed @x{custom} Hz",
     ]  # fmt: skip
+    said = page.run("return over.bode.hover.formatters['@y'].format(0.00123456789, '', {})")
+    assert said == "0.0012346"  # of a rotor that moves by nanometres
 
 
 def test_speeds_are_shown_in_rpm(silent, pages):
@@ -250,6 +252,8 @@ def test_speeds_are_shown_in_rpm(silent, pages):
         assert page.run(f"return {axis}.axis_label") == "Speed [rpm]"
         ticks = page.run(f"return {axis}.formatter.doFormat([20, 30.5], {{}})")
         assert ticks == ["1200", "1830"]
+        apart = np.diff(page.run(f"return {axis}.ticker.get_ticks(0, 50, null, 0, {{}}).major"))
+        assert 60 * apart == pytest.approx(500)
     assert page.run("return over.bode.hover.tooltips[2].join(' ')") == "speed @x{custom} rpm"
     assert re.search(r" at \d+ rpm \([\d.]+ Hz\), t = ", page.text("reading"))
     across = "over.spectrum.plot.below[0]"

@@ -2,6 +2,7 @@
 
 import math
 
+import pyarrow as pa
 import pytest
 
 from rotor_fmu.files import write_text
@@ -48,3 +49,24 @@ def test_a_point_of_the_map_opens_its_run(silent, tmp_path):
     failed = columns["status"].index("failed: whirled apart")
     page.set("run", failed)
     assert page.text("reading").endswith("failed: whirled apart")
+
+
+@pytest.mark.slow
+def test_doubtful_runs_are_marked_and_a_map_of_one_value_has_its_size(silent, tmp_path):
+    columns = write_study(tmp_path / "study")
+    about, rows, *more = read_study(tmp_path / "study")
+    status = ["doubtful: too-coarse" if i < 5 else text for i, text in enumerate(columns["status"])]
+    rows = rows.set_column(2, "status", pa.array(status))
+    same = pa.array([None if text.startswith("failed") else 1e-9 for text in status])
+    rows = rows.set_column(rows.column_names.index("peak"), "peak", same)
+    write_text(study_page(about, rows, *more), tmp_path / "study.html")
+    page = Page(silent, tmp_path / "study.html")
+    marked = page.run("return [...map.doubtful.data.x]")
+    good = [mu for mu, text in zip(columns["mu"], status, strict=True) if text[:6] == "doubtf"]
+    assert marked == pytest.approx(good, abs=1e-6)
+    assert f"{len(good)} of them doubtful (squares)" in page.run(
+        "return map.chart.legend.textContent"
+    )
+    assert page.run("return [map.mapper.low, map.mapper.high]") == pytest.approx([1e-3, 2e-3])
+    page.set("run", status.index("failed: whirled apart"))
+    assert ", peak -; failed" in page.text("reading")

@@ -183,6 +183,17 @@ def test_planes_that_the_vibration_cannot_tell_apart_get_the_smallest_unbalances
     assert np.abs(result.expected).max() < 1e-5
 
 
+def test_a_plane_with_little_influence_is_balanced_by_its_own_trial_unbalance():
+    influence = np.array([[1e6, 1.0], [3e5, 2.0], [1e5, 1.0]])
+    unbalances = np.array([2e-6, 2.0 + 1.0j])
+    initial, trial = -influence @ unbalances, np.array([1e-6, 1.0])
+    result = correction(initial, initial + (influence * trial).T, trial)
+    assert result.rank == 2
+    np.testing.assert_allclose(result.unbalances, unbalances, rtol=1e-9)
+    np.testing.assert_allclose(result.influence, influence, rtol=1e-9)
+    np.testing.assert_allclose(result.expected, 0, atol=1e-12)
+
+
 @pytest.mark.usefixtures("few_turns")
 def test_a_machine_balanced_to_nothing_does_not_vibrate_by_its_sag():
     """Three planes at the three discs take their unbalance away as a whole."""

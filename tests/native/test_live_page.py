@@ -7,15 +7,17 @@ import re
 import runpy
 import select
 import socket
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import rig_toml
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from typer.testing import CliRunner
 
 from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.live.controls import MOST_ROWS, course
 from rotor_fmu.live.live_page import solver_page, solver_table
 from rotor_fmu.runs.peaks import start_up
 
@@ -83,13 +85,15 @@ def test_its_numbers_are_the_native_librarys_bit_for_bit(silent, rig):
     page = LivePage(silent, rig).ended()
     lines = list(csv.reader(page.run("return csv(now)").splitlines()))
     native = rows_of(Native(solver_table(machine_of(None, False, 0))), page.run("return now.plan"))
-    assert lines[0] == ["time", *page.run("return data.recorded.map((each) => each.name)")]
+    names = [head.partition(" [")[0] for head in lines[0]]
+    assert names == ["time", *page.run("return data.recorded.map((each) => each.name)")]
+    assert {"time [s]", "w [rad/s]", "disc[1].x [m]", "bearing[1].fn [N]"} <= set(lines[0])
     assert np.array(lines[1:], float).tobytes() == native.tobytes()
     # what is drawn is what was computed
-    at = lines[0].index("disc[1].r_amp")
+    at = names.index("disc[1].r_amp")
     highest = page.run("return charts.amplitude.view.ys[1]")
     assert highest == pytest.approx(1.04 * 1e6 * native[:, at].max(), rel=1e-6)
-    settled = native[:, 0] > start_up(native[:, 0], native[:, lines[0].index("w")])
+    settled = native[:, 0] > start_up(native[:, 0], native[:, names.index("w")])
     largest = native[settled, at].max()
     assert largest < 0.99 * native[:, at].max()
     assert f"of disc 1 after the start-up: {1e6 * largest:.4g} " in page.text("state")
@@ -355,3 +359,33 @@ def test_the_sites_first_page_leads_to_pages_on_which_machines_run(silent, tmp_p
     # not over 40 s: on some processors Firefox now and then takes fifty times as long
     LivePage(silent, rig).ended()
     LivePage(silent, drop, "").ended()
+
+
+@pytest.mark.parametrize("rate", [0.1, 50.0])
+def test_a_machine_that_runs_down_for_an_hour_has_no_more_points_than_there_may_be(rate):
+    """A turbogenerator loses a revolution a minute each second: the page would open refused."""
+    rig = parse_rotor(rig_toml())
+    rotor = replace(rig, operation=replace(rig.operation, trip_speed=400.0, run_down_rate=rate))
+    chosen = {control["name"]: control["start"] for control in course(rotor)["controls"]}
+    ramp = chosen["course.from"] / chosen["course.rate"]
+    step = math.tau / chosen["course.from"] / chosen["course.samples"] / math.sqrt(2)
+    assert ramp / step <= MOST_ROWS * (1 + 1e-9)
+    assert chosen["course.rate"] >= rate
+    assert rate < 50 or chosen["course.rate"] == rate
+
+
+def test_numbers_beside_an_axis_leave_room_for_its_name(silent, rig):
+    page = LivePage(silent, rig).ended()
+    drawn = (
+        "charts.time.draw({ series: [{ x: [0, 1], y: [0, arguments[0]], kind: 'now' }],"
+        " xLabel: 'x', yLabel: 'y' });"
+        "const left = (text) => text.getBoundingClientRect().left;"
+        "const texts = [...charts.time.root.querySelectorAll('[text-anchor=end]')];"
+        "return [texts.map((text) => text.textContent), Math.min(...texts.map(left)) -"
+        " charts.time.root.querySelector('[transform]').getBoundingClientRect().right]"
+    )
+    for size, largest in ((3e6, "3e+6"), (-3e6, "0"), (3e-5, "3e-5"), (3e3, "3000")):
+        texts, room = page.run(drawn, size)
+        assert "0" in texts
+        assert texts[-1] == largest
+        assert room > 0

@@ -187,6 +187,17 @@ def test_a_ramp_that_passes_a_resonance_too_fast_is_marked(way):
             assert peak.amplification == pytest.approx(q, rel=0.05)
 
 
+def test_a_beat_within_the_turns_of_a_block_has_no_amplification():
+    """1x beside a whirl of 0.56x flickers from turn to turn: no resonance, however sharp."""
+    t = np.arange(0.0, 1.0, 2e-4)
+    phi = 200 * t + 300 * t**2
+    z = np.exp(1j * phi) + 8 * np.exp(0.56j * phi)
+    track = vibration.order_track(t, phi, z, (1.0,))
+    peaks = vibration.resonances(track.speed, track.major(), t=track.t)
+    assert peaks
+    assert all(math.isnan(peak.amplification) and not peak.is_fast for peak in peaks)
+
+
 def test_a_journal_that_goes_all_round_has_a_range_and_no_mean_angle():
     t = np.arange(0, 6.0, 5e-4)
     psi = np.mod(200 * t, TURN)

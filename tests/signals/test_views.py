@@ -1,6 +1,7 @@
 """Pictures of runs draw the run, not where it was sampled."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,20 +9,21 @@ import pytest
 from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu import vibration
+from rotor_fmu.display import choose, restored
 from rotor_fmu.errors import InputError
-from rotor_fmu.plotting.figure_style import broken_at_turns
+from rotor_fmu.plotting.figure_style import broken_at_turns, new_figure
+from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
-from rotor_fmu.run_pictures.run_folder import write_run_pictures
-from rotor_fmu.run_pictures.signal_plots import contact_angle, contact_force
-from rotor_fmu.run_pictures.view import View
+from rotor_fmu.run_pictures.run_folder import spectra, write_run_pictures
+from rotor_fmu.run_pictures.signal_plots import contact_angle, contact_force, polar, spectrum
+from rotor_fmu.run_pictures.view import View, speed_axis
 from rotor_fmu.runs.input_signals import Signals
-from rotor_fmu.runs.job import execute_recorded, prepare
+from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.measuring_points import probe_that_moves_most
-from rotor_fmu.runs.peaks import is_constant, peak_index, start_up
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run, run_recorded
 from rotor_fmu.runs.run_files import clear
-from rotor_fmu.runs.summary import last_contact, sentences, summary
+from rotor_fmu.runs.summary import last_contact, sentences
 
 from ..recordings import recorded
 
@@ -136,44 +138,6 @@ def test_a_spectrum_tells_amplitude_and_frequency_of_unevenly_sampled_sines():
     assert lines[0] < 0.01
 
 
-@pytest.mark.parametrize(
-    ("amplitude", "expected"),
-    [
-        (lambda t: np.exp(-((t - 6) ** 2)), 6.0),
-        (lambda t: t, None),
-        (lambda t: -t, None),
-        (lambda t: np.minimum(t, 9.95), None),  # the last turn's maximum at the end
-        (lambda t: np.where(t < 1, 10.0, np.exp(-((t - 6) ** 2))), 6.0),  # a start-up
-    ],
-)
-def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected):
-    t = np.linspace(0, 10, 1001)
-    w = 400 - 20 * t
-    at = peak_index(t, w, amplitude(t))
-    assert (None if at is None else pytest.approx(t[at])) == expected
-    assert peak_index(t, np.full_like(t, 100.0), amplitude(t)) is None
-
-
-def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first_two():
-    t = np.linspace(0, 3, 3001)
-    w = 6000 - 2000 * t
-    amplitude = np.where(t < 0.1, 10.0, np.exp(-(((t - 1.55) / 0.1) ** 2)))
-    assert t[peak_index(t, w, amplitude)] == pytest.approx(1.55)
-
-
-def test_what_is_largest_while_the_highest_speed_is_held_is_no_peak():
-    t = np.linspace(0, 20, 2001)
-    w = np.minimum(20 * t, 300.0)
-    assert peak_index(t, w, w + (t > 17) * (t < 18)) is None
-    assert t[peak_index(t, w, -abs(t - 9))] == pytest.approx(9)
-
-
-def test_one_speed_is_told_from_many():
-    assert is_constant(np.full(5, 100.0))
-    assert is_constant(np.zeros(5))
-    assert not is_constant(np.linspace(100, 90, 5))
-
-
 def test_the_place_that_moves_most_stands_for_a_machine():
     """Of all that are observed, whatever their kind, not of the journals in their bearings; of two
     that move as much the last."""
@@ -188,40 +152,6 @@ def test_the_place_that_moves_most_stands_for_a_machine():
     assert probe_that_moves_most(columns(probe=1.0, disc=2.0)) == "disc"
     assert probe_that_moves_most(columns(first=1.0, second=1.001, third=1.0)) == "third"
     assert probe_that_moves_most(columns(bearing=1.0)) is None
-
-
-@pytest.mark.parametrize(
-    ("stop", "sets", "reason"),
-    [
-        (1.0, [], "the amplitude is largest at an edge of the run"),
-        (3.0, [], "the amplitude is largest at an edge of the run"),
-        (0.3, [], "the speed changes by at most 1 %"),
-        (3.0, ["speed=185"], "the speed is constant"),
-    ],
-)
-def test_a_run_without_a_peak_says_why(stop, sets, reason):
-    job = prepare(None, None, sets, None, stop, 0.01)
-    run, recording = execute_recorded(job, "")
-    figures = summary(run)
-    assert figures["no_peak"] == reason
-    assert figures["x_peak_um"] is figures["x_peak_hz"] is None
-    assert figures["x_largest_um"] > 0
-    said, *_ = sentences(figures, recording, Path("report.html"))
-    assert said.startswith(f"No peak, because {reason}")
-    assert "moved by at most" in said
-
-
-def test_the_start_up_of_a_fast_machine_lasts_some_turns_not_a_share_of_the_run():
-    """A resonance at 90 % of the first speed is passed long after the transient of the start."""
-    t = np.linspace(0.0, 0.4, 4001)
-    w = 40e3 * (1 - t / 0.4)
-    amplitude = 1 / np.hypot(1 - (w / 36e3) ** 2, 0.04)
-    at = peak_index(t, w, amplitude)
-    assert at is not None
-    assert w[at] == pytest.approx(36e3, rel=1e-2)
-    slow = np.full(len(t), 400.0)
-    assert start_up(100 * t, slow) == pytest.approx(125 * 2 * math.pi / 400, rel=0.02)
-    assert start_up(t, slow) == pytest.approx(0.08)
 
 
 def test_a_doubtful_run_names_the_message_that_makes_it_so():
@@ -307,3 +237,54 @@ def test_half_of_a_run_that_failed_after_a_few_steps_is_enough_for_a_spectrum(tu
     late = vibration.second_half(t, TURN * turn * t)
     assert len(t[late]) == 3
     assert np.isfinite(vibration.spectrum(t[late], t[late])[1]).all()
+
+
+@pytest.mark.parametrize(
+    ("slowest", "fastest", "ends"),
+    [(0.3, 1.67, (0, 2)), (48.0, 219.3, (0, 220)), (-1.67, -0.1, (-2, 0)), (1e-13, 1e-13, (0, 10))],
+)
+def test_the_speeds_of_a_slow_machine_fill_their_axis(slowest, fastest, ends):
+    _, axes = new_figure()
+    speed_axis(axes, np.array([slowest, fastest]))
+    assert axes.get_xlim() == pytest.approx(ends)
+
+
+def test_speeds_in_pictures_have_all_digits_before_the_point():
+    speed = 12345.0 / (30 / math.pi)
+    run = recorded(stop=0.3, step=1e-4, speed=speed, rate=0.0)
+    with restored():
+        choose("rpm")
+        assert spectrum(View(run)).axes[0].get_title("left").endswith("at 12345 rpm")
+        line = spectra(run, "disc[1]", "").axes[0].get_legend().get_texts()[-1]
+        assert line.get_text() == "1x, 12345 cpm"
+        marks = [text.get_text() for text in polar(View(run)).axes[0].texts]
+        assert set(marks) == {"12345"}
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-6, 0.0])
+def test_a_spectrum_spans_five_decades_below_its_highest_line(size):
+    """Of a rotor that moves by picometres too."""
+    run = recorded(stop=0.3, rate=0.0)
+    still = {name: size * run.columns[name] for name in ("disc[1].x", "disc[1].y")}
+    axes = spectra(Recording(run.t, run.columns | still, run.units, {}), "disc[1]", "").axes[0]
+    low, high = axes.get_ylim()
+    highest = max(float(line.get_ydata().max()) for line in axes.get_lines()[:2]) if size else 1.0
+    assert (low, high) == pytest.approx((1e-5 * highest, 2 * highest))
+
+
+def test_a_contact_without_a_force_has_no_speed_of_its_largest():
+    run = recorded(stop=1.0)
+    quiet = Recording(run.t, run.columns | {"bearing[1].fn": 0 * run.t}, run.units, {})
+    row = re.findall("<td[^>]*>bearing 1</td>(.*?)</tr>", tables(quiet, {}))[-1]
+    assert re.findall("<td[^>]*>([^<]*)</td>", row) == ["0", "-", "0"]
+    title = contact_force(View(quiet)).axes[0].get_title("left")
+    assert title.endswith("contact force of bearing 1: nowhere in this run")
+
+
+def test_a_line_beyond_3x_is_seen_in_the_spectrum_of_few_rows_a_turn():
+    """What so few rows cannot show is NaN, and must not hide what they show."""
+    run = recorded(stop=2.0, step=TURN / 300 / 12, rate=0.0)
+    more = {"disc[2].x": run.columns["disc[2].x"] + 3e-5 * np.cos(5 * run.phi)}
+    both = Recording(run.t, run.columns | more, run.units, run.about)
+    low, high = spectrum(View(both, "disc[2]")).axes[0].get_xlim()
+    assert low < -5 * 300 / TURN < 5 * 300 / TURN < high

@@ -123,6 +123,11 @@ def test_no_number_is_cut_off_on_a_narrow_screen(monkeypatch, capsys):
     assert capsys.readouterr().out.count("-1.234e-100") == 20
 
 
+def test_a_speed_in_the_tables_of_a_study_has_all_digits_before_the_point(capsys):
+    _print_table([{"run.speed [rpm]": 12345.0, "pk [um]": 0.0123}])
+    assert capsys.readouterr().out.split()[-2:] == ["12345", "0.0123"]
+
+
 def with_limit(folder, kind, size, model=None, limit=5.0):
     text = f"{study_text(kind, size)}\n[limits]\ny = {limit}\n"
     run_study(ishigami_study(folder, model, text), folder / "out", here, quiet)

@@ -175,7 +175,7 @@ def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_
     study = read(
         tmp_path,
         "kind = 'steps'\nfrom = -130\nto = -140\ncount = 2\nsettle = 0.1\nturns = 1",
-        '"x/y" = { poincare = "disc.x" }',
+        '"x/y" = { poincare = "disc.x" }\nforce = { poincare = "contact[1].fn" }',
         '"contact[1].mu" = { values = [0.05] }',
     )
     path, out = str(tmp_path / "study.toml"), tmp_path / "out"
@@ -183,8 +183,17 @@ def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_
     done = process("study", path, "--out", str(out), "--diagram")
     assert done.returncode == 0, done.stderr
     assert (out / "diagram_x_y.png").exists()
-    (axes,) = diagrams(study, open_dataset(out), lambda said: None)["x/y"].axes
+    data = open_dataset(out)
+    drawn = diagrams(study, data, lambda said: None)
+    (axes,) = drawn["x/y"].axes
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["falling"]
+    for name, factor, label in (
+        ("x/y", 1e6, "disc.x at the mark [µm]"),
+        ("force", 1.0, "contact[1].fn at the mark [N]"),
+    ):
+        (axes,) = drawn[name].axes
+        assert axes.get_ylabel() == label
+        np.testing.assert_allclose(axes.lines[-1].get_ydata(), factor * data[name].values[0])
 
 
 def test_a_study_whose_runs_all_failed_has_no_diagram(tmp_path):

@@ -1,7 +1,8 @@
 // Pictures as SVG, whose colours are the style sheet's: they follow dark mode and print by themselves.
 
 const SVG = "http://www.w3.org/2000/svg";
-const MARGIN = { left: 62, right: 26, top: 8, bottom: 40 };
+const MOST_DIGITS = 5; // of a number beside the upward axis
+const MARGIN = { left: 74, right: 26, top: 8, bottom: 40 };
 
 function svg(kind, attributes, parent) {
   const element = document.createElementNS(SVG, kind);
@@ -23,6 +24,13 @@ function ticks(low, high, count) {
   const result = [];
   for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i++) result.push(i * step);
   return result;
+}
+
+// Texts beside an upward axis, short enough for its margin: 2e+6 where one would be longer.
+function tickTexts(values) {
+  const texts = values.map((value) => digits(value, 6));
+  if (!texts.some((text) => text.replace(/\D/g, "").length > MOST_DIGITS)) return texts;
+  return values.map((value) => (value ? Number(value.toPrecision(6)).toExponential() : "0"));
 }
 
 function bounds(lists) {
@@ -119,12 +127,14 @@ class Chart {
       const label = svg("text", { x, y: bottom + 16, "text-anchor": "middle" }, this.root);
       label.textContent = digits(value, 6);
     }
-    for (const value of ticks(...ys, Math.max(3, inner.y / 45))) {
+    const up = ticks(...ys, Math.max(3, inner.y / 45));
+    const texts = tickTexts(up);
+    for (const [i, value] of up.entries()) {
       const y = atY(value);
       const d = `M${MARGIN.left} ${y.toFixed(1)}h${inner.x}`;
       svg("path", { class: "grid-line", d }, this.root);
       const place = { x: MARGIN.left - 6, y: (y + 4).toFixed(1), "text-anchor": "end" };
-      svg("text", place, this.root).textContent = digits(value, 6);
+      svg("text", place, this.root).textContent = texts[i];
     }
     const below = { x: MARGIN.left + inner.x / 2, y: height - 6, "text-anchor": "middle" };
     svg("text", below, this.root).textContent = xLabel;

@@ -105,8 +105,10 @@ function later() {
 
 // --- CSV --------------------------------------------------------------------------------------
 
+// Under the heads that the CSV file of a run has.
 function csv(run) {
-  const lines = [["time", ...data.recorded.map((each) => each.name)].join(",")];
+  const heads = data.recorded.map(({ name, si }) => (si === "1" ? name : `${name} [${si}]`));
+  const lines = [["time [s]", ...heads].join(",")];
   for (let i = 0; i < run.n; i++) {
     lines.push([run.t[i], ...run.columns.map((each) => each[i])].join(","));
   }

@@ -1,6 +1,5 @@
 // What a run takes, of the machine's data and the values that are set: no page is needed for it.
 
-const MOST_ROWS = 400000;
 const TURN = 2 * Math.PI;
 
 const controlsOf = (data) => [data.course, ...data.groups].flatMap((group) => group.controls);
@@ -48,9 +47,9 @@ function planOf(data, values) {
       return { ...leg, steps, step: duration / steps };
     });
   const rows = 1 + legs.reduce((sum, leg) => sum + leg.steps, 0);
-  if (rows > MOST_ROWS) {
+  if (rows > data.mostRows) {
     throw new Error(
-      `the run would have ${rows} points, at most ${MOST_ROWS} are drawn: ` +
+      `the run would have ${rows} points, at most ${data.mostRows} are drawn: ` +
         "choose a faster rate, a shorter time or fewer samples a turn",
     );
   }

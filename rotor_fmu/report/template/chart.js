@@ -9,6 +9,11 @@ Bokeh.logger.set_level("warn");
 const colour = (name) =>
   getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
+// Numbers in tooltips, of five digits whatever their size.
+const significant = (factor = 1) => new Bokeh.CustomJSHover({
+  code: `return String(Number((${factor} * value).toPrecision(5)))`,
+});
+
 // A name as it is, whatever stands in it: Bokeh takes some letters for formulas.
 const verbatim = (text) => new Bokeh.PlainText({ text });
 

@@ -47,27 +47,26 @@ class OverSpeed {
   scaleSpeed(turns) {
     this.turns = turns;
     const unit = turns === 1 ? "Hz" : "rpm";
-    const digits = turns === 1 ? 2 : 0;
     const isSpeed = this.across === "hz";
-    this.bode.hover.formatters = {
-      "@x": new Bokeh.CustomJSHover({ code: `return (${isSpeed ? turns : 1} * value).toFixed(${digits})` }),
-    };
+    this.bode.hover.formatters = { "@x": significant(isSpeed ? turns : 1), "@y": significant() };
     this.bode.hover.tooltips = [
-      ["line", "$name"], ["amplitude", `@y{0.00} ${this.chosenUnit.text}`],
-      isSpeed ? ["speed", `@x{custom} ${unit}`] : ["time", "@x{0.00} s"],
+      ["line", "$name"], ["amplitude", `@y{custom} ${this.chosenUnit.text}`],
+      isSpeed ? ["speed", `@x{custom} ${unit}`] : ["time", "@x{custom} s"],
     ];
     const formatter = () => turns === 1 ? new Bokeh.BasicTickFormatter()
       : new Bokeh.CustomJSTickFormatter({ code: `return String(+(${turns} * tick).toFixed(1))` });
-    const name = (axis) => axis.setv({ axis_label: `Speed [${unit}]`, formatter: formatter() });
+    // ticks at round numbers of what is shown: 100 / 60 Hz is 100 rpm
+    const mantissas = [1, 2, 5].map((each) => (each / turns) * (turns === 1 ? 1 : 100));
+    const ticker = () => new Bokeh.AdaptiveTicker({ mantissas });
+    const scale = () => ({ formatter: formatter(), ticker: ticker() });
+    const name = (axis) => axis.setv({ axis_label: `Speed [${unit}]`, ...scale() });
     if (isSpeed) this.overSpeed.forEach((chart) => name(chart.plot.below[0]));
     const frequency = turns === 1 ? "Hz" : "cpm";
     this.spectrum.plot.below[0].setv({
-      axis_label: `Whirl frequency [${frequency}], backward < 0`, formatter: formatter(),
+      axis_label: `Whirl frequency [${frequency}], backward < 0`, ...scale(),
     });
-    this.lineHover.formatters = {
-      "@x": new Bokeh.CustomJSHover({ code: `return (${turns} * value).toFixed(${digits})` }),
-    };
-    this.lineHover.tooltips = [["", `@x{custom} ${frequency}, @order{0.000}x: @top{0.000}`]];
+    this.lineHover.formatters = { "@x": significant(turns), "@top": significant() };
+    this.lineHover.tooltips = [["", `@x{custom} ${frequency}, @order{0.000}x: @top{custom}`]];
     if (this.runs[this.shownRun ?? 0].isOneWay) name(this.cascade.plot.left[0]);
   }
 

@@ -30,7 +30,8 @@ class ResponseCurves {
     });
     this.chart.keep(squares, { line_color: "mark", fill_color: "ground" });
     this.chart.plot.add_tools(new Bokeh.HoverTool({
-      renderers: [squares], tooltips: [["", "@kind"], [parameter, "@x{0.0000}"]],
+      renderers: [squares], tooltips: [["", "@kind"], [parameter, "@x{custom}"]],
+      formatters: { "@x": significant() },
     }));
     this.one = this.chart.source(["x", "y"]);
     this.chart.dots(this.one, "mark", 10);

@@ -59,15 +59,6 @@ function options(id, entries, chosen) {
   field(id).closest("label").hidden ||= entries.length === 0;
 }
 
-function largest(run) {
-  const place = over.places[0];
-  const { xRe, xIm, yRe, yIm } = place.curves;
-  let best = 0;
-  const size = (i) => xRe[i] ** 2 + xIm[i] ** 2 + yRe[i] ** 2 + yIm[i] ** 2;
-  for (let i = 1; i < xRe.length; i++) if (size(i) > size(best)) best = i;
-  return nearest(run.stations.t, run.track.t[best]);
-}
-
 async function showOverSpeed(runs) {
   over = new OverSpeed(runs);
   options("place", runs[0].places.map((p) => [p.name, p.label]), runs[0].chosen);
@@ -86,7 +77,7 @@ async function showOverSpeed(runs) {
   await over.bode.show();
   performance.mark("first picture");
   over.build();
-  field("station").value = largest(runs[0]);
+  field("station").value = nearest(runs[0].stations.t, over.places[0].largest);
   refill();
   for (const id of ["place", "second", "touch", "shown", "turns"]) field(id).addEventListener("change", refill);
   field("unit").addEventListener("change", () => {

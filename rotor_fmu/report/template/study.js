@@ -2,6 +2,9 @@
 
 const field = (id) => document.getElementById(id);
 
+// Room about values that are all the same, as large as they are.
+const around = (values) => Math.abs(values.find(Number.isFinite) ?? 0) || 1;
+
 class StudyMap {
   constructor(study) {
     this.study = study;
@@ -26,6 +29,11 @@ class StudyMap {
       source: this.failed, size: 8, marker: "x", line_width: 1.5, fill_color: null,
     });
     this.chart.keep(crosses, { line_color: "c1" });
+    this.doubtful = this.chart.source(["x", "y"]);
+    const squares = this.chart.plot.scatter(column("x"), column("y"), {
+      source: this.doubtful, size: 12, marker: "square", line_width: 1.5, fill_color: null,
+    });
+    this.chart.keep(squares, { line_color: "c1" });
     const ring = this.chart.plot.scatter(column("x"), column("y"), {
       source: this.one, size: 15, line_width: 3, fill_color: null,
     });
@@ -63,6 +71,10 @@ class StudyMap {
     }
     const of = (values, rows) => rows.map((i) => values[i]);
     this.runs.data = { x: of(x, good), y: of(y, good), c: of(c, good) };
+    const doubtful = good.filter((i) => this.study.status[i] !== "ok");
+    this.doubtful.data = { x: of(x, doubtful), y: of(y, doubtful) };
+    this.chart.plot.x_range.default_span = around(x);
+    this.chart.plot.y_range.default_span = around(of(y, good));
     // what has no value there is shown at the bottom edge
     const lowest = good.reduce((least, i) => Math.min(least, y[i]), Infinity);
     const floor = Number.isFinite(lowest) ? lowest : 0;
@@ -73,12 +85,13 @@ class StudyMap {
     this.mapper.low = shades.reduce((a, b) => Math.min(a, b), Infinity);
     this.mapper.high = shades.reduce((a, b) => Math.max(a, b), -Infinity);
     if (!shades.length) [this.mapper.low, this.mapper.high] = [0, 1];
-    if (this.mapper.low === this.mapper.high) this.mapper.high += 1;
+    if (this.mapper.low === this.mapper.high) this.mapper.high += around(shades);
     this.bar.title = verbatim(this.label(field("shade").value));
     this.chart.plot.below[0].axis_label = verbatim(this.label(field("across").value));
     this.chart.plot.left[0].axis_label = verbatim(this.label(field("up").value));
     this.chart.name([
       [`${good.length} runs`, "c0"],
+      ...(doubtful.length ? [[`${doubtful.length} of them doubtful (squares)`, "c1"]] : []),
       ...(bad.length ? [[`${bad.length} failed, or without the value (crosses)`, "c1"]] : []),
     ]);
     this.point();
@@ -130,7 +143,8 @@ class StudyMap {
     const chosen = ["across", "up", "shade"].map((id) => field(id).value);
     const value = (name) => {
       const { unit } = this.columns.get(name);
-      return `${name} ${shown(study.values[name][row])}${unit && unit !== "-" ? ` ${unit}` : ""}`;
+      const number = shown(study.values[name][row]);
+      return `${name} ${number}${number !== "-" && unit && unit !== "-" ? ` ${unit}` : ""}`;
     };
     const values = [...new Set(chosen)].map(value).join(", ");
     const text = `Run ${study.runs[row]}, ${study.ids[row]}: ${values}; ${study.status[row]}`;
@@ -144,7 +158,7 @@ class StudyMap {
     const low = known.reduce((a, b) => Math.min(a, b), Infinity);
     const high = known.reduce((a, b) => Math.max(a, b), -Infinity);
     if (!known.length) return;
-    const margin = 0.04 * (high - low) || 1;
+    const margin = 0.04 * (high - low) || around(known) / 2;
     const [start, end] = [low - margin, high + margin];
     range.setv({ start, end, reset_start: start, reset_end: end });
   }

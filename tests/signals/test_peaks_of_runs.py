@@ -1,0 +1,122 @@
+"""Where a run is largest: after its start-up, and within its speeds."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rotor_fmu.report.report_tables import tables
+from rotor_fmu.report.run_data import run_data
+from rotor_fmu.run_pictures.view import View
+from rotor_fmu.runs.job import execute_recorded, prepare
+from rotor_fmu.runs.peaks import is_constant, largest_row, peak_index, start_up
+from rotor_fmu.runs.recording import Recording
+from rotor_fmu.runs.summary import sentences, summary
+
+from ..recordings import recorded
+
+TURN = 2 * math.pi
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "expected"),
+    [
+        (lambda t: np.exp(-((t - 6) ** 2)), 6.0),
+        (lambda t: t, None),
+        (lambda t: -t, None),
+        (lambda t: np.minimum(t, 9.95), None),  # the last turn's maximum at the end
+        (lambda t: np.where(t < 1, 10.0, np.exp(-((t - 6) ** 2))), 6.0),  # a start-up
+    ],
+)
+def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected):
+    t = np.linspace(0, 10, 1001)
+    w = 400 - 20 * t
+    at = peak_index(t, w, amplitude(t))
+    assert (None if at is None else pytest.approx(t[at])) == expected
+    assert peak_index(t, np.full_like(t, 100.0), amplitude(t)) is None
+
+
+def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first_two():
+    t = np.linspace(0, 3, 3001)
+    w = 6000 - 2000 * t
+    amplitude = np.where(t < 0.1, 10.0, np.exp(-(((t - 1.55) / 0.1) ** 2)))
+    assert t[peak_index(t, w, amplitude)] == pytest.approx(1.55)
+
+
+def test_what_is_largest_while_the_highest_speed_is_held_is_no_peak():
+    t = np.linspace(0, 20, 2001)
+    w = np.minimum(20 * t, 300.0)
+    assert peak_index(t, w, w + (t > 17) * (t < 18)) is None
+    assert t[peak_index(t, w, -abs(t - 9))] == pytest.approx(9)
+
+
+def test_one_speed_is_told_from_many():
+    assert is_constant(np.full(5, 100.0))
+    assert is_constant(np.zeros(5))
+    assert not is_constant(np.linspace(100, 90, 5))
+
+
+@pytest.mark.parametrize(
+    ("stop", "sets", "reason"),
+    [
+        (1.0, [], "the amplitude is largest at an edge of the run"),
+        (3.0, [], "the amplitude is largest at an edge of the run"),
+        (0.3, [], "the speed changes by at most 1 %"),
+        (3.0, ["speed=185"], "the speed is constant"),
+    ],
+)
+def test_a_run_without_a_peak_says_why(stop, sets, reason):
+    job = prepare(None, None, sets, None, stop, 0.01)
+    run, recording = execute_recorded(job, "")
+    figures = summary(run)
+    assert figures["no_peak"] == reason
+    assert figures["x_peak_um"] is figures["x_peak_hz"] is None
+    assert figures["x_largest_um"] > 0
+    said, *_ = sentences(figures, recording, Path("report.html"))
+    assert said.startswith(f"No peak, because {reason}")
+    assert "moved by at most" in said
+
+
+def test_the_start_up_of_a_fast_machine_lasts_some_turns_not_a_share_of_the_run():
+    """A resonance at 90 % of the first speed is passed long after the transient of the start."""
+    t = np.linspace(0.0, 0.4, 4001)
+    w = 40e3 * (1 - t / 0.4)
+    amplitude = 1 / np.hypot(1 - (w / 36e3) ** 2, 0.04)
+    at = peak_index(t, w, amplitude)
+    assert at is not None
+    assert w[at] == pytest.approx(36e3, rel=1e-2)
+    slow = np.full(len(t), 400.0)
+    assert start_up(100 * t, slow) == pytest.approx(125 * 2 * math.pi / 400, rel=0.02)
+    assert start_up(t, slow) == pytest.approx(0.08)
+
+
+def test_what_is_largest_is_sought_after_the_start_up():
+    """By the plots, the page's table and the speed at which the page opens; where the rows show it
+    in the start-up alone, it is the largest there."""
+    run = recorded()
+    size = np.where(run.t < 0.6, 20.0, 1 + np.exp(-(((run.t - 4) / 0.3) ** 2)))
+    moved = {f"disc[2].{axis}": size * run.columns[f"disc[2].{axis}"] for axis in "xy"}
+    run = Recording(run.t, run.columns | moved, run.units, run.about)
+    assert View(run, "disc[2]").speed == pytest.approx(300 - 20 * 4, abs=2)
+    (largest,) = (p["largest"] for p in run_data(run)["places"] if p["name"] == "disc[2]")
+    assert largest == pytest.approx(4, abs=0.1)
+    (row,) = re.findall("<td[^>]*>disc 2</td>(.*?)</tr>", tables(run, {}))
+    _, at, _, x, *_ = re.findall("<td[^>]*>([^<]*)</td>", row)
+    assert float(at) == pytest.approx(View(run, "disc[2]").speed / TURN, rel=1e-4)
+    assert float(x) == pytest.approx(2 * 200, rel=0.05)
+    t, amplitude = np.arange(4.0), np.array([1.0, 3.0, math.nan, math.nan])
+    assert largest_row(t, amplitude, 1.5) == 1
+    assert largest_row(t, amplitude[::-1], 1.5) == 2
+
+
+def test_a_transient_in_the_first_turns_is_not_in_the_displacements_of_slow_turns():
+    """Sixteen turns of a hydro generator take ten seconds, its start-up two."""
+    run = recorded(stop=120.0, step=0.01, speed=10.5, rate=-0.05)
+    size = np.where(run.t < 1.0, 5.0, 1.0)
+    moved = {f"disc[2].{axis}": size * run.columns[f"disc[2].{axis}"] for axis in "xy"}
+    run = Recording(run.t, run.columns | moved, run.units, run.about)
+    (row,) = re.findall("<td[^>]*>disc 2</td>(.*?)</tr>", tables(run, {}))
+    *_, s_max = (float(cell) for cell in re.findall("<td[^>]*>([0-9.]+)</td>", row))
+    assert s_max == pytest.approx(100, rel=0.01)
