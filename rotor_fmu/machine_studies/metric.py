@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..studies.study import Column
 from .run_excitation import Excitation
 
+ROUNDING = 1e-9  # of a speed as a share of the highest, and of whole periods
 # Kinds that a study file writes as other ones.
 VARIANTS = {"passing": "order with speed", "slid": "dissipated"}
 
@@ -121,6 +122,11 @@ class Metric:
     def error(self, reason: str) -> InputError:
         """Return the error that says why the metric cannot be."""
         return InputError(f"keep {self.name}: {reason}")
+
+
+def is_whole(number: float) -> bool:
+    """Return whether a number is an integer but for rounding."""
+    return abs(number - round(number)) < ROUNDING
 
 
 def edges_of(bins: Mapping[str, Any]) -> np.ndarray:

@@ -1,4 +1,5 @@
-"""The metrics of a run in time, a function a kind: what its windows come to."""
+"""The metrics of a run in time: what its windows come to, a function a kind; those of whole turns
+are in `held_metrics`."""
 
 import math
 from functools import partial
@@ -7,17 +8,24 @@ import numpy as np
 
 from ..studies.study import Cell
 from ..vibration import TooFewTurns, order_track
-from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
-from .run_excitation import LEAST_TURNS, Excitation, Window
-from .run_kinds import CONSTANT, STEPS
+from . import held_metrics
+from .metric import (
+    ROUNDING,
+    ListAxis,
+    Metric,
+    MetricKind,
+    bin_middles,
+    declared,
+    edges_of,
+    is_whole,
+)
+from .run_excitation import Excitation, Window
+from .run_kinds import STEPS
 
-KINDS: dict[str, MetricKind] = {}
+KINDS: dict[str, MetricKind] = {**held_metrics.KINDS}
 _kind = partial(declared, KINDS)
 DIRECTIONS = ("up", "down")
-_LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
-_ANY_LEVEL = (CONSTANT.name, STEPS.name)
 _AFTER = {"after": 0.0}
-_ROUNDING = 1e-9  # of a speed as a share of the highest, and of whole periods
 _MOST_PASSED = 32  # orders are passed in turns resampled at 64 angles at least
 
 
@@ -71,10 +79,6 @@ def _averaged(t: np.ndarray, values: np.ndarray) -> float:
     return float(np.trapezoid(values, t) / (t[-1] - t[0])) if len(t) > 1 else math.nan
 
 
-def _is_whole(number: float) -> bool:
-    return abs(number - round(number)) < _ROUNDING
-
-
 @_kind("largest absolute value of {of}", optional=_AFTER)
 def _peak(metric: Metric, window: Window) -> float:
     values = np.abs(_late_values(metric, window)[1])
@@ -117,7 +121,7 @@ def _passage(metric: Metric, window: Window) -> tuple[int, float] | None:
     if it never is."""
     speed = window.steps.columns["w"]
     w = speed - metric.option("speed")
-    w[np.abs(w) <= _ROUNDING * np.abs(speed).max()] = 0.0  # a run may end at the speed
+    w[np.abs(w) <= ROUNDING * np.abs(speed).max()] = 0.0  # a run may end at the speed
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
     if not len(passed):
         return None
@@ -168,57 +172,9 @@ def _amplitude(metric: Metric, window: Window) -> np.ndarray:
     return largest
 
 
-def _turn_axis(metric: Metric, how: Excitation) -> ListAxis:
-    return ListAxis("turn")
-
-
-def _spread(metric: Metric, window: Window) -> float:
-    return float(window.turns.quantity(metric.of).std())
-
-
-@_kind(
-    "value once a turn, at the keyphasor's mark of {of}",
-    axis=_turn_axis,
-    least=_spread,
-    held=_ANY_LEVEL,
-)
-def _poincare(metric: Metric, window: Window) -> np.ndarray:
-    return window.turns.quantity(metric.of)[window.per_turn - 1 :: window.per_turn]
-
-
-def _check_resolved(metric: Metric, option: str, how: Excitation) -> None:
-    """Raise `InputError` for an order that the samples of a turn do not resolve."""
-    order, per_turn = metric.option(option), how.numbers["per_turn"]
-    if not 0 < order < per_turn / 2:
-        raise metric.error(
-            f"{option} = {order:g}: must be > 0 and below half of run.per_turn = {per_turn:g}"
-        )
-
-
-def _check_order(metric: Metric, how: Excitation) -> None:
-    _check_resolved(metric, "order", how)
-    order, turns = metric.option("order"), how.numbers["turns"]
-    if not _is_whole(order * turns):
-        raise metric.error(f"order = {order:g}: must make whole periods in run.turns = {turns:g}")
-
-
-@_kind(
-    "amplitude of order {order:g} of the speed, of {of}",
-    "order",
-    check=_check_order,
-    least=_spread,
-    held=_ANY_LEVEL,
-)
-def _order(metric: Metric, window: Window) -> float:
-    """Return twice the modulus of the mean of x exp(-i order phi), over whole turns."""
-    values = window.turns.quantity(metric.of)
-    angle = math.tau * np.arange(1, len(values) + 1) / window.per_turn
-    return float(2 * abs(np.mean(values * np.exp(-1j * metric.option("order") * angle))))
-
-
 def _check_passing(metric: Metric, how: Excitation) -> None:
     order = metric.option("order")
-    if not 0 < order < _MOST_PASSED or not _is_whole(2 * order):
+    if not 0 < order < _MOST_PASSED or not is_whole(2 * order):
         raise metric.error(
             f"order = {order:g}: must be a multiple of 0.5 from 0.5 to {_MOST_PASSED - 0.5:g}"
         )
@@ -255,66 +211,6 @@ def _passing(metric: Metric, window: Window) -> float:
         return math.nan
     at = passed[0] + int(abs(apart[passed[0] + 1]) < abs(apart[passed[0]]))
     return float(abs(track.x(order)[at]))
-
-
-def _check_lyapunov(metric: Metric, how: Excitation) -> None:
-    if metric.of != _LARGEST:
-        raise metric.error(f"lyapunov = {metric.of!r}: must be {_LARGEST!r}")
-    turns = how.numbers["turns"]
-    if turns < LEAST_TURNS:
-        raise metric.error(f"lyapunov needs run.turns >= {LEAST_TURNS}, not {turns:g}")
-
-
-def _turns_per_second(metric: Metric, window: Window) -> float:
-    return abs(window.speed) / math.tau
-
-
-@_kind(
-    "largest Lyapunov exponent",
-    unit="1/s",
-    check=_check_lyapunov,
-    least=_turns_per_second,
-    outputs=None,
-    held=_ANY_LEVEL,
-)
-def _lyapunov(metric: Metric, window: Window) -> float:
-    return window.exponent
-
-
-def _spectrum_orders(highest: float, turns: int) -> np.ndarray:
-    """Return the orders of a full spectrum over so many turns, from -highest to highest."""
-    most = math.floor(highest * turns + _ROUNDING)
-    return np.arange(-most, most + 1) / turns
-
-
-def _check_spectrum(metric: Metric, how: Excitation) -> None:
-    _check_resolved(metric, "orders", how)
-
-
-def _spectrum_axis(metric: Metric, how: Excitation) -> ListAxis:
-    orders = _spectrum_orders(metric.option("orders"), int(how.numbers["turns"]))
-    return ListAxis(f"{metric.name} order", tuple(orders.tolist()))
-
-
-@_kind(
-    "full spectrum, negative orders backward, of {of}",
-    "orders",
-    unit="m",
-    axis=_spectrum_axis,
-    check=_check_spectrum,
-    outputs=("x", "y"),
-    held=(CONSTANT.name,),
-)
-def _spectrum(metric: Metric, window: Window) -> np.ndarray:
-    """Return the amplitudes of the orders of x + i y; the mean is subtracted."""
-    columns = window.turns.columns
-    z = columns[f"{metric.of}.x"] + 1j * columns[f"{metric.of}.y"]
-    if window.speed < 0:  # seen from behind, forward stays forward
-        z = z.conj()
-    turns = len(z) // window.per_turn
-    result = np.abs(np.fft.fft(z - z.mean())) / len(z)
-    lines = np.rint(_spectrum_orders(metric.option("orders"), turns) * turns).astype(int)
-    return result[lines]
 
 
 @_kind("time in contact of {of}", optional=_AFTER, unit="s", outputs=("contact",), is_fine=True)
