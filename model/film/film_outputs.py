@@ -15,8 +15,8 @@ _PEAK_STEPS = 96  # for 1e-3 of the largest pressure
 
 class FilmState(NamedTuple):
     """State of a film at an instant: force on the journal [N], torque that brakes it [N.m], the
-    smallest film thickness [m] and its angle [rad], largest pressure [Pa], side flow [m3/s], and
-    the power with which it tilts its pads [W]."""
+    smallest film thickness [m] and its angle [rad], largest pressure [Pa] and side flow [m3/s], if
+    they were asked for, and the power with which it tilts its pads [W]."""
 
     force: complex
     torque: float
@@ -81,8 +81,9 @@ def _passed_on(film, at, j, step):
 
 
 @jit_not_inlined
-def film_state(bearing, tables, kinematics):
-    """Return the `FilmState` of a bearing."""
+def film_state(bearing, tables, kinematics, with_pressure):
+    """Return the `FilmState` of a bearing; with_pressure: with pressure and flow, which only
+    outputs need and which take most of the time."""
     force = 0.0j
     torque = flow = largest = tilted = 0.0
     least, where = math.inf, 1.0 + 0.0j
@@ -108,16 +109,18 @@ def film_state(bearing, tables, kinematics):
                 first, last = bound.low[1], bound.high[0]
                 if bearing.short > 0.0:
                     load += share * short_load(film.D, film.S, film.floor, first, last)[0]
+                else:
+                    zone, borne = solved(film, bound, work)
+                    load += borne
+                    first, last = zone.first, zone.last
+                if with_pressure and bearing.short > 0.0:
                     peak = _short_peak(film, share, D, first, last)
                     largest = max(largest, pad.pressure * peak)
                     step = (last - first) / film.n
                     for j in range(1, film.n):
                         P, cube = _short_pressure(film, share, direction(first + j * step))
                         flow += volume * pad.pressure * P * cube * step
-                else:
-                    zone, borne = solved(film, bound, work)
-                    load += borne
-                    first, last = zone.first, zone.last
+                elif with_pressure:
                     step = (last - first) / film.n
                     at = vectors(film, work)
                     for j in range(0 if film.is_full else 1, film.n):

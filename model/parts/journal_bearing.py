@@ -101,7 +101,7 @@ def _film_power(film, kinematics):
 def _dissipate(part, tables, kinematics, internal_state, out):
     bearing = bearing_at(part, tables, kinematics.speed)
     set_pads(part, bearing, tables, kinematics, internal_state)
-    film = film_state(bearing, tables, kinematics)
+    film = film_state(bearing, tables, kinematics, False)
     wall = wall_state(bearing, tables, kinematics)
     out[_LOSS.film] = _film_power(film, kinematics)
     out[_LOSS.contact] = wall.damped
@@ -113,7 +113,7 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 def _observe(part, tables, kinematics, internal_state, out):
     bearing = bearing_at(part, tables, kinematics.speed)
     set_pads(part, bearing, tables, kinematics, internal_state)
-    film = film_state(bearing, tables, kinematics)
+    film = film_state(bearing, tables, kinematics, True)
     wall = wall_state(bearing, tables, kinematics)
     d = kinematics.displacement
     force = film.force + wall.force

@@ -99,7 +99,7 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
     bearing, moving = bearing_of(part), _resting(kinematics)
-    film = film_state(bearing, tables, moving)
+    film = film_state(bearing, tables, moving, True)
     wall = wall_state(bearing, tables, moving)
     force = film.force + wall.force - part.stiffness * moving.displacement
     out[_OUT.fx] = force.real
