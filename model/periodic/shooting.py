@@ -45,6 +45,9 @@ _OWN_SIDE = 0.02
 # since the equations stay smooth, and before all steps are chosen anew, which changes the equations
 # by the error of the steps
 _RENEW_BEYOND, _CELLS_BEYOND = 1e-6, 1e-4
+# share of its last such move that a small one may have: those that do not shrink are the error of
+# the steps, which ends in corners would follow to and fro
+_SHRINKS = 0.5
 _FAR_BEYOND, _RENEWALS = 1e-2, 3  # so many times all steps, after it has moved far
 _REFINEMENTS = 5  # times that steps are shortened at most
 _STEP = 1e-6  # of the parameter, as a share of its scale, for the derivative by it
@@ -132,7 +135,7 @@ class Shooting:
         self._last_period = IntegratedPeriod(
             none, self.reference, self._ends, self._motion_of_mesh, none, none
         )
-        self._renewals = _RENEWALS
+        self._renewals, self._last_move = _RENEWALS, math.inf
         self._propagator_cache: list[tuple[tuple[Propagators, np.ndarray], float, np.ndarray]] = []
         self._last_transition: tuple[np.ndarray, float, np.ndarray] | None = None
 
@@ -240,7 +243,10 @@ class Shooting:
         far = float(moved.max()) / self.balance.length_scale
         if far > _FAR_BEYOND:
             self._renewals = _RENEWALS
-        if far > _RENEW_BEYOND:
+        if far > _CELLS_BEYOND:
+            self._last_move = math.inf
+        if _RENEW_BEYOND < far < _SHRINKS * self._last_move:
+            self._last_move = far
             if far > _CELLS_BEYOND and self._renewals:
                 self._renewals -= 1
                 self._cells = mesh.adapted_cells(self._forces(value, period.y), period.ends)
@@ -296,7 +302,7 @@ class Shooting:
     def fix_phase(self, x: np.ndarray) -> None:
         """Let the steps be chosen anew on the way to the next point: the excitation fixes the
         phase."""
-        self._renewals = _RENEWALS
+        self._renewals, self._last_move = _RENEWALS, math.inf
 
     def dynamic_stiffness(self, value: float, omega: float) -> DynamicStiffness:
         """Return the linear part at a value of the parameter."""
