@@ -22,5 +22,11 @@ def near_names(
     return near[:most]
 
 
+def suggestion(given: object, known: Iterable[str]) -> str:
+    """Return `; did you mean x?` if a known name is near, for the end of a refusal."""
+    near = near_names(given, known)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
 def _alike_from_begin(a: str, b: str) -> int:
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(a, b, strict=False)))

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 from .cells import five_digits
 from .errors import InputError
-from .model.near_names import near_names
+from .model.near_names import suggestion
 
 Method = TypeVar("Method", bound=Callable[..., Any])
 INCH, POUND, LBF = 0.0254, 0.45359237, 0.45359237 * 9.80665
@@ -160,9 +160,8 @@ def display_of(shown: str, text: str) -> Display:
     words = text.replace(",", " ").split()
     for word in sorted(words, key=lambda word: word.lower() not in _SYSTEMS):
         if word.lower() not in known:
-            near = near_names(word.lower(), known)
-            meant = f"; did you mean {near[0]}?" if near else ""
-            raise InputError(f"{shown} {text}: {word!r} must be one of {', '.join(_WORDS)}{meant}")
+            hint = suggestion(word.lower(), known)
+            raise InputError(f"{shown} {text}: {word!r} must be one of {', '.join(_WORDS)}{hint}")
         change = known[word.lower()]
         before = chosen.setdefault(tuple(change), word)
         if before.lower() != word.lower():

@@ -21,7 +21,7 @@ from .model.arguments import numbers as numbers
 from .model.arguments import path_of as path_of
 from .model.arguments import shown_value as shown_value
 from .model.errors import InputError as InputError
-from .model.near_names import near_names
+from .model.near_names import near_names, suggestion
 
 if TYPE_CHECKING:
     import typer
@@ -146,9 +146,8 @@ def check_one_of(given: str, value: object, known: Collection[str]) -> None:
     given: the value and what it is of, in the words of who gave it.
     """
     if not is_one_of(value, known):
-        near = near_names(value, known)
-        meant = f"; did you mean {near[0]}?" if near else ""
-        raise InputError(f"{given}: must be one of {', '.join(known)}{meant}")
+        hint = suggestion(value, known)
+        raise InputError(f"{given}: must be one of {', '.join(known)}{hint}")
 
 
 def nearest(name: str, known: Collection[str]) -> str:

@@ -12,7 +12,7 @@ from itertools import accumulate
 from typing import Any, NamedTuple, TypeVar
 
 from ..message_templates import fill_template
-from ..near_names import near_names
+from ..near_names import suggestion
 from ..parts.base import (
     BASE,
     GROUND,
@@ -191,8 +191,7 @@ class Rotor:
                 name = getattr(element, key)
                 if name not in housings:
                     known = ", ".join(sorted(housings - {GROUND})) or "none"
-                    near = near_names(name, sorted(housings - {GROUND}))
-                    hint = f"; did you mean {near[0]}?" if near else ""
+                    hint = suggestion(name, sorted(housings - {GROUND}))
                     raise QuantityError(
                         f"{where}.{key} = {name!r}: no housing of that name; there is {known}{hint}"
                     )

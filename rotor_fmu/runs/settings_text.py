@@ -8,7 +8,7 @@ from ..fmi.interface import interface
 from ..fmi.solver_parameters import AS_PRESET, OTHER_NAMES, PREFIX, REDUCTION, chosen_at_build
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
-from ..model.near_names import near_names
+from ..model.near_names import suggestion
 from ..model.settings import SettingsError
 from ..units import in_si, split
 
@@ -75,8 +75,7 @@ def _parse_value(variable: Variable, text: str) -> float:
         if text.isdecimal() and int(text) < len(variable.choices):
             return int(text)
         listed = ", ".join(f"{i} {name}" for i, name in enumerate(variable.choices))
-        near = near_names(text, variable.choices)
-        hint = f"; did you mean {near[0]}?" if near else ""
+        hint = suggestion(text, variable.choices)
         raise InputError(f"--set {variable.name} = {text}: must be one of {listed}{hint}")
     parts = split(text)
     if parts and parts[1]:
