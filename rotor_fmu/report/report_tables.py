@@ -18,7 +18,6 @@ from ..runs.verify_run import headline_of, rows_of
 from ..vibration import TooFewTurns
 
 _UM = 1e-6  # [m], in which signals are recorded and resampled here
-_BLOCK = 16  # turns of which displacements are
 _SUMMARY = {
     "solver_s": "time of the run [s]",
     "steps": "steps",
@@ -119,11 +118,9 @@ def _places(run: Recording, of: str) -> str:
         signal = run.resampled(place)
         track = vibration.order_track_of(signal, (1.0,))
         at = largest_row(track.t, track.major(), begin)
-        turns = min(_BLOCK, signal.longest)
-        direct = vibration.displacement_of(signal, turns=turns)
-        began = signal.begin[signal.blocks(turns)]  # in the start-up one has its transient
-        largest = [
-            float(size[largest_row(began, size, begin)]) * d.small * _UM
+        direct = vibration.displacement_of(signal)
+        largest = [  # a block that begins in the start-up has its transient
+            float(size[largest_row(direct.begin, size, begin)]) * d.small * _UM
             for size in (direct.x_pp, direct.y_pp, direct.s_max)
         ]
         peak, speed = track.major()[at] * d.amplitude * _UM, track.speed[at] * d.speed

@@ -57,10 +57,11 @@ class Whirl(ShortRepr):
 class Displacement(ShortRepr):
     """Unfiltered ("direct") displacements of blocks of turns, as ISO 20816-1 has them.
 
-    t: middles of the blocks [s]; speed [rad/s]; x_pp, y_pp: peak-to-peak [m]; s_max: largest
-    distance from the mean position of the block, 0-p [m]; shape (blocks,).
+    begin, t: begins and middles of the blocks [s]; speed [rad/s]; x_pp, y_pp: peak-to-peak [m];
+    s_max: largest distance from the mean position of the block, 0-p [m]; shape (blocks,).
     """
 
+    begin: np.ndarray
     t: np.ndarray
     speed: np.ndarray
     x_pp: np.ndarray
@@ -158,7 +159,7 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
         high, low = (np.lib.stride_tricks.sliding_window_view(end, turns)[first] for end in ends)
         return high.max(axis=1) - low.min(axis=1)
 
-    at = signal.middle_of(first, turns), signal.speed_of(first, turns)
+    at = signal.begin[first], signal.middle_of(first, turns), signal.speed_of(first, turns)
     ranges = range_of(signal.values.real), range_of(signal.values.imag)
     return Displacement(*at, *ranges, farthest)
 
