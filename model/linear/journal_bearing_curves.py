@@ -20,7 +20,7 @@ from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..quantities import GRAVITY
 from .bearing_equilibrium import BearingAlone, critical_mass
 from .reynolds_2d import film_in_plane
-from .static import speeds_and_loads
+from .static import speeds_and_loads, without_rounding
 from .system_at_speed import LinearError
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
@@ -156,7 +156,7 @@ def bearing_curves(
 
 
 def _row(alone: BearingAlone, part: JournalBearing, load: complex, d: complex) -> dict[str, object]:
-    K, C = map(_without_rounding, alone.coefficients(d))
+    K, C = (without_rounding(of, _ROUNDING * np.abs(of).max()) for of in alone.coefficients(d))
     mass, whirl = critical_mass(K, C)
     known = alone.outputs(d)
     names = ("eccentricity", "film", "pressure", "torque", "power", "flow")
@@ -179,10 +179,6 @@ def _row(alone: BearingAlone, part: JournalBearing, load: complex, d: complex) -
         "tilts": np.column_stack([tilts.real, tilts.imag]),
         "pad_loads": alone.pad_loads(d) if part.tilting else np.zeros(0),
     }
-
-
-def _without_rounding(values: np.ndarray) -> np.ndarray:
-    return np.where(np.abs(values) > _ROUNDING * np.abs(values).max(), values, 0.0)
 
 
 def _viscous(alone: BearingAlone) -> float:

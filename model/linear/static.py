@@ -64,11 +64,11 @@ def static(
         at = 4 * (check_node(machine, node) - 1)
         force[at : at + 2] += across, up
     linear = machine.loaded(speed, force)
-    whole = _without_rounding(machine.expand @ linear.rest, CHANGE * s.numbers[0].small)
+    whole = without_rounding(machine.expand @ linear.rest, CHANGE * s.numbers[0].small)
     x, y = whole[::2], whole[1::2]
     n = 2 * len(machine.nodes)
     bears = machine.loads(linear, linear.rest, linear.pull, machine.weight + force, 0.0).real
-    bears = _without_rounding(bears, _NO_LOAD * total_mass(s) * STANDARD_GRAVITY)
+    bears = without_rounding(bears, _NO_LOAD * total_mass(s) * STANDARD_GRAVITY)
     return Static(
         speed=speed,
         contacts=machine.contacts,
@@ -87,7 +87,8 @@ def static(
     )
 
 
-def _without_rounding(values: np.ndarray, least: float) -> np.ndarray:
+def without_rounding(values: np.ndarray, least: float) -> np.ndarray:
+    """Return values, 0 where they are no larger than `least`, which is rounding."""
     return np.where(np.abs(values) > least, values, 0.0)
 
 

@@ -106,6 +106,7 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
             discards.append(messages[-1])
 
     def step_finished(t: float, its_recorder: Any) -> bool:
+        """Report a communication step; return whether FMPy goes on."""
         nonlocal recorder, begun
         if recorder is None:  # whatever had to be compiled now is
             begun = time.perf_counter()
