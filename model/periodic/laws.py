@@ -160,11 +160,14 @@ class LawsAlongMotion:
         at.find_gaps()
         return at.samples.gap.T.copy()
 
+    @property
+    def may_break(self) -> bool:
+        """Whether there is a law that may be invalid, such as of an oil film."""
+        return any(LAWS[i.law].breaks is not never_breaks for i in self._interfaces)
+
     def are_invalid(self, d: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return whether the laws are invalid, such as of an oil film thinner than its roughness,
         shape (n, m); d: x and y in turn, shape (n, 2 m) [m]; states: shape (n, s)."""
-        if all(LAWS[i.law].breaks is never_breaks for i in self._interfaces):
-            return np.zeros((len(d), self.count), bool)
         at = self._at(len(d))
         at.samples.d[...], at.samples.states[...] = _complex(d), states
         at.find_invalid()

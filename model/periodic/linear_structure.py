@@ -213,6 +213,8 @@ class CondensedMachine:
     def broken_films(self, b: np.ndarray, states: np.ndarray) -> list[str]:
         """Return the names of the parts whose film is thinner than its roughness somewhere along a
         motion b with internal states, series of 2 H + 1 coefficients."""
+        if not self.laws.may_break:
+            return []
         n = max(_INSTANTS, 4 * len(b))
         is_broken = self.laws.are_invalid(sampled(b, n) @ self.B.T, sampled(states, n)).any(axis=0)
         names = np.array(interface_names(self.rotor), object)[self.is_nonlinear]

@@ -57,9 +57,8 @@ class Tracer:
         self.balance = problem.balance if isinstance(problem, Shooting) else problem
         self.steps, self.accuracy = steps, accuracy
         self.end = ""
-        self.broken = list[
-            str
-        ]()  # parts whose film is thinner than its roughness at the next point
+        # parts whose film is thinner than its roughness at the next point
+        self.broken: list[str] = []
 
     def follow(self, point: CurvePoint) -> Iterator[TracedPoint]:
         """Yield the points, each with the bifurcations before it, from the start on; raises
