@@ -23,6 +23,9 @@ _COMPUTED = (
     *("BearingFluidFlow", "CylindricalBearing", "PlainJournal", "TiltingPad", "SqueezeFilmDamper"),
     *("LabyrinthSeal", "HolePatternSeal", "HybridSeal"),
 )
+# a key of each of those that ROSS 2.3 saves under the name of a bearing by coefficients: a magnetic
+# bearing, a plain journal bearing, tilting pads
+_COMPUTED_BY = ("kp_pid", "n_pad", "pivot_angle")
 _COEFFICIENTS = tuple(f"{of}{axes}" for of in "kc" for axes in ("xx", "xy", "yx", "yy"))
 _MASSES = ("mxx", "mxy", "myx", "myy")
 _NOT_LATERAL = ("kzz", "czz", "mzz", "radial_clearance", "seal_leakage")
@@ -79,9 +82,10 @@ class _Reader:
         """Return an element; a bearing or seal that ROSS computed is one by its coefficients."""
         kind, where = key.partition("_")[0], printable(key)
         values = a_table(where, value)
-        if kind in (_SHAFT, _DISC, _MASS, *_BEARINGS):
+        is_computed = kind in _COMPUTED or any(name in values for name in _COMPUTED_BY)
+        if kind in (_SHAFT, _DISC, _MASS, *_BEARINGS) and not is_computed:
             return Element(where, kind, values)
-        if kind not in _COMPUTED or "kxx" not in values or "cxx" not in values:
+        if not is_computed or "kxx" not in values or "cxx" not in values:
             raise QuantityError(
                 f"{where}: a {printable(kind)} of ROSS is not supported; remove it, or save "
                 "its coefficients as a BearingElement"

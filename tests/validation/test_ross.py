@@ -71,6 +71,23 @@ def test_bearings_that_ross_computed_are_imported_by_their_coefficients_and_that
         parse_ross(text.replace("kxx = ", "key = "))
 
 
+@pytest.mark.parametrize(
+    "computed",
+    [
+        "kp_pid = 1500.0\ng0 = 1e-3\nnw = 200",
+        "n_pad = 2\nfys_load = -1000.0",
+        "pivot_angle = [ 0.3, 1.6,]\npad_arc = 1.05",
+    ],
+)
+def test_so_are_those_that_ross_saves_under_the_name_of_a_bearing_by_coefficients(computed):
+    text = text_of("compressor.toml")
+    head = '["BearingElement_bearing 0"]\n'
+    assert head in text
+    result = parse_ross(text.replace(head, head + computed + "\n", 1))
+    assert result.tables == parse_ross(text).tables
+    assert "BearingElement_bearing 0: imported by its coefficients" in result.notes[0]
+
+
 def test_where_formulations_differ_it_is_by_a_little_and_said_how():
     """Tapers: ROSS takes the shape of a cylinder with the shear of the middle section, this project
     the taper's own; Hutchinson's coefficient lacks a factor 1 + poisson in ROSS 2."""
