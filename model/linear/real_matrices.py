@@ -60,7 +60,7 @@ def matrices_of(rotor: Rotor, s: Structure) -> Matrices:
         shaft = np.concatenate([*lower, *lower[1:]])[:, None, None] * matrix
         return np.concatenate([shaft, np.reshape(own, (-1, 2, 2))]).ravel()
 
-    damping, stiff = np.zeros_like(s.K), s.K_axial.copy()
+    damping, stiff = s.numbers[0].mass_damping * s.M_shaft, s.K_axial.copy()
     np.add.at(damping[:, 0], s.springs.dof, s.springs.damping)
     np.add.at(stiff[:, 0], s.springs.dof, s.springs.stiffness)
     none = np.zeros(len(housings))

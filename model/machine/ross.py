@@ -102,7 +102,7 @@ class _Reader:
         shaft = self._of(_SHAFT)
         tables["section"] = self._sections(shaft, tables["material"])
         tables["operation"] = self._operation()
-        tables["shaft"] = {"eta_v": self._damping(shaft)}
+        tables["shaft"] = self._damping(shaft)
         last = len(tables["section"])
         pedestals = self._pedestals(last)
         tables["housing"] = [table for table, _ in pedestals.values()]
@@ -128,21 +128,26 @@ class _Reader:
         speeds = {ours: self._parameters.number(w, 0.0) for w, ours in _SPEEDS.items()}
         return {name: speed for name, speed in speeds.items() if speed != 0}
 
-    def _damping(self, shaft: list[Element]) -> float:
-        """Return the viscous damping [s]; that of the whole rotor, of ROSS 3, is in the place of
-        the elements' own."""
+    def _damping(self, shaft: list[Element]) -> dict[str, float]:
+        """Return the damping of the shaft by its stiffness [s] and mass [1/s]; that of the whole
+        rotor, of ROSS 3, is in the place of the elements' own."""
         self._parameters.refuse_others(*_SPEEDS, "alpha", "beta", *_MODAL)
         self._parameters.refuse_nonzero("alpha", *_MODAL)
         whole = self._parameters.number("beta", 0.0)
-        each = {whole or element.number("beta", 0.0) for element in shaft}
-        if len(each) > 1:
-            raise QuantityError("beta: is not the same of all shaft elements; here one eta_v is")
-        beta = each.pop()
+        beta = whole or self._of_all(shaft, "beta", "eta_v")
+        alpha = 0.0 if whole else self._of_all(shaft, "alpha", "mass_damping")
         if beta != 0 and any(element.number("axial_force", 0.0) != 0 for element in shaft):
             self._notes.append(
                 "beta: damps bending and shear, where in ROSS axial_force adds to it"
             )
-        return beta
+        return {"eta_v": beta} | ({"mass_damping": alpha} if alpha != 0 else {})
+
+    @staticmethod
+    def _of_all(shaft: list[Element], key: str, here: str) -> float:
+        each = {element.number(key, 0.0) for element in shaft}
+        if len(each) > 1:
+            raise QuantityError(f"{key}: is not the same of all shaft elements; here one {here} is")
+        return each.pop() if each else 0.0
 
     def _of(self, *kinds: str) -> list[Element]:
         return [element for element in self._elements if element.kind in kinds]
@@ -186,7 +191,7 @@ class _Reader:
                 raise QuantityError(
                     f"{element.where}.{flag} = false: not supported, a shaft here always has it"
                 )
-        element.refuse_nonzero("torque", "alpha")
+        element.refuse_nonzero("torque")
         method = element.values.get("shear_method_calc", "cowper")
         if method not in tuple(_SHEARS):
             raise QuantityError(

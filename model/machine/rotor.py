@@ -68,7 +68,10 @@ def _is_base(element: Element) -> bool:
 
 
 # The quantities of the machine itself, and the heading under which they stand.
-OWN = {"eta_v": "shaft", "eta_h": "shaft", "rotating_damping": "shaft", "gravity": ""}
+OWN = {
+    **dict.fromkeys(("eta_v", "eta_h", "rotating_damping", "mass_damping"), "shaft"),
+    "gravity": "",
+}
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,7 @@ class Rotor:
     material: of discs, and of the sections unless they have their own; sections: from left to
     right; parts: see `parts`; eta_v: viscous [s] and eta_h: hysteretic [1] internal damping;
     rotating_damping: whether the internal damping turns with the shaft (Zorzi and Nelson 1977);
+    mass_damping: external damping by the shaft's mass, Rayleigh's alpha [1/s];
     gravity [m/s2], downwards, unless gravity_angle turns it about the shaft [rad], multiplied by
     the cosine of the inclination of the shaft [rad]; start: position of the first node along the
     shaft [m]; operation: operating speeds; identifier: model identifier of its FMU, made from the
@@ -98,6 +102,13 @@ class Rotor:
     rotating_damping: bool = switch(
         "whether the internal damping turns with the shaft (Zorzi and Nelson)",
         False,
+        is_parameter=True,
+    )
+    mass_damping: float = quantity(
+        "1/s",
+        "external damping in proportion to the mass of the shaft (Rayleigh's alpha)",
+        NOT_NEGATIVE,
+        0.0,
         is_parameter=True,
     )
     gravity: float = quantity(

@@ -15,7 +15,7 @@ from .rotor import Rotor
 from .shaft_tables import Materials, sections_between, sections_in_turn
 from .table_reader import UnfitKeys, a_table, fits, make, number, refuse_unknown, tables_of
 
-_SHAFT_KEYS = ("nodes", "diameters", "start", "eta_v", "eta_h", "rotating_damping")
+_SHAFT_KEYS = ("nodes", "diameters", "start", "eta_v", "eta_h", "rotating_damping", "mass_damping")
 _OWN_KEYS = (
     "name", "identifier", "units", "gravity", "gravity_angle", "inclination", "operation",
     "material", "shaft", "section",
@@ -74,6 +74,7 @@ def parse_rotor(text: str) -> Rotor:
         eta_v=number(shaft.get("eta_v", 0.0)),
         eta_h=number(shaft.get("eta_h", 0.0)),
         rotating_damping=shaft.get("rotating_damping", False),
+        mass_damping=number(shaft.get("mass_damping", 0.0)),
         gravity=number(data.get("gravity", GRAVITY)),
         gravity_angle=number(data.get("gravity_angle", 0.0)),
         inclination=number(data.get("inclination", 0.0)),

@@ -61,7 +61,7 @@ def assemble(rotor: Rotor) -> Structure:
     """Return the matrices and records of a machine (Nelson 1980; Zorzi and Nelson 1977)."""
     n = 2 * len(rotor.nodes)
     elements = list(machine_elements(rotor))
-    M, G, K_shaft, K_axial, inertia = _matrices(rotor, elements)
+    M, M_shaft, G, K_shaft, K_axial, inertia = _matrices(rotor, elements)
     springs = _rows(
         SPRING,
         [(_dof(s), s.stiffness, s.damping) for _, s in _of_kind(SpringElement, elements)],
@@ -91,6 +91,7 @@ def assemble(rotor: Rotor) -> Structure:
         C=np.zeros((n, HALF_BANDWIDTH + 1)),
         K=np.zeros((n, HALF_BANDWIDTH + 1)),
         G=G,
+        M_shaft=M_shaft,
         K_shaft=K_shaft,
         K_axial=K_axial,
         M_factors=M_factors,
@@ -136,9 +137,9 @@ def assemble(rotor: Rotor) -> Structure:
 
 def _matrices(
     rotor: Rotor, elements: list[Element]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
-    """Return the mass, gyroscopic and stiffness matrices of the shaft with its bodies, the
-    stiffness by its axial force, and the polar inertia [kg.m2]."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return the mass of the shaft with its bodies and without, their gyroscopic matrix, the shaft's
+    stiffness, that by its axial force, and the polar inertia [kg.m2]."""
     M, G, K_shaft, K_axial = (
         np.zeros((2 * len(rotor.nodes), HALF_BANDWIDTH + 1)) for _ in range(4)
     )
@@ -150,6 +151,7 @@ def _matrices(
         _add(K_shaft, 2 * i, element.stiffness)
         _add(K_axial, 2 * i, element.tension)
         inertia += sum(layer.polar_inertia for layer in section.all_layers)
+    M_shaft = M.copy()
     for _, body in _of_kind(BodyElement, elements):
         dof = _dof(body)
         M[dof, 0] += body.mass
@@ -157,7 +159,7 @@ def _matrices(
         M[dof + 1, 0] += body.diametral + body.mass * body.offset**2
         G[dof + 1, 0] += body.polar
         inertia += body.polar
-    return M, G, K_shaft, K_axial, inertia
+    return M, M_shaft, G, K_shaft, K_axial, inertia
 
 
 def _numbers(rotor: Rotor, ports: list[PortElement]) -> np.recarray:
@@ -165,6 +167,7 @@ def _numbers(rotor: Rotor, ports: list[PortElement]) -> np.recarray:
     numbers = np.zeros(1, NUMBERS).view(np.recarray)
     numbers[0].rotating_damping = rotor.rotating_damping
     numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
+    numbers[0].mass_damping = rotor.mass_damping
     numbers[0].gravity = rotor.gravity
     numbers[0].down_x, numbers[0].down_y = rotor.down.real, rotor.down.imag
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]

@@ -78,7 +78,10 @@ def _prepare_shaft(structure, numbers):
     n, width = structure.M.shape
     for i in range(n):
         for d in range(width):
-            structure.C[i, d] = numbers.eta_v * structure.K_shaft[i, d]
+            structure.C[i, d] = (
+                numbers.eta_v * structure.K_shaft[i, d]
+                + numbers.mass_damping * structure.M_shaft[i, d]
+            )
             structure.K[i, d] = share * structure.K_shaft[i, d] + structure.K_axial[i, d]
         structure.weight[i] = (
             numbers.gravity * structure.mass_sum[i] * complex(numbers.down_x, numbers.down_y)

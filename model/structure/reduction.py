@@ -24,7 +24,7 @@ from .structure import WEIGHT, Structure
 # number of moved frequencies that a warning names; share of the lowest elastic frequency below
 # which the shaft moves as a rigid body.
 _MOVED, _EXCITED, _SAID, _SLOW = 0.02, 2.0, 3, 1e-3
-_MATRICES = ("M", "C", "K", "G", "K_shaft", "K_axial")
+_MATRICES = ("M", "C", "K", "G", "M_shaft", "K_shaft", "K_axial")
 
 
 @on_one_thread

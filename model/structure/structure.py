@@ -33,15 +33,15 @@ HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 INTERFACE = _record("law row dof end internal_state states out has_wall slips", "length")
 # Numbers of a machine. From its parts: whether the internal damping rotates; is_supported: whether
 # springs and soft laws support it, and not its clearances alone; base_load: index of the base's
-# acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and its shares along x
-# and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see `lowest_frequency`
+# acceleration among the loads, or -1; eta_v [s], eta_h [1], mass_damping [1/s]; gravity [m/s2], and its
+# shares along x and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see `lowest_frequency`
 # [rad/s]; bound: displacement that no machine reaches, small: a length of a machine without
 # clearance [m]. Filled in by `parameters.prepare`: inertia with the eccentric masses; kappa_v [s]
 # and kappa_h [1] of the rotating damping, kappa = Omega kappa_v + sign(Omega) kappa_h; clearance:
 # the smallest [m]; slowest: angular frequency of the slowest motion [rad/s].
 NUMBERS = _record(
     "rotating_damping is_supported base_load",
-    "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound small inertia kappa_v "
+    "eta_v eta_h mass_damping gravity down_x down_y own_inertia lowest_omega bound small inertia kappa_v "
     "kappa_h clearance slowest",
 )
 
@@ -57,8 +57,8 @@ LAW_TABLES = [
 class Structure(NamedTuple):
     """A rotor in matrices, all in SI units; n dofs, two a node (deflection, slope).
 
-    M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); K_shaft: the shaft's elastic
-    part, K_axial: that of its axial forces; each in band storage, shape (n, width); M_factors:
+    M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); M_shaft: the shaft's
+    mass, K_shaft: its elastic stiffness, K_axial: that of its axial forces; each in band storage, shape (n, width); M_factors:
     those of M, from `band.factorize`. weights: of the norm of motions and errors, the mean square
     of the deflections weighted with their lumped masses [1]; mass_sum: force of a unit acceleration
     [kg, kg.m]; weight: gravity's force [N, N.m]. releases: initial motions in the place of the
@@ -76,6 +76,7 @@ class Structure(NamedTuple):
     C: Annotated[np.ndarray, float, "n", "width"]
     K: Annotated[np.ndarray, float, "n", "width"]
     G: Annotated[np.ndarray, float, "n", "width"]
+    M_shaft: Annotated[np.ndarray, float, "n", "width"]
     K_shaft: Annotated[np.ndarray, float, "n", "width"]
     K_axial: Annotated[np.ndarray, float, "n", "width"]
     M_factors: Annotated[np.ndarray, float, "n", "width"]

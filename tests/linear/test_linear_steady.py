@@ -15,6 +15,7 @@ SAMPLES, NODES = 64, (2, 3, 5)
 
 MACHINE = (
     shaft(0.0, 0.05, 0.2, 0.35, 0.5)
+    + "mass_damping = 20.0\n"
     + """
 [[body]]
 node = 3

@@ -1,6 +1,7 @@
 """Component modes: exact with all of them, closer with each, and the same machine."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,8 +30,9 @@ def orbit(modes, stop=0.4, rotor=None):
 
 
 def test_with_all_modes_it_is_a_change_of_coordinates():
-    whole, _ = orbit(0)
-    changed, _ = orbit(ALL)
+    rotor = replace(rig(), mass_damping=5.0)
+    whole, _ = orbit(0, rotor=rotor)
+    changed, _ = orbit(ALL, rotor=rotor)
     assert np.abs(changed - whole).max() < 1e-8 * np.abs(whole).max()
 
 

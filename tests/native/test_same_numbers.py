@@ -32,6 +32,7 @@ density = 7800.0
 nodes = [0.0, 0.1, 0.25, 0.4]
 diameters = [0.012, 0.01, 0.012]
 eta_v = 1e-5
+mass_damping = 2.0
 [[disc]]
 node = 2
 diameter = 0.1

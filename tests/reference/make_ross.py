@@ -104,6 +104,16 @@ def under_tension():
     return rs.Rotor(shaft, discs, bearings)
 
 
+def damped_by_its_mass():
+    """Rayleigh's damping of the shaft, by its mass and its stiffness, with a heavy disc."""
+    shaft = [
+        rs.ShaftElement(0.1, 0.0, 0.05, material=STEEL, n=n, alpha=8.0, beta=1e-5) for n in range(8)
+    ]
+    discs = [rs.DiskElement.from_geometry(3, STEEL, 0.07, 0.05, 0.3)]
+    bearings = [rs.BearingElement(n=n, kxx=1e7, kyy=2e7, cxx=100.0) for n in (0, 8)]
+    return rs.Rotor(shaft, discs, bearings)
+
+
 def computed_bearings():
     """Bearings that ROSS computed: a ball bearing, and a film over the speed."""
     shaft = [rs.ShaftElement(0.125, 0.0, 0.05, material=STEEL, n=n) for n in range(8)]
@@ -131,6 +141,7 @@ MACHINES = {
     "under_tension.toml": (under_tension, (4, 1e-4, -0.5), (8, 5e-5, 0.0)),
 }
 if not IS_3:
+    MACHINES["damped_by_its_mass.toml"] = (damped_by_its_mass, (3, 1e-4, 0.0), (6, 5e-5, 1.0))
     MACHINES["computed_bearings.toml"] = (computed_bearings, (3, 1e-4, 0.0), (5, 5e-5, 1.0))
 NOT_AT_REST = {"computed_bearings.toml"}  # whose film has no coefficients there
 # those of the tables: between them ROSS 2.3 has splines where ROSS 3 and this project have PCHIP
