@@ -9,6 +9,7 @@ beside this file, of ROSS 3 ross3/... and ross3_answers.json.
 
 import json
 import math
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +136,63 @@ def computed_bearings():
     return rs.Rotor(shaft, discs, bearings)
 
 
+def at_random(seed):
+    """All that is imported, drawn at random."""
+    random = np.random.default_rng(seed)
+    count, thick = int(random.integers(3, 7)), random.uniform(0.03, 0.1)
+    alpha, beta = random.uniform(0, 10), random.uniform(0, 2e-5)
+    shaft, right, bore = [], thick, 0.0
+    for n in range(count):
+        left, right = right, thick * random.uniform(0.7, 1.2)
+        bore = 0.4 * min(left, right) * random.choice([0.0, random.random()])
+        keys = {
+            "n": n,
+            "material": [STEEL, TITANIUM][random.integers(2)],
+            "shear_method_calc": str(random.choice(["cowper", "hutchinson"])),
+            "alpha": alpha,
+            "beta": beta,
+        }
+        length = thick * random.uniform(1, 4)
+        shaft.append(rs.ShaftElement(length, bore, left, 0.8 * bore, right, **keys))
+        if random.random() < 0.3:
+            sleeve = thick * random.uniform(1.3, 1.6)
+            shaft.append(rs.ShaftElement(length, left, sleeve, right, sleeve, **keys))
+    discs = []
+    for n in random.integers(0, count + 1, 2):
+        mass, radius = random.uniform(5, 50) * (thick / 0.05) ** 3, thick * random.uniform(1, 4)
+        Ip = mass * radius**2 / 2
+        discs.append(rs.DiskElement(n=int(n), m=mass, Id=Ip * random.uniform(0.5, 1.5), Ip=Ip))
+    speed = np.array([0.0, 200.0, 500.0, 900.0, 1500.0])
+    bearings, pedestals = [], []
+
+    def of(kind, n, stiffness, has_table, **others):
+        """Return what holds, its coefficients of all kinds, over the speed where it has a table."""
+        rise = speed / 1500 if has_table else 0.0
+        scales = {"kxx": 1, "kyy": 1, "kxy": 0.2, "kyx": -0.2}
+        scales |= {"cxx": 1e-3, "cyy": 1e-3, "cxy": 1e-4, "cyx": 1e-4}
+        values = {
+            name: stiffness * scale * (random.uniform(0.5, 2) + random.uniform(-0.3, 0.3) * rise)
+            for name, scale in scales.items()
+        }
+        if has_table:
+            values["frequency"] = speed
+        return kind(n=int(n), tag=f"{kind.__name__} {len(bearings)}", **values, **others)
+
+    for n in (0, count):
+        stiffness = 10 ** random.uniform(6, 8)
+        if random.random() < 0.4:
+            link = count + 1 + len(pedestals)
+            bearings.append(of(rs.BearingElement, n, stiffness, True, n_link=link))
+            bearings.append(
+                rs.BearingElement(n=link, kxx=3 * stiffness, kyy=4 * stiffness, cxx=500.0, cyy=80.0)
+            )
+            pedestals.append(rs.PointMass(n=link, m=random.uniform(5, 50)))
+        else:
+            bearings.append(of(rs.BearingElement, n, stiffness, random.random() < 0.5))
+    bearings.append(of(rs.SealElement, random.integers(1, count), 1e5, False))
+    return rs.Rotor(shaft, discs, bearings, pedestals)
+
+
 MACHINES = {
     "compressor.toml": (compressor, (2, 1e-4, 0.3), (4, 2e-4, 2.0)),
     "on_pedestals.json": (on_pedestals, (3, 1e-4, 0.0), (6, 1e-4, 1.0)),
@@ -142,6 +200,9 @@ MACHINES = {
 }
 if not IS_3:
     MACHINES["damped_by_its_mass.toml"] = (damped_by_its_mass, (3, 1e-4, 0.0), (6, 5e-5, 1.0))
+    for seed in range(8):
+        node = 1 + seed % 3
+        MACHINES[f"random_{seed}.json"] = (partial(at_random, seed), (node, 1e-4, 0.1 * seed))
     MACHINES["computed_bearings.toml"] = (computed_bearings, (3, 1e-4, 0.0), (5, 5e-5, 1.0))
 NOT_AT_REST = {"computed_bearings.toml"}  # whose film has no coefficients there
 # those of the tables: between them ROSS 2.3 has splines where ROSS 3 and this project have PCHIP
