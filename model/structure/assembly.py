@@ -138,8 +138,8 @@ def assemble(rotor: Rotor) -> Structure:
 def _matrices(
     rotor: Rotor, elements: list[Element]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
-    """Return the mass of the shaft with its bodies and without, their gyroscopic matrix, the shaft's
-    stiffness, that by its axial force, and the polar inertia [kg.m2]."""
+    """Return the mass of the shaft with its bodies and without, their gyroscopic matrix, the
+    shaft's stiffness, that by its axial force, and the polar inertia [kg.m2]."""
     M, G, K_shaft, K_axial = (
         np.zeros((2 * len(rotor.nodes), HALF_BANDWIDTH + 1)) for _ in range(4)
     )

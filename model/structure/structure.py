@@ -33,16 +33,16 @@ HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 INTERFACE = _record("law row dof end internal_state states out has_wall slips", "length")
 # Numbers of a machine. From its parts: whether the internal damping rotates; is_supported: whether
 # springs and soft laws support it, and not its clearances alone; base_load: index of the base's
-# acceleration among the loads, or -1; eta_v [s], eta_h [1], mass_damping [1/s]; gravity [m/s2], and its
-# shares along x and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see `lowest_frequency`
-# [rad/s]; bound: displacement that no machine reaches, small: a length of a machine without
-# clearance [m]. Filled in by `parameters.prepare`: inertia with the eccentric masses; kappa_v [s]
-# and kappa_h [1] of the rotating damping, kappa = Omega kappa_v + sign(Omega) kappa_h; clearance:
-# the smallest [m]; slowest: angular frequency of the slowest motion [rad/s].
+# acceleration among the loads, or -1; eta_v [s], eta_h [1], mass_damping [1/s]; gravity [m/s2], and
+# its shares along x and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see
+# `lowest_frequency` [rad/s]; bound: displacement that no machine reaches, small: a length of a
+# machine without clearance [m]. Filled in by `parameters.prepare`: inertia with the eccentric
+# masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega kappa_v + sign(Omega)
+# kappa_h; clearance: the smallest [m]; slowest: angular frequency of the slowest motion [rad/s].
 NUMBERS = _record(
     "rotating_damping is_supported base_load",
-    "eta_v eta_h mass_damping gravity down_x down_y own_inertia lowest_omega bound small inertia kappa_v "
-    "kappa_h clearance slowest",
+    "eta_v eta_h mass_damping gravity down_x down_y own_inertia lowest_omega bound small inertia "
+    "kappa_v kappa_h clearance slowest",
 )
 
 
@@ -57,19 +57,20 @@ LAW_TABLES = [
 class Structure(NamedTuple):
     """A rotor in matrices, all in SI units; n dofs, two a node (deflection, slope).
 
-    M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); M_shaft: the shaft's
-    mass, K_shaft: its elastic stiffness, K_axial: that of its axial forces; each in band storage, shape (n, width); M_factors:
-    those of M, from `band.factorize`. weights: of the norm of motions and errors, the mean square
-    of the deflections weighted with their lumped masses [1]; mass_sum: force of a unit acceleration
-    [kg, kg.m]; weight: gravity's force [N, N.m]. releases: initial motions in the place of the
-    equilibrium, if any; one_body: rigid-body motions, a unit displacement and a unit tilt about the
-    centre of mass. deflections: dof and node number, from 1, of every deflection. load_dof: where
-    external forces act, -1 for the base's acceleration, and load_arms: their offsets; probes,
-    velocities: where displacements and velocities are observed. unbalances, and their values m e
-    exp(i phase) [kg.m]. springs: to ground. bows: thermal bows of the shaft; bow_forces: restoring
-    force of the shaft for a bow of 1 m [N/m, N], bow_stiffness: between two of them [N/m]; see
-    `bow`. housings; interfaces: between nodes and housings; laws: the records of each law, and the
-    tables. stores, losses: indices of the machine's entries in the ledger. numbers: see `NUMBERS`.
+    M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); M_shaft: the shaft's mass,
+    K_shaft: its elastic stiffness, K_axial: that of its axial forces; each in band storage, shape
+    (n, width); M_factors: those of M, from `band.factorize`. weights: of the norm of motions and
+    errors, the mean square of the deflections weighted with their lumped masses [1]; mass_sum:
+    force of a unit acceleration [kg, kg.m]; weight: gravity's force [N, N.m]. releases: initial
+    motions in the place of the equilibrium, if any; one_body: rigid-body motions, a unit
+    displacement and a unit tilt about the centre of mass. deflections: dof and node number, from 1,
+    of every deflection. load_dof: where external forces act, -1 for the base's acceleration, and
+    load_arms: their offsets; probes, velocities: where displacements and velocities are observed.
+    unbalances, and their values m e exp(i phase) [kg.m]. springs: to ground. bows: thermal bows of
+    the shaft; bow_forces: restoring force of the shaft for a bow of 1 m [N/m, N], bow_stiffness:
+    between two of them [N/m]; see `bow`. housings; interfaces: between nodes and housings; laws:
+    the records of each law, and the tables. stores, losses: indices of the machine's entries in the
+    ledger. numbers: see `NUMBERS`.
     """
 
     M: Annotated[np.ndarray, float, "n", "width"]
