@@ -15,7 +15,7 @@ from .peaks import peak_index, start_up, why_no_peak
 from .recording import Recording
 from .run_down import Run
 
-_NEAR_PEAK = 0.15  # [Hz]
+_NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
 _AXES = {"x": "horizontal", "y": "vertical"}
 
 
@@ -88,7 +88,8 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     if contact:
         psi = c[f"{contact}.psi"]
         if figures["x_peak_hz"] is not None:
-            near = late[np.abs(hz[late] - figures["x_peak_hz"]) <= _NEAR_PEAK]
+            at_peak = figures["x_peak_hz"]
+            near = late[np.abs(hz[late] - at_peak) <= _NEAR_PEAK * abs(at_peak)]
             figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
         round_trip = late[psi[late] < 1.0]
         if len(round_trip):
