@@ -111,7 +111,7 @@ def test_what_a_run_begins_with_is_not_its_largest_1x(rate):
 @pytest.mark.parametrize("kind", ["orbit", "spectrum"])
 def test_a_speed_that_the_run_never_had_is_refused_with_those_that_it_had(folder, kind):
     said = str(plot(kind, folder, "--speed", "60Hz").exception)
-    assert said == "speed = 376.991 rad/s: the run turns at 180.02 to 300 rad/s"
+    assert said == "speed = 60 Hz (376.991 rad/s): the run turns between 28.651 and 47.746 Hz"
     assert plot(kind, folder, "--speed", "300.01").exit_code == 0
 
 
