@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..run_status import FAILED
 from ..vibration.turns import TURN
 
 
@@ -66,12 +67,14 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | Non
     return at if is_inside and is_passed else None
 
 
-def why_no_peak(t: np.ndarray, w: np.ndarray) -> str:
-    """Return why a run, in which `peak_index` finds none, has no peak."""
-    if not len(t) or not t[-1] > start_up(t, w):
-        return "the run ends where it begins"
+def why_no_peak(t: np.ndarray, w: np.ndarray, status: str) -> str:
+    """Return why a run of this status, in which `peak_index` finds none, has no peak."""
+    if not len(t) or not t[-1] > 0.0:
+        return "the run stopped in its first communication step"
     if is_constant(w, _ROUNDING):
         return "the speed is constant"
+    if status.startswith(FAILED):
+        return f"the run stopped at {t[-1]:.4g} s, before its end"
     if is_constant(w):
         return f"the speed changes by at most {100 * _CONSTANT:g} %"
     return "the amplitude is largest at an edge of the run"

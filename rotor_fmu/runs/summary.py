@@ -74,7 +74,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > start_up(run.t, c["w"]))
     if not len(late):
-        return figures | {"no_peak": why_no_peak(run.t, c["w"])}
+        return figures | {"no_peak": why_no_peak(run.t, c["w"], run.status)}
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
         figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
@@ -84,7 +84,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
             figures[f"{axis}_peak_hz"] = float(hz[at])
             figures[f"{axis}_peak_s"] = float(run.t[at])
         else:
-            figures["no_peak"] = why_no_peak(run.t, c["w"])
+            figures["no_peak"] = why_no_peak(run.t, c["w"], run.status)
     if contact:
         psi = c[f"{contact}.psi"]
         if figures["x_peak_hz"] is not None:

@@ -80,6 +80,19 @@ def test_a_run_without_a_peak_says_why(stop, sets, reason):
     assert "moved by at most" in said
 
 
+@pytest.mark.parametrize(
+    ("sets", "reason"),
+    [
+        (["solver.max_iterations=12"], "the run stopped in its first communication step"),
+        (["solver.max_iterations=300"], "the run stopped at 0.01 s, before its end"),
+    ],
+)
+def test_a_run_that_failed_has_no_peak_because_it_stopped(sets, reason, capsys):
+    job = prepare(None, None, sets, None, None, 0.01)
+    assert summary(execute_recorded(job, "")[0])["no_peak"] == reason
+    capsys.readouterr()
+
+
 def test_the_start_up_of_a_fast_machine_lasts_some_turns_not_a_share_of_the_run():
     """A resonance at 90 % of the first speed is passed long after the transient of the start."""
     t = np.linspace(0.0, 0.4, 4001)
