@@ -90,8 +90,10 @@ def places(ctx: typer.Context, incomplete: str) -> list[str]:
     """Return the parts whose motion the run's recording holds."""
     from ..saved_results import read_run
 
+    # what stands before an option without its value is not sorted into parameters yet
+    run = ctx.params.get("run") or (ctx.args or ["."])[-1]
     try:
-        names = [place.name for place in read_run(Path(ctx.params.get("run") or ".")).places]
+        names = [place.name for place in read_run(Path(run)).places]
     except InputError:
         return []
     return [name for name in names if name.startswith(incomplete)]

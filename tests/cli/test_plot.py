@@ -108,6 +108,17 @@ def test_what_a_run_begins_with_is_not_its_largest_1x(rate):
     assert amplitude == pytest.approx(80e-6 if rate == 0 else 4 * 80e-6, rel=0.01)
 
 
+def test_the_shell_completes_the_places_of_the_run(folder):
+    words = f"plot orbit {folder} --place dis"
+    given = {
+        "_ROTOR_FMU_COMPLETE": "complete_bash",
+        "COMP_WORDS": f"rotor-fmu {words}",
+        "COMP_CWORD": "5",
+    }
+    result = CliRunner().invoke(app, [], prog_name="rotor-fmu", env=given)
+    assert result.output.split() == ["disc[1]", "disc[2]"]
+
+
 @pytest.mark.parametrize("kind", ["orbit", "spectrum"])
 def test_a_speed_that_the_run_never_had_is_refused_with_those_that_it_had(folder, kind):
     said = str(plot(kind, folder, "--speed", "60Hz").exception)
