@@ -82,9 +82,9 @@ class _Reader:
         if kind in (_SHAFT, _DISC, _MASS, *_BEARINGS):
             return Element(where, kind, values)
         if kind not in _COMPUTED or "kxx" not in values or "cxx" not in values:
+            other = ", or save its coefficients as a BearingElement" if kind in _COMPUTED else ""
             raise QuantityError(
-                f"{where}: a {printable(kind)} of ROSS is not supported; remove it, or save "
-                "its coefficients as a BearingElement"
+                f"{where}: a {printable(kind)} of ROSS is not supported; remove it{other}"
             )
         self._notes.append(
             f"{where}: imported by its coefficients; what ROSS computed them from is left out"
@@ -273,6 +273,9 @@ class _Reader:
     def _coefficients(self, element: Element) -> dict[str, Any]:
         """Return the eight coefficients, and the speeds where they are tables."""
         element.refuse_others(*_OF_BEARINGS)
+        for key in ("kxx", "cxx"):
+            if not element.has(key):
+                raise QuantityError(f"{element.where}.{key} is missing")
         for key in _MASSES:
             if element.column(key) != 0:
                 raise QuantityError(
@@ -282,7 +285,9 @@ class _Reader:
         idle = [key for key in _NOT_LATERAL if element.column(key) != 0]
         if idle:
             self._notes.append(f"{element.where}: {', '.join(idle)}: no lateral force, left out")
-        own = {key: element.column(key) for key in _COEFFICIENTS}
+        # those along y are those along x, unless they are given
+        alike = {f"{of}yy": f"{of}xx" for of in "kc" if not element.has(f"{of}yy")}
+        own = {key: element.column(alike.get(key, key)) for key in _COEFFICIENTS}
         tables = {key: column for key, column in own.items() if isinstance(column, list)}
         if not tables:
             return own
