@@ -34,10 +34,12 @@ _SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
 
 
 class Imported(NamedTuple):
-    """A machine from ROSS: the tables of a machine file, and notes on the import."""
+    """A machine from ROSS: the tables of a machine file, notes on the import, and the element that
+    each part `body[1]` was."""
 
     tables: dict[str, Any]
     notes: tuple[str, ...]
+    elements: dict[str, str]
 
 
 def is_ross(data: Mapping[str, Any]) -> bool:
@@ -67,6 +69,7 @@ class _Reader:
         self._name = name
         self._is_3 = not str(data.get("ross_version", "2")).startswith(("0.", "1.", "2"))
         self._notes: list[str] = []
+        self._origins: dict[str, str] = {}
         self._elements = []
         for key, value in data.items():
             if key in _HEAD:
@@ -101,23 +104,24 @@ class _Reader:
         tables["shaft"] = {"eta_v": self._damping(shaft)}
         last = len(tables["section"])
         pedestals = self._pedestals(last)
-        tables["housing"] = [table for table, _ in pedestals.values()]
+        for table, ground in pedestals.values():
+            self._append(tables, "housing", table, ground)
         for element in self._of(_DISC):
             element.refuse_others("n", "m", "Id", "Ip")
             body = {"mass": element.number("m"), "I_d": element.number("Id")}
             body["I_p"] = element.number("Ip")
-            self._append(tables, "body", self._on_shaft(element, last) | body)
+            self._append(tables, "body", self._on_shaft(element, last) | body, element)
         for element in self._of(_MASS):
             if element.node() not in pedestals:
                 mass = {"mass": self._mass(element)}
-                self._append(tables, "point_mass", self._on_shaft(element, last) | mass)
+                self._append(tables, "point_mass", self._on_shaft(element, last) | mass, element)
         grounded = [bearing for _, bearing in pedestals.values()]
         for element in self._of(*_BEARINGS):
             if element not in grounded:
-                self._append(
-                    tables, _BEARINGS[element.kind], self._bearing(element, last, pedestals)
-                )
-        return Imported({k: v for k, v in tables.items() if v}, tuple(self._notes))
+                held = self._bearing(element, last, pedestals)
+                self._append(tables, _BEARINGS[element.kind], held, element)
+        given = {k: v for k, v in tables.items() if v}
+        return Imported(given, tuple(self._notes), self._origins)
 
     def _operation(self) -> dict[str, float]:
         """Return the operating speeds that are given."""
@@ -143,9 +147,12 @@ class _Reader:
     def _of(self, *kinds: str) -> list[Element]:
         return [element for element in self._elements if element.kind in kinds]
 
-    @staticmethod
-    def _append(tables: dict[str, Any], kind: str, table: dict[str, Any]) -> None:
-        tables.setdefault(kind, []).append(table)
+    def _append(
+        self, tables: dict[str, Any], kind: str, table: dict[str, Any], element: Element
+    ) -> None:
+        parts = tables.setdefault(kind, [])
+        parts.append(table)
+        self._origins[f"{kind}[{len(parts)}]"] = element.where
 
     @staticmethod
     def _on_shaft(element: Element, last: int) -> dict[str, Any]:

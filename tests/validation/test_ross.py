@@ -13,6 +13,9 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.machine.toml_text import toml_text
 from rotor_fmu.model.quantities import QuantityError
 
+from rotor_fmu.errors import InputError
+from rotor_fmu.machine_file.loading import import_ross
+
 HERE = Path(__file__).parents[1] / "reference"
 # of ROSS 2.3.0, and of 3.1.0 also between the speeds of its tables
 ANSWERS = {
@@ -230,6 +233,15 @@ def test_a_bearing_without_coefficients_along_y_has_those_along_x():
         del lacking[key]["cyy"]
     expected, result = (parse_ross(json.dumps(d), is_json=True) for d in (given, lacking))
     assert result.tables == expected.tables
+
+
+def test_a_value_that_no_machine_has_is_refused_with_the_element(tmp_path):
+    file = tmp_path / "rotor.toml"
+    file.write_text(text_of("compressor.toml").replace("m = 12.0", "m = -12.0", 1))
+    with pytest.raises(InputError) as refused:
+        import_ross("--rotor", file)
+    said = "DiskElement_Disk 1: body[2].mass = -12 kg: must be > 0 and finite"
+    assert str(refused.value) == f"{file}: {said}"
 
 
 def test_null_is_nothing():
