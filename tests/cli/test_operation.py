@@ -104,6 +104,15 @@ def test_speeds_rates_and_times_take_units_and_are_held_at_the_highest_speed():
         ({"hold": "-1"}, "--hold -1: must be >= 0"),
         ({"first": "100", "last": "100"}, "--from 100 rad/s: must differ from --to 100 rad/s"),
         (
+            {"first": "50Hz", "last": "3000rpm"},
+            "--from 50Hz: must differ from --to 3000rpm; a constant speed is given by --set "
+            "speed=3000rpm",
+        ),
+        (
+            {"first": "10 Hz", "last": "1200 rpm"},
+            "--to 1200 rpm: must be smaller in size than --from = 10 Hz",
+        ),
+        (
             {"last": "500"},
             "--to 500 rad/s: must be smaller in size than --from = 400 rad/s; the other way is",
         ),
