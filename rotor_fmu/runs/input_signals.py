@@ -276,8 +276,9 @@ def _column(path: Path, text: str, known: Mapping[str, str]) -> tuple[str, float
     if name not in known and name.endswith("]"):
         name, _, unit = (part.strip() for part in text[:-1].rpartition("["))
     if name not in known:
-        near = near_names(text.partition(" ")[0], known, 3) or list(known)
-        raise InputError(f"{path}: column {text!r} is unknown; did you mean {', '.join(near)}?")
+        near = near_names(text.partition(" ")[0], known, 3)
+        hint = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(known)}"
+        raise InputError(f"{path}: column {text!r} is unknown; {hint}")
     units = units_for(known[name])
     if unit is not None and unit not in units:
         raise InputError(f"{path}: column {name!r} in {unit!r}: must be in {' or '.join(units)}")
