@@ -89,9 +89,12 @@ def test_an_orbit_of_a_shaft_that_stands_is_all_that_was_recorded():
 
 
 def test_a_place_that_the_recording_has_not_is_told_its_nearest(folder):
-    said = str(plot("bode", folder, "--place", "disk[2]").exception)
     # the end of the command puts the option in the place of the argument of Python
-    assert said == "place = disk[2]: the recording has no such place; did you mean disc[2]?"
+    no_such = "the recording has no such place"
+    said = str(plot("bode", folder, "--place", "disk[2]").exception)
+    assert said == f"place = disk[2]: {no_such}; did you mean disc[2], disc[1]?"
+    said = str(plot("bode", folder, "--place", "quux").exception)
+    assert said == f"place = quux: {no_such}; known: bearing[1], disc[1], disc[2]"
 
 
 @pytest.mark.parametrize("rate", [0.0, -20.0])
