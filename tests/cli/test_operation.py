@@ -15,6 +15,7 @@ from rotor_fmu.fmi.packing.machine_files import NATIVE, fmu_identifier
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.operating_speeds import operating_speeds
 from rotor_fmu.runs.input_signals import RampGiven
+from rotor_fmu.runs.job import prepare
 from tools.checkout import ROOT
 
 from ..known import EXAMPLES
@@ -126,6 +127,16 @@ def test_a_ramp_that_cannot_be_is_one_line(given, expected):
     with pytest.raises(InputError) as error:
         RampGiven(**given).on(rig())
     assert expected in str(error.value)
+
+
+def test_the_refusal_of_a_run_up_that_no_film_carries_from_rest_names_from(tmp_path):
+    file = tmp_path / "film.toml"
+    text = (EXAMPLES / "oil_film" / "rotor.toml").read_text()
+    file.write_text("\n".join(line for line in text.splitlines() if not line.startswith("k =")))
+    with pytest.raises(InputError, match=r"the oil film at node .* a speed .*--from$"):
+        prepare(file, None, [], None, 0.1, None, RampGiven(True))
+    with pytest.raises(InputError, match=r"wall$"):
+        prepare(file, None, ["speed=0"], None, 0.1, None, RampGiven(True))
 
 
 @pytest.mark.parametrize(
