@@ -108,8 +108,7 @@ def _peak(figures: Mapping[str, Any]) -> str:
     if place is None:
         return "No part's motion was observed: give the machine a disc, a body or a sensor."
     peaks = [
-        f"{_AXES[axis]} {_length(amount)} at {figures[f'{axis}_peak_hz']:.1f} Hz "
-        f"({60 * figures[f'{axis}_peak_hz']:.0f} rpm)"
+        f"{_AXES[axis]} {_length(amount)} at {_speed(figures[f'{axis}_peak_hz'])}"
         for axis in "xy"
         if (amount := figures[f"{axis}_peak_um"]) is not None
     ]
@@ -121,6 +120,16 @@ def _peak(figures: Mapping[str, Any]) -> str:
         far = _length(max(largest))
         moved = f"; {display_name(place)} moved by at most {far} from rest after the start-up"
     return f"No peak, because {figures['no_peak']}{moved}."
+
+
+def _speed(hz: float) -> str:
+    """Return a speed [Hz] with a tenth of a Hz and in whole rpm, or with three digits where that
+    is fewer."""
+    shown, rpm = (
+        f"{value:.{places}f}" if abs(value) >= least else f"{value:.3g}"
+        for value, places, least in ((hz, 1, 10.0), (60 * hz, 0, 100.0))
+    )
+    return f"{shown} Hz ({rpm} rpm)"
 
 
 def _length(um: float) -> str:

@@ -134,6 +134,9 @@ def test_the_figures_of_a_run_scale_with_its_speed(scale):
     assert at_one["psi_at_x_peak_deg"] == pytest.approx(np.degrees([19.9, 20.1]))
     assert scaled["psi_at_x_peak_deg"] == pytest.approx(at_one["psi_at_x_peak_deg"], abs=0.6)
     assert scaled["x_peak_hz"] == pytest.approx(scale * at_one["x_peak_hz"])
+    said = sentences(scaled, recorded(), Path("report.html"))[0]
+    shown = {1e-3: "at 0.0318 Hz (1.91 rpm)", 1e3: "at 31831.0 Hz (1909859 rpm)"}
+    assert shown[scale] in said
 
 
 def test_what_is_largest_is_sought_after_the_start_up():
