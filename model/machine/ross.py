@@ -37,10 +37,12 @@ _SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
 
 
 class Imported(NamedTuple):
-    """A machine from ROSS: the tables of a machine file, and notes on the import."""
+    """A machine from ROSS: the tables of a machine file, notes on the import, and the element that
+    each part `body[1]` was."""
 
     tables: dict[str, Any]
     notes: tuple[str, ...]
+    elements: dict[str, str]
 
 
 def is_ross(data: Mapping[str, Any]) -> bool:
@@ -70,6 +72,7 @@ class _Reader:
         self._name = name
         self._is_3 = not str(data.get("ross_version", "2")).startswith(("0.", "1.", "2"))
         self._notes: list[str] = []
+        self._origins: dict[str, str] = {}
         self._elements = []
         for key, value in data.items():
             if key in _HEAD:
@@ -86,9 +89,9 @@ class _Reader:
         if kind in (_SHAFT, _DISC, _MASS, *_BEARINGS) and not is_computed:
             return Element(where, kind, values)
         if not is_computed or "kxx" not in values or "cxx" not in values:
+            other = ", or save its coefficients as a BearingElement" if is_computed else ""
             raise QuantityError(
-                f"{where}: a {printable(kind)} of ROSS is not supported; remove it, or save "
-                "its coefficients as a BearingElement"
+                f"{where}: a {printable(kind)} of ROSS is not supported; remove it{other}"
             )
         self._notes.append(
             f"{where}: imported by its coefficients; what ROSS computed them from is left out"
@@ -105,23 +108,24 @@ class _Reader:
         tables["shaft"] = self._damping(shaft)
         last = len(tables["section"])
         pedestals = self._pedestals(last)
-        tables["housing"] = [table for table, _ in pedestals.values()]
+        for table, ground in pedestals.values():
+            self._append(tables, "housing", table, ground)
         for element in self._of(_DISC):
             element.refuse_others("n", "m", "Id", "Ip")
             body = {"mass": element.number("m"), "I_d": element.number("Id")}
             body["I_p"] = element.number("Ip")
-            self._append(tables, "body", self._on_shaft(element, last) | body)
+            self._append(tables, "body", self._on_shaft(element, last) | body, element)
         for element in self._of(_MASS):
             if element.node() not in pedestals:
                 mass = {"mass": self._mass(element)}
-                self._append(tables, "point_mass", self._on_shaft(element, last) | mass)
+                self._append(tables, "point_mass", self._on_shaft(element, last) | mass, element)
         grounded = [bearing for _, bearing in pedestals.values()]
         for element in self._of(*_BEARINGS):
             if element not in grounded:
-                self._append(
-                    tables, _BEARINGS[element.kind], self._bearing(element, last, pedestals)
-                )
-        return Imported({k: v for k, v in tables.items() if v}, tuple(self._notes))
+                held = self._bearing(element, last, pedestals)
+                self._append(tables, _BEARINGS[element.kind], held, element)
+        given = {k: v for k, v in tables.items() if v}
+        return Imported(given, tuple(self._notes), self._origins)
 
     def _operation(self) -> dict[str, float]:
         """Return the operating speeds that are given."""
@@ -152,9 +156,12 @@ class _Reader:
     def _of(self, *kinds: str) -> list[Element]:
         return [element for element in self._elements if element.kind in kinds]
 
-    @staticmethod
-    def _append(tables: dict[str, Any], kind: str, table: dict[str, Any]) -> None:
-        tables.setdefault(kind, []).append(table)
+    def _append(
+        self, tables: dict[str, Any], kind: str, table: dict[str, Any], element: Element
+    ) -> None:
+        parts = tables.setdefault(kind, [])
+        parts.append(table)
+        self._origins[f"{kind}[{len(parts)}]"] = element.where
 
     @staticmethod
     def _on_shaft(element: Element, last: int) -> dict[str, Any]:
@@ -282,6 +289,9 @@ class _Reader:
     def _coefficients(self, element: Element) -> dict[str, Any]:
         """Return the eight coefficients, and the speeds where they are tables."""
         element.refuse_others(*_OF_BEARINGS)
+        for key in ("kxx", "cxx"):
+            if not element.has(key):
+                raise QuantityError(f"{element.where}.{key} is missing")
         for key in _MASSES:
             if element.column(key) != 0:
                 raise QuantityError(
@@ -291,7 +301,9 @@ class _Reader:
         idle = [key for key in _NOT_LATERAL if element.column(key) != 0]
         if idle:
             self._notes.append(f"{element.where}: {', '.join(idle)}: no lateral force, left out")
-        own = {key: element.column(key) for key in _COEFFICIENTS}
+        # those along y are those along x, unless they are given
+        alike = {f"{of}yy": f"{of}xx" for of in "kc" if not element.has(f"{of}yy")}
+        own = {key: element.column(alike.get(key, key)) for key in _COEFFICIENTS}
         tables = {key: column for key, column in own.items() if isinstance(column, list)}
         if not tables:
             return own

@@ -42,11 +42,15 @@ class Element(NamedTuple):
             raise QuantityError(f"{self.where}.{key} = {value!r}: must be an integer from 0")
         return value
 
+    def has(self, key: str) -> bool:
+        """Return whether a coefficient is given."""
+        return self.values.get(key) not in (None, [])
+
     def column(self, key: str) -> float | list[float]:
         """Return a coefficient: a number, or a list over the speed."""
-        value = self.values.get(key, 0.0)
-        if value is None or value == []:
+        if not self.has(key):
             return 0.0
+        value = self.values[key]
         if not isinstance(value, list):
             return self.number(key, 0.0)
         if any(isinstance(item, list) for item in value):

@@ -94,7 +94,9 @@ def reduction_offer(rotor: Rotor, structure: Structure, speed: float) -> Reducti
             free = np.flatnonzero(~np.isin(retained, pinned)).tolist()
             among = np.ix_(*[[*free, *range(len(retained), size)]] * 2)
             few = _elastic(reduced_K[among], reduced_M[among], slow)[: len(omegas)]
-            shift = max(shift, float((few / omegas - 1.0).max()))
+            # fewer than the speed excites are too few
+            moved = (few / omegas - 1.0).max() if len(few) == len(omegas) else np.inf
+            shift = max(shift, float(moved))
         if shift <= _MOVED:
             excited = max(len(omegas) for _, omegas in states)
             return ReductionOffer(modes, share, n // 2, excited, abs(speed), shift)

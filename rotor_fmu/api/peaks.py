@@ -69,4 +69,4 @@ def peaks_of(run: Run | None) -> Peaks:
             result.append(Peak(part, quantity[0], *values))
     if not amplitudes:
         return Peaks((), "the machine has no disc, body or sensor, whose motion could have a peak")
-    return Peaks(result, "" if result else why_no_peak(t, c["w"]))
+    return Peaks(result, "" if result else why_no_peak(t, c["w"], run.status))

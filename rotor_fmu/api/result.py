@@ -58,8 +58,8 @@ class Result(RecordedSignals):
 
     @cached_property
     def peaks(self) -> Peaks:
-        """Peaks over the speed of every part whose amplitude is recorded, after the start-up: 2 s
-        or 125 turns, whichever is shorter, or a fifth of a run that is shorter still.
+        """Peaks over the speed of every part whose amplitude is recorded, after the start-up: 125
+        turns at the run's highest speed, or a fifth of a run that is shorter.
 
         An amplitude that is largest at an edge of the run has no peak. Where there is none,
         printing the peaks, or their attribute `why`, gives the reason.

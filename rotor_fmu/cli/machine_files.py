@@ -90,7 +90,12 @@ def import_ross(
     writable_folder(out.parent)
     head = f"# From {file.name}, a rotor that ROSS saved.\n"
     head += "".join(f"# {note}\n" for note in result.notes)
-    write_text(f"{head}\n{toml_text(result.tables)}", out)
+    text = f"{head}\n{toml_text(result.tables)}"
+    if out.is_file() and out.read_text("utf-8", "replace") != text:
+        raise InputError(
+            f"--out {out}: is there already, and holds something else; remove it, or name another"
+        )
+    write_text(text, out)
     for note in result.notes:
         typer.echo(note)
     typer.echo(f"written to {out}")

@@ -131,8 +131,8 @@ def _run(
     refuse_other(out, STUDY)
     writable_folder(out)
     fmu = None if direct else jobs.fmu_in(out, job.toml, job.settings.reduction)
-    clear(out)
     outcome = _carry_out(job, fmu, f"{kind}, {preset or 'default'}", verify)
+    clear(out)  # the results of an earlier run stay until there are others
     report = _write(outcome, preset, out, name)
     report["stop_s"] = job.stop
     report["stop_by"] = _what_ends(stop, signals)

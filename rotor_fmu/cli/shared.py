@@ -11,6 +11,8 @@ from ..errors import InputError, writable_folder
 if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
 
+_PAGE = b"<!doctype html>"  # with which every page begins
+
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
 ]
@@ -53,10 +55,15 @@ def check_count(count: int, most: int) -> None:
 
 
 def check_page(out: Path) -> None:
-    """Raise `InputError` where no page can be written."""
+    """Raise `InputError` where no page can be written, or what is there is none."""
     writable_folder(out.parent)
     if out.is_dir():
         raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    if out.is_file():
+        with out.open("rb") as file:
+            begins = file.read(len(_PAGE))
+        if begins and begins.lower() != _PAGE:
+            raise InputError(f"--out {out}: is there already, and is no page; name another file")
 
 
 def one_of(names: Iterable[str]) -> Callable[[str], list[str]]:
@@ -90,8 +97,10 @@ def places(ctx: typer.Context, incomplete: str) -> list[str]:
     """Return the parts whose motion the run's recording holds."""
     from ..saved_results import read_run
 
+    # what stands before an option without its value is not sorted into parameters yet
+    run = ctx.params.get("run") or (ctx.args or ["."])[-1]
     try:
-        names = [place.name for place in read_run(Path(ctx.params.get("run") or ".")).places]
+        names = [place.name for place in read_run(Path(run)).places]
     except InputError:
         return []
     return [name for name in names if name.startswith(incomplete)]

@@ -50,11 +50,15 @@ def si_text(text: str, where: str = "") -> str:
 def import_ross(option: str, path: Path) -> Imported:
     """Return a rotor from ROSS, checked to be a machine; `InputError` otherwise."""
     text = read_text(option, path)
+    elements: dict[str, str] = {}
     try:
         result = parse_ross(text, path.stem, is_json=_is_json(path, text))
+        elements = result.elements
         parse_rotor(toml_text(result.tables))
     except QuantityError as error:
-        raise InputError(f"{path}: {error}") from error
+        element = elements.get(str(error).partition(".")[0])
+        of = f"{element}: " if element else ""
+        raise InputError(f"{path}: {of}{error}") from error
     return result
 
 

@@ -101,7 +101,7 @@ def machine_report(
     conclusions = _conclusions(diagram, check, level_1, level_2, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
-        "At rest": _shown(at_rest, "Deflection under gravity"),
+        "At rest": _at_rest(at_rest),
         "Critical speeds": [
             *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, speeds)),
             _html(diagram.table()),
@@ -177,6 +177,13 @@ def _html(table: Table) -> str:
 def _shown(answer: Displayed, caption: str) -> list[str]:
     """Return the table and the picture of an answer."""
     return [_html(answer.table()), figure_html(answer.figure(), caption)]
+
+
+def _at_rest(at_rest: answers.Static) -> list[str]:
+    """Return the deflection under gravity, or that there is none, as of a vertical machine."""
+    if any(np.any(values) for values in (at_rest.x, at_rest.y, at_rest.load_x, at_rest.load_y)):
+        return _shown(at_rest, "Deflection under gravity")
+    return ["<p>Gravity does not act across the shaft: it is straight, and no bearing loaded.</p>"]
 
 
 def _acting(unbalances: Sequence[tuple[int, float, float]] | None, mode: int | None) -> str:

@@ -52,7 +52,7 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     toml, _ = load_rotor(_machine_path(machine_file, folder), option="machine =")
     run = dict(table_of(tables, "run"))
     name = run.pop("kind", None)
-    check_one_of(f"run kind = {name!r}", name, kinds)
+    check_one_of("run kind" if name is None else f"run kind = {name!r}", name, kinds)
     kind, make = kinds[name]
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
     values = {}

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from .. import vibration
-from ..display import Display, current
+from ..display import Display, current, range_with_unit, speed_with_unit
 from ..errors import InputError, number
 from ..plotting.figure_style import entitle, new_panels
 from ..runs.measuring_points import MeasuringPoint
@@ -73,8 +73,8 @@ class View:
             low, high = known.min(initial=np.inf), known.max(initial=-np.inf)
             reach = _AS_GOOD * max(abs(low), abs(high))
             if len(known) and not low - reach <= chosen <= high + reach:
-                had = f"{low:g} to {high:g}" if low < high else f"{low:g}"
-                raise InputError(f"speed = {chosen:g} rad/s: the run turns at {had} rad/s")
+                shown = f"{speed_with_unit(chosen)} ({chosen:g} rad/s)"
+                raise InputError(f"speed = {shown}: the run turns {range_with_unit(low, high)}")
             return chosen
         track = vibration.order_track(*self.signal, (1.0,))
         begin = start_up(self.run.t, self.run.w)

@@ -15,7 +15,7 @@ from ..model.machine.rotor import Rotor
 from ..model.near_names import near_names
 from ..model.simulation import Simulation
 from ..operating_speeds import operating_speeds
-from ..units import in_si, units_for
+from ..units import in_si, split, units_for
 
 _ROUNDING = 1e-11  # of an input's values: what is no bend of its course
 _SLIVER = 1e-9  # of an interval: a bend so near to its end is its end
@@ -177,15 +177,24 @@ class RampGiven:
             raise InputError(f"--rate {self.rate}: must be > 0; the speeds say whether up or down")
         if not hold >= 0:
             raise InputError(f"--hold {self.hold}: must be >= 0")
+        begins, ends = self._shown("--from", first), self._shown("--to", last)
         if first == last:
-            raise InputError(f"--from {first:g} rad/s: must differ from --to {last:g} rad/s")
+            raise InputError(
+                f"--from {begins}: must differ from --to {ends}; a constant speed is given by "
+                f"--set speed={ends.replace(' ', '')}"
+            )
         if (abs(last) > abs(first)) != self.is_up:
             way, other = ("larger", "run-down") if self.is_up else ("smaller", "run-up")
             raise InputError(
-                f"--to {last:g} rad/s: must be {way} in size than --from = {first:g} rad/s; the "
-                f"other way is {other}"
+                f"--to {ends}: must be {way} in size than --from = {begins}; the other way is "
+                f"{other}"
             )
         return Ramp(first, last, rate, *((0.0, hold) if self.is_up else (hold, 0.0)))
+
+    def _shown(self, option: str, speed: float) -> str:
+        """Return a speed [rad/s] as it was given with its unit, else in rad/s."""
+        given = split(self.options.get(option, ""))
+        return self.options[option] if given and given[1] else f"{speed:g} rad/s"
 
 
 def make_signals(
@@ -267,8 +276,9 @@ def _column(path: Path, text: str, known: Mapping[str, str]) -> tuple[str, float
     if name not in known and name.endswith("]"):
         name, _, unit = (part.strip() for part in text[:-1].rpartition("["))
     if name not in known:
-        near = near_names(text.partition(" ")[0], known, 3) or list(known)
-        raise InputError(f"{path}: column {text!r} is unknown; did you mean {', '.join(near)}?")
+        near = near_names(text.partition(" ")[0], known, 3)
+        hint = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(known)}"
+        raise InputError(f"{path}: column {text!r} is unknown; {hint}")
     units = units_for(known[name])
     if unit is not None and unit not in units:
         raise InputError(f"{path}: column {name!r} in {unit!r}: must be in {' or '.join(units)}")

@@ -77,7 +77,13 @@ def prepare(
         raise InputError(f"{option}: {other} gives the speed too")
     signals = make_signals(table, stop, constants, followed, recorded)
     parameters = {name: value for name, value in values.items() if name not in inputs}
-    return make_job(toml, rotor, parameters, signals, stop, step)
+    try:
+        return make_job(toml, rotor, parameters, signals, stop, step)
+    except InputError as error:
+        is_from_rest = followed.first == 0 and not recorded and "speed" not in constants
+        if not is_from_rest or not isinstance(error.__cause__, EquilibriumError):
+            raise
+        raise InputError(f"{error}; or let it begin at a speed that carries it, --from") from error
 
 
 def make_job(

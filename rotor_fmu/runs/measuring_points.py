@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, is_one_of, nearest
+from ..errors import InputError, is_one_of, meant
 
 _EQUAL = 0.02  # relative difference of two places' motions that are taken to be equal
 
@@ -91,9 +91,8 @@ def last_of_the_largest(motions: Sequence[float]) -> int:
 
 
 def named(name: str, known: Sequence[Any], what: str) -> Any:
-    """Return the point or contact of this name; `InputError` with the nearest name otherwise."""
+    """Return the point or contact of this name; `InputError` with what may be meant otherwise."""
     names = [item.name for item in known]
     if is_one_of(name, names):
         return known[names.index(name)]
-    hint = f"did you mean {nearest(name, names)}?" if names else "there is none"
-    raise InputError(f"place = {name}: the recording has no such {what}; {hint}")
+    raise InputError(f"place = {name}: the recording has no such {what}; {meant(name, names)}")

@@ -5,19 +5,20 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..run_status import FAILED
 from ..vibration.turns import TURN
 
 
 class StartUp(NamedTuple):
-    """When the transient of the start is over: by so many seconds [s], after so many turns of a
-    machine that is fast, or after a share of a shorter run [1]."""
+    """When the transient of the start is over: after so many turns at a run's highest speed, or
+    after a share of a shorter run [1]. So a slow machine has as many turns to settle as a fast
+    one, and a run-up does not wait until it has turned as often from rest."""
 
-    seconds: float
     turns: float
     share: float
 
 
-START_UP = StartUp(2.0, 125.0, 0.2)
+START_UP = StartUp(125.0, 0.2)
 # Relative to the highest speed, how far a constant one may vary: less than the half-power width of
 # any resonance whose amplification factor is below 100, so that no peak lies within.
 _CONSTANT = 0.01
@@ -34,11 +35,10 @@ def is_constant(w: np.ndarray, share: float = _CONSTANT) -> bool:
 def start_up(t: np.ndarray, w: np.ndarray) -> float:
     """Return the time [s] until which a run at speeds w [rad/s] is in its start-up."""
     if not len(t):
-        return START_UP.seconds
-    turned = np.cumsum(np.diff(t) * (np.abs(w[1:]) + np.abs(w[:-1])) / 2)
-    turning = np.flatnonzero(turned >= START_UP.turns * TURN)
-    by_turns = float(t[1 + turning[0]]) if len(turning) else math.inf
-    return min(START_UP.seconds, by_turns, START_UP.share * float(t[-1]))
+        return 0.0
+    highest = float(np.abs(w).max())
+    settled = START_UP.turns * TURN / highest if highest > 0 else math.inf
+    return min(settled, START_UP.share * float(t[-1]))
 
 
 def largest_row(t: np.ndarray, amplitude: np.ndarray, begin: float) -> int:
@@ -67,12 +67,14 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | Non
     return at if is_inside and is_passed else None
 
 
-def why_no_peak(t: np.ndarray, w: np.ndarray) -> str:
-    """Return why a run, in which `peak_index` finds none, has no peak."""
-    if not len(t) or not t[-1] > start_up(t, w):
-        return "the run ends where it begins"
+def why_no_peak(t: np.ndarray, w: np.ndarray, status: str) -> str:
+    """Return why a run of this status, in which `peak_index` finds none, has no peak."""
+    if not len(t) or not t[-1] > 0.0:
+        return "the run stopped in its first communication step"
     if is_constant(w, _ROUNDING):
         return "the speed is constant"
+    if status.startswith(FAILED):
+        return f"the run stopped at {t[-1]:.4g} s, before its end"
     if is_constant(w):
         return f"the speed changes by at most {100 * _CONSTANT:g} %"
     return "the amplitude is largest at an edge of the run"

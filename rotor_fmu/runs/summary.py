@@ -15,7 +15,7 @@ from .peaks import peak_index, start_up, why_no_peak
 from .recording import Recording
 from .run_down import Run
 
-_NEAR_PEAK = 0.15  # [Hz]
+_NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
 _AXES = {"x": "horizontal", "y": "vertical"}
 
 
@@ -74,7 +74,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > start_up(run.t, c["w"]))
     if not len(late):
-        return figures | {"no_peak": why_no_peak(run.t, c["w"])}
+        return figures | {"no_peak": why_no_peak(run.t, c["w"], run.status)}
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
         figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
@@ -84,11 +84,12 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
             figures[f"{axis}_peak_hz"] = float(hz[at])
             figures[f"{axis}_peak_s"] = float(run.t[at])
         else:
-            figures["no_peak"] = why_no_peak(run.t, c["w"])
+            figures["no_peak"] = why_no_peak(run.t, c["w"], run.status)
     if contact:
         psi = c[f"{contact}.psi"]
         if figures["x_peak_hz"] is not None:
-            near = late[np.abs(hz[late] - figures["x_peak_hz"]) <= _NEAR_PEAK]
+            at_peak = figures["x_peak_hz"]
+            near = late[np.abs(hz[late] - at_peak) <= _NEAR_PEAK * abs(at_peak)]
             figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
         round_trip = late[psi[late] < 1.0]
         if len(round_trip):
@@ -107,8 +108,7 @@ def _peak(figures: Mapping[str, Any]) -> str:
     if place is None:
         return "No part's motion was observed: give the machine a disc, a body or a sensor."
     peaks = [
-        f"{_AXES[axis]} {_length(amount)} at {figures[f'{axis}_peak_hz']:.1f} Hz "
-        f"({60 * figures[f'{axis}_peak_hz']:.0f} rpm)"
+        f"{_AXES[axis]} {_length(amount)} at {_speed(figures[f'{axis}_peak_hz'])}"
         for axis in "xy"
         if (amount := figures[f"{axis}_peak_um"]) is not None
     ]
@@ -120,6 +120,16 @@ def _peak(figures: Mapping[str, Any]) -> str:
         far = _length(max(largest))
         moved = f"; {display_name(place)} moved by at most {far} from rest after the start-up"
     return f"No peak, because {figures['no_peak']}{moved}."
+
+
+def _speed(hz: float) -> str:
+    """Return a speed [Hz] with a tenth of a Hz and in whole rpm, or with three digits where that
+    is fewer."""
+    shown, rpm = (
+        f"{value:.{places}f}" if abs(value) >= least else f"{value:.3g}"
+        for value, places, least in ((hz, 1, 10.0), (60 * hz, 0, 100.0))
+    )
+    return f"{shown} Hz ({rpm} rpm)"
 
 
 def _length(um: float) -> str:

@@ -64,9 +64,11 @@ def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = F
         model = subject.model(axes)
         _check_names(model.columns, axes)
         limits = {}
-        numbers = {c.name: c.unit for c in model.columns if not c.dimension}
+        columns = {c.name: c for c in model.columns}
         for name, value in table_of(tables, "limits").items():
-            unit = numbers[known_name("limits", name, numbers)]
+            unit = columns[known_name("limits", name, columns)].unit
+            if columns[name].dimension:
+                raise InputError(f"limits {name}: is a list in each run; a limit is of a number")
             limits[name] = number(f"limits {name}", value, unit)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error

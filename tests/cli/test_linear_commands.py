@@ -9,7 +9,7 @@ import pytest
 from matplotlib.text import Text
 from rotor_fmu.model.linear import Modes
 from rotor_fmu.model.machine.ross import parse_ross
-from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.machine.toml_text import toml_text
 
 from rotor_fmu.cli import app
@@ -116,6 +116,27 @@ def test_a_rotor_from_ross_is_taken_as_it_is_and_imported(command, tmp_path):
     )
     output = command("modes", "--rotor", str(machine))
     assert output.splitlines()[-9:-1] == direct.splitlines()[-9:-1]
+
+
+def test_an_import_from_ross_overwrites_nothing_that_a_user_wrote(tmp_path):
+    machine = tmp_path / "machine.toml"
+    arguments = ["import-ross", str(ROSS / "on_pedestals.json"), "--out", str(machine)]
+    app(arguments, standalone_mode=False)
+    app(arguments, standalone_mode=False)  # what it wrote itself it may write again
+    machine.write_text(edited := f"{machine.read_text()}# clearances of ours\n")
+    with pytest.raises(InputError, match="is there already, and holds something else"):
+        app(arguments, standalone_mode=False)
+    assert machine.read_text() == edited
+
+
+def test_a_page_overwrites_no_machine_file(tmp_path):
+    file = tmp_path / "machine.toml"
+    file.write_text(rig_toml())
+    for arguments in (["report", "--rated", "3000rpm"], ["page"]):
+        files = ["--rotor", str(file), "--out", str(file)]
+        with pytest.raises(InputError, match="is there already, and is no page"):
+            app([*arguments, *files], standalone_mode=False)
+    assert file.read_text() == rig_toml()
 
 
 def test_what_is_not_the_same_as_in_ross_is_said_wherever_a_file_is_read():

@@ -15,6 +15,7 @@ from rotor_fmu.fmi.packing.machine_files import NATIVE, fmu_identifier
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.operating_speeds import operating_speeds
 from rotor_fmu.runs.input_signals import RampGiven
+from rotor_fmu.runs.job import prepare
 from tools.checkout import ROOT
 
 from ..known import EXAMPLES
@@ -104,6 +105,15 @@ def test_speeds_rates_and_times_take_units_and_are_held_at_the_highest_speed():
         ({"hold": "-1"}, "--hold -1: must be >= 0"),
         ({"first": "100", "last": "100"}, "--from 100 rad/s: must differ from --to 100 rad/s"),
         (
+            {"first": "50Hz", "last": "3000rpm"},
+            "--from 50Hz: must differ from --to 3000rpm; a constant speed is given by --set "
+            "speed=3000rpm",
+        ),
+        (
+            {"first": "10 Hz", "last": "1200 rpm"},
+            "--to 1200 rpm: must be smaller in size than --from = 10 Hz",
+        ),
+        (
             {"last": "500"},
             "--to 500 rad/s: must be smaller in size than --from = 400 rad/s; the other way is",
         ),
@@ -117,6 +127,16 @@ def test_a_ramp_that_cannot_be_is_one_line(given, expected):
     with pytest.raises(InputError) as error:
         RampGiven(**given).on(rig())
     assert expected in str(error.value)
+
+
+def test_the_refusal_of_a_run_up_that_no_film_carries_from_rest_names_from(tmp_path):
+    file = tmp_path / "film.toml"
+    text = (EXAMPLES / "oil_film" / "rotor.toml").read_text()
+    file.write_text("\n".join(line for line in text.splitlines() if not line.startswith("k =")))
+    with pytest.raises(InputError, match=r"the oil film at node .* a speed .*--from$"):
+        prepare(file, None, [], None, 0.1, None, RampGiven(True))
+    with pytest.raises(InputError, match=r"wall$"):
+        prepare(file, None, ["speed=0"], None, 0.1, None, RampGiven(True))
 
 
 @pytest.mark.parametrize(

@@ -89,9 +89,12 @@ def test_an_orbit_of_a_shaft_that_stands_is_all_that_was_recorded():
 
 
 def test_a_place_that_the_recording_has_not_is_told_its_nearest(folder):
-    said = str(plot("bode", folder, "--place", "disk[2]").exception)
     # the end of the command puts the option in the place of the argument of Python
-    assert said == "place = disk[2]: the recording has no such place; did you mean disc[2]?"
+    no_such = "the recording has no such place"
+    said = str(plot("bode", folder, "--place", "disk[2]").exception)
+    assert said == f"place = disk[2]: {no_such}; did you mean disc[2], disc[1]?"
+    said = str(plot("bode", folder, "--place", "quux").exception)
+    assert said == f"place = quux: {no_such}; known: bearing[1], disc[1], disc[2]"
 
 
 @pytest.mark.parametrize("rate", [0.0, -20.0])
@@ -108,10 +111,21 @@ def test_what_a_run_begins_with_is_not_its_largest_1x(rate):
     assert amplitude == pytest.approx(80e-6 if rate == 0 else 4 * 80e-6, rel=0.01)
 
 
+def test_the_shell_completes_the_places_of_the_run(folder):
+    words = f"plot orbit {folder} --place dis"
+    given = {
+        "_ROTOR_FMU_COMPLETE": "complete_bash",
+        "COMP_WORDS": f"rotor-fmu {words}",
+        "COMP_CWORD": "5",
+    }
+    result = CliRunner().invoke(app, [], prog_name="rotor-fmu", env=given)
+    assert result.output.split() == ["disc[1]", "disc[2]"]
+
+
 @pytest.mark.parametrize("kind", ["orbit", "spectrum"])
 def test_a_speed_that_the_run_never_had_is_refused_with_those_that_it_had(folder, kind):
     said = str(plot(kind, folder, "--speed", "60Hz").exception)
-    assert said == "speed = 376.991 rad/s: the run turns at 180.02 to 300 rad/s"
+    assert said == "speed = 60 Hz (376.991 rad/s): the run turns between 28.651 and 47.746 Hz"
     assert plot(kind, folder, "--speed", "300.01").exit_code == 0
 
 

@@ -13,6 +13,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 import rotor_fmu as rf
 from rotor_fmu.api.simulate import plan
+from rotor_fmu.runs import job as jobs
 
 from ..processes import interrupted
 
@@ -136,6 +137,18 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
     assert "Traceback" not in said
     assert not (tmp_path / "summary.json").exists()
     assert not (tmp_path / "run_down.csv").exists()
+
+
+def test_results_of_an_earlier_run_stay_where_another_one_is_stopped(
+    process, monkeypatch, tmp_path
+):
+    def stopped(*arguments, **named):
+        raise KeyboardInterrupt
+
+    (tmp_path / "summary.json").write_text("of an earlier run")
+    monkeypatch.setattr(jobs, "execute_recorded", stopped)
+    assert process("run-down", "--direct", "--out", ".").returncode == 130
+    assert (tmp_path / "summary.json").read_text() == "of an earlier run"
 
 
 def test_ctrl_c_while_an_fmu_is_instantiated_ends_the_run_in_one_line(process, monkeypatch):

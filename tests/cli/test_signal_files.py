@@ -18,6 +18,7 @@ from rotor_fmu.runs.input_signals import read_signals
         ("time\n", "has no rows"),
         ("speed\n400\n", "column 'time' is missing"),
         ("time,spede\n0,400\n", "column 'spede' is unknown; did you mean speed"),
+        ("t,speed\n0,400\n", "column 't' is unknown; known are time, speed, disc[1].fx, "),
         ("time,speed [mph]\n0,4\n", "column 'speed' in 'mph': must be in rad/s or rpm or Hz"),
         ("# by hand\ntime,speed\n\n0,4\n1,x\n", "line 5: speed = x: must be a finite number"),
         ("time,speed,speed\n0,1,2\n", "column 'speed' is given twice"),

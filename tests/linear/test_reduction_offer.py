@@ -73,6 +73,11 @@ def test_a_run_that_excites_more_modes_is_offered_more_of_them():
     assert modes[1] > modes[0]
 
 
+def test_a_run_that_excites_more_modes_than_any_reduction_has_is_offered_none():
+    """As of a drill string that turns fast."""
+    assert offered(finer(12), 1e6) is None
+
+
 def test_a_run_says_it_as_a_note_and_a_reduced_one_does_not():
     machine = rf.Machine(finer(12), toml="")
     with pytest.warns(RotorNote, match="would do for this machine of 85 nodes"):

@@ -13,6 +13,7 @@ from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.job import execute_recorded, prepare
 from rotor_fmu.runs.peaks import is_constant, largest_row, peak_index, start_up
 from rotor_fmu.runs.recording import Recording
+from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.summary import sentences, summary
 
 from ..recordings import recorded
@@ -79,6 +80,19 @@ def test_a_run_without_a_peak_says_why(stop, sets, reason):
     assert "moved by at most" in said
 
 
+@pytest.mark.parametrize(
+    ("sets", "reason"),
+    [
+        (["solver.max_iterations=12"], "the run stopped in its first communication step"),
+        (["solver.max_iterations=300"], "the run stopped at 0.01 s, before its end"),
+    ],
+)
+def test_a_run_that_failed_has_no_peak_because_it_stopped(sets, reason, capsys):
+    job = prepare(None, None, sets, None, None, 0.01)
+    assert summary(execute_recorded(job, "")[0])["no_peak"] == reason
+    capsys.readouterr()
+
+
 def test_the_start_up_of_a_fast_machine_lasts_some_turns_not_a_share_of_the_run():
     """A resonance at 90 % of the first speed is passed long after the transient of the start."""
     t = np.linspace(0.0, 0.4, 4001)
@@ -90,6 +104,39 @@ def test_the_start_up_of_a_fast_machine_lasts_some_turns_not_a_share_of_the_run(
     slow = np.full(len(t), 400.0)
     assert start_up(100 * t, slow) == pytest.approx(125 * 2 * math.pi / 400, rel=0.02)
     assert start_up(t, slow) == pytest.approx(0.08)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_start_up_lasts_as_many_turns_of_a_slow_machine_as_of_a_fast_one(scale):
+    """A generator at 60 rpm has its 125 turns after two minutes; a run-up to the same speed does
+    not wait until it has turned as often from rest."""
+    t = np.linspace(0.0, 1000.0, 2001) / scale
+    w = np.full(len(t), TURN * scale)
+    assert start_up(t, w) == pytest.approx(125 / scale)
+    assert start_up(t, w * t / t[-1]) == pytest.approx(125 / scale)
+    assert start_up(t, 0 * w) == pytest.approx(0.2 * t[-1])
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_the_figures_of_a_run_scale_with_its_speed(scale):
+    def figures(scale):
+        t = np.linspace(0.0, 40.0, 4001)
+        w = 400 - 10 * t
+        solver = ("steps", "rejected", "newton", "h_min_used", "h_max_used", "h_last", "trapped")
+        columns = {f"solver.{name}": 0 * t for name in (*solver, "trapped_at", "overdamped_at")}
+        columns |= {"w": scale * w, "energy.residual": 0 * t}
+        columns |= {f"disc.{axis}": np.cos(10 * t) for axis in "xy"}
+        columns |= {f"disc.{axis}_amp": np.exp(-(((w - 200) / 20) ** 2)) for axis in "xy"}
+        columns |= {"wall.psi": t, "wall.fn": np.ones(len(t))}
+        return summary(Run(t / scale, columns, "ok", (), 0.0))
+
+    at_one, scaled = figures(1.0), figures(scale)
+    assert at_one["psi_at_x_peak_deg"] == pytest.approx(np.degrees([19.9, 20.1]))
+    assert scaled["psi_at_x_peak_deg"] == pytest.approx(at_one["psi_at_x_peak_deg"], abs=0.6)
+    assert scaled["x_peak_hz"] == pytest.approx(scale * at_one["x_peak_hz"])
+    said = sentences(scaled, recorded(), Path("report.html"))[0]
+    shown = {1e-3: "at 0.0318 Hz (1.91 rpm)", 1e3: "at 31831.0 Hz (1909859 rpm)"}
+    assert shown[scale] in said
 
 
 def test_what_is_largest_is_sought_after_the_start_up():

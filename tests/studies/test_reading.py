@@ -148,6 +148,13 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("disc[3].x_amp", "disc[3].x_map", "keep X: disc[3].x_map: unknown name; did you mean"),
         ("peak", "peek", "keep X: peek: unknown name; did you mean peak"),
         ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; known: X"),
+        (
+            "[limits]\nX",
+            'c = { amplitude = "disc[3].x_amp", bins = { from = 0, to = 9, count = 3 } }\n'
+            "[limits]\nc",
+            "limits c: is a list in each run; a limit is of a number",
+        ),
+        ('kind = "run-down"', "", "run kind: must be one of run-down, run-up"),
         ("X = {", "clearance = {", "keep clearance: is the name of something else in the rows"),
         ("clearance = {", "run = {", "vary run: is the name of something else in the rows"),
         ('"bearing[*].clearance"', "[]", "vary clearance: names = []: must be names"),

@@ -13,6 +13,9 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.machine.toml_text import toml_text
 from rotor_fmu.model.quantities import QuantityError
 
+from rotor_fmu.errors import InputError
+from rotor_fmu.machine_file.loading import import_ross
+
 HERE = Path(__file__).parents[1] / "reference"
 # of ROSS 2.3.0, and of 3.1.0 also between the speeds of its tables
 ANSWERS = {
@@ -182,6 +185,8 @@ def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
         ("kxx = [ 2000000.0,]", "kxx = [ nan,]", "kxx = nan: must be finite"),
         ("kxx = [ 2000000.0,]", "kxx = [ [1.0, 2.0],]", "over the speed and the whirl frequency"),
         ("kxx = [ 2000000.0,]", "kxx = [ 1.0, 2.0,]", "frequency: must be a list"),
+        ("kxx = [ 2000000.0,]", "", "SealElement_balance piston.kxx is missing"),
+        ("cxx = [ 3000.0,]", "cxx = []", "SealElement_balance piston.cxx is missing"),
         ("m = 12.0", "m = 12.0\nIq = 1.0", "Iq: unknown key, not carried over"),
         ("n = 4\nm", "n = 14\nm", "n = 14: the shaft ends at 6"),
         ("L = 0.06", "L = true", "L = True: must be a number"),
@@ -232,6 +237,28 @@ def test_what_exerts_no_lateral_force_is_said_to_be_left_out():
     assert result.tables == parse_ross(text).tables
     left_out = "SealElement_balance piston: kzz, radial_clearance, seal_leakage: no lateral force"
     assert f"{left_out}, left out" in result.notes
+
+
+def test_a_bearing_without_coefficients_along_y_has_those_along_x():
+    """As in ROSS; written by hand, a file may lack them."""
+    given = json.loads(text_of("on_pedestals.json"))
+    lacking = json.loads(text_of("on_pedestals.json"))
+    bearings = [key for key in given if key.startswith("BearingElement")]
+    for key in bearings:
+        given[key] |= {f"{of}yy": given[key][f"{of}xx"] for of in "kc"}
+        lacking[key] |= {"kyy": None}
+        del lacking[key]["cyy"]
+    expected, result = (parse_ross(json.dumps(d), is_json=True) for d in (given, lacking))
+    assert result.tables == expected.tables
+
+
+def test_a_value_that_no_machine_has_is_refused_with_the_element(tmp_path):
+    file = tmp_path / "rotor.toml"
+    file.write_text(text_of("compressor.toml").replace("m = 12.0", "m = -12.0", 1))
+    with pytest.raises(InputError) as refused:
+        import_ross("--rotor", file)
+    said = "DiskElement_Disk 1: body[2].mass = -12 kg: must be > 0 and finite"
+    assert str(refused.value) == f"{file}: {said}"
 
 
 def test_null_is_nothing():

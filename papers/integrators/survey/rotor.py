@@ -11,7 +11,6 @@ from rotor_fmu.model.simulation import Simulation, StepFailure
 from papers.dense_machine import clearance_contacts
 from papers.integrators.members import Scheme, chung_hulbert, generalized_alpha
 from rotor_fmu.files import unfinished
-from rotor_fmu.runs.peaks import START_UP
 
 from .grid import Experiment, Row
 from .sources import file_digest, source_digest
@@ -24,6 +23,7 @@ WINDOW = 0.04  # communication step, over which amplitudes are compared [s]
 # Whole parts of the window, so that each step is as long as it says.
 STEPS = tuple(WINDOW / n for n in (10, 14, 20, 28, 40, 56, 80, 112, 160, 226, 400))
 REFERENCE = chung_hulbert(0.2), WINDOW / 1600
+_START_UP = 2.0  # whose amplitudes are not compared [s]
 _REFERENCE_FILE = "run_down.npz"
 _DISC = "disc[3]"
 
@@ -115,7 +115,7 @@ def run_down(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     except StepFailure as failure:
         how = "diverged" if "diverged" in str(failure) else "stalled"
         return {"status": f"{how} at {simulation.time:.4g} s", **work_of(simulation, begun)}
-    late = _ends() > START_UP.seconds
+    late = _ends() > _START_UP
     difference = amplitudes[late] - reference[late]
     peaks = amplitudes[late].max(axis=0) / reference[late].max(axis=0) - 1.0
     return {

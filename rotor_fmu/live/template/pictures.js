@@ -66,12 +66,10 @@ function turnsUpTo(run, row, turns) {
 
 // Row from which the transient of the start is over; the first of a run that ends before.
 function settledRow(run) {
-  const { seconds, turns, share } = data.startUp;
-  const over = Math.min(seconds, share * run.plan.duration);
-  const phi = column(run, "phi");
-  const row = run.t.subarray(0, run.n).findIndex(
-    (t, i) => t > over || Math.abs(phi[i] - phi[0]) >= turns * TURN,
-  );
+  const { turns, share } = data.startUp;
+  const settled = (turns * TURN) / Math.max(...run.plan.speeds.map(Math.abs));
+  const over = Math.min(settled, share * run.plan.duration);
+  const row = run.t.subarray(0, run.n).findIndex((t) => t > over);
   return Math.max(0, row);
 }
 
