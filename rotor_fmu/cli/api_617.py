@@ -92,8 +92,9 @@ def stability(
     units: Units = None,
     out: PictureFolder = Path("out/stability"),
 ) -> dict[str, Any]:
-    """Compute the stability at the rated speed by API 617: the least logarithmic decrement of the
-    forward modes over the cross coupling (level 1) or with each seal (level 2)."""
+    """Compute the stability at the maximum continuous or the rated speed by API 617: the least
+    logarithmic decrement of the forward modes over the cross coupling (level 1) or with each seal
+    (level 2)."""
     if level not in (1, 2):
         raise InputError(f"--level {level}: must be 1 or 2")
     machine = machine_in_units(rotor, units)
