@@ -8,18 +8,21 @@ so that all its synchronous critical speeds come from one eigenvalue problem, wi
 without G it gives the natural frequencies at standstill.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from ..contact.wall import ContactQuantities
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, InterfaceElement, Part, SpringElement
 from ..parts.linear_bearing import Seal
-from ..structure.strain_solver import StrainedMatrices
+from ..structure.strain_solver import Solve, StrainedMatrices
 from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
 from .orbit import AT_REST
@@ -31,6 +34,7 @@ _APART = 1e-9  # of a matrix: what is smaller is rounding, and couples nothing
 _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
+_DENSE = 300  # unknowns of a plane up to which all eigenvalues cost less than a few
 _SOFT = 1e-14  # of that: of a bearing that has no stiffness, so that shapes are those without it
 
 
@@ -51,7 +55,7 @@ class UndampedMachine:
 
     contacts: `open` or `pinned`, where clearance contacts are bearings too; None: open where the
     machine is held without them; rigid_pedestals: whether housings are taken as ground. Raises
-    `LinearError` where there is no bearing. mass: the mass matrix of the unknowns.
+    `LinearError` where there is no bearing.
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None, rigid_pedestals: bool) -> None:
@@ -94,20 +98,58 @@ class UndampedMachine:
         rows = np.column_stack([2 * self._held, 2 * self._held + 1]).ravel()
         self._between = Between(across[rows], K.row, K.col)
         places = self._between.places
-        self.mass = M.toarray()
-        self._gyroscopic = gyroscopic.toarray()
+        self._M, self._gyroscopic = M, gyroscopic
         self._K = places.numbers(K.row, K.col, K.data)
         self._system = StrainedMatrices(places, machine.system.B[:, :n], machine.system.stiffness)
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """The mass matrix of the unknowns."""
+        return np.asarray(self._M.toarray())
 
     @property
     def is_circular(self) -> bool:
         """Whether all modes are circles: no pedestal differs in x and y."""
-        return _half(self._synchronous(self.rigid_stiffness), _FORWARD)[1]
+        if self._M.shape[0] // 2 <= _DENSE:
+            return _half(self._synchronous(self.rigid_stiffness), _FORWARD)[1]
+        within, beside = self._forward(self.rigid_stiffness)(self._start)
+        return bool(np.abs(beside).max() < _APART * np.abs(within).max())
 
-    def forward_criticals(self, stiffness: float) -> np.ndarray:
-        """Return the forward critical speeds, ascending [rad/s], with this stiffness of all
-        bearings [N/m], of a machine whose modes are circles."""
-        return _solve(_half(self._synchronous(stiffness), _FORWARD)[0], 2 * self._nodes)[0]
+    def forward_criticals(self, stiffness: float, count: int) -> np.ndarray:
+        """Return the `count` lowest forward critical speeds, fewer where there are fewer, ascending
+        [rad/s], with this stiffness of all bearings [N/m], of a machine whose modes are circles."""
+        size, wanted = self._M.shape[0] // 2, 2 * count + 4
+        forward = self._forward(stiffness)
+        operator = LinearOperator((size, size), lambda w: forward(w)[0], dtype=complex)
+        while size > _DENSE and wanted < size // 3:
+            try:
+                found = eigs(operator, k=wanted, v0=self._start, which="LR")
+            except ArpackNoConvergence:
+                break
+            speeds = _criticals(*found, 2 * self._nodes)[0]
+            if len(speeds) >= count:
+                return speeds[:count]
+            wanted *= 2
+        inverse = _half(self._synchronous(stiffness), _FORWARD)[0]
+        return _solve(inverse, 2 * self._nodes)[0][:count]
+
+    @property
+    def _start(self) -> np.ndarray:
+        """Deflections and slopes in which there is something of every mode."""
+        return np.random.default_rng(1).standard_normal(self._M.shape[0] // 2)
+
+    def _forward(self, stiffness: float) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """Return a function of a forward circular motion: what K^-1 (M - i G) makes of it, that is
+        forward, and that is backward."""
+        solve, other = self._solver(stiffness), np.array([1.0, 1j]) / np.sqrt(2.0)
+
+        def apply(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            motion = np.outer(w, _FORWARD).ravel()
+            force = self._M @ motion - 1j * (self._gyroscopic @ motion)
+            moved = (solve(force.real)[0] + 1j * solve(force.imag)[0]).reshape(-1, 2)
+            return moved @ _FORWARD.conj(), moved @ other.conj()
+
+        return apply
 
     def synchronous(self, stiffness: float) -> Synchronous:
         """Return the synchronous modes with this stiffness of all bearings [N/m], whichever way
@@ -121,7 +163,7 @@ class UndampedMachine:
 
     def _synchronous(self, stiffness: float) -> np.ndarray:
         """Return K^-1 (M - i G)."""
-        return self._inverse(stiffness, self.mass - 1j * self._gyroscopic)
+        return self._inverse(stiffness, self.mass - 1j * self._gyroscopic.toarray())
 
     def natural_frequencies(self, stiffness: float) -> np.ndarray:
         """Return the natural frequencies at standstill, ascending [rad/s], with this stiffness of
@@ -180,14 +222,18 @@ class UndampedMachine:
         return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
 
     def _inverse(self, stiffness: float | np.ndarray, mass: np.ndarray) -> np.ndarray:
-        """Return K^-1 times a mass matrix, with the stiffness in x and y of each bearing [N/m];
+        """Return K^-1 times a mass matrix, with the stiffness in x and y of each bearing [N/m]."""
+        solve = self._solver(stiffness)
+        return solve(mass.real)[0] + 1j * solve(mass.imag)[0]
+
+    def _solver(self, stiffness: float | np.ndarray) -> Solve:
+        """Return the solver with K, with the stiffness in x and y of each bearing [N/m];
         `LinearError` where nothing holds the machine."""
         each = np.broadcast_to(stiffness, len(self.bearings))[:, None, None] * np.eye(2)
         try:
-            solve = self._system.factorized(self._K + self._between(each), np.eye(2))
+            return self._system.factorized(self._K + self._between(each), np.eye(2))
         except RuntimeError as error:
             raise LinearError("the machine is not held by its bearings") from error
-        return solve(mass.real)[0] + 1j * solve(mass.imag)[0]
 
 
 def _half(matrix: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, bool]:
@@ -203,7 +249,11 @@ def _half(matrix: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, bool]:
 def _solve(inverse: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies, ascending [rad/s], and shapes of K^-1 M; nodes: their unknowns, which are
     the first: a mode in which they rest is of housings alone, and none of the rotor."""
-    values, shapes = scipy.linalg.eig(inverse)
+    return _criticals(*scipy.linalg.eig(inverse), nodes)
+
+
+def _criticals(values: np.ndarray, shapes: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return `_solve` of eigenvalues and eigenvectors."""
     moves = np.abs(shapes[:nodes]).max(axis=0) > AT_REST * np.abs(shapes).max(axis=0)
     is_critical = moves & (values.real > 0) & (np.abs(values.imag) < _REAL * np.abs(values))
     speeds = values.real[is_critical] ** -0.5

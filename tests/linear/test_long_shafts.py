@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import product, to_band, to_dense
+from rotor_fmu.model.linear import critical_map, undamped
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.structure import assembly, lowest_frequency, reduction, sparse_modes
 
@@ -79,6 +80,30 @@ def test_six_hundred_elements_have_the_frequency_of_forty():
     )
     near = fine.numbers[0].lowest_omega
     assert near == pytest.approx(coarse.numbers[0].lowest_omega, rel=0.02)
+
+
+def in_housings(ky):
+    """A shaft with a bearing in a housing, and a housing that nothing shakes."""
+    housing = f"[[housing]]\nname = '{{}}'\nmass = 2.0\nkx = 1e6\nky = {ky}\ncx = 0.0\ncy = 0.0\n"
+    on = [BEARING.format(1) + "housing = 'a'\n", BEARING.format(31)]
+    return shaft(30, *on, housing.format("a"), housing.format("alone"))
+
+
+def test_the_critical_speed_map_is_that_of_dense_eigenvalues(monkeypatch):
+    """Though only the lowest are computed; what moves alone has no critical speed."""
+    rotor, stiffness = in_housings(1e6), np.array([1e5, 1e8])
+    by_dense = critical_map(rotor, stiffness)
+    monkeypatch.setattr(undamped, "_DENSE", 10)
+    monkeypatch.setattr(undamped, "_half", None)  # what dense matrices are made by
+    by_sparse = critical_map(rotor, stiffness)
+    np.testing.assert_allclose(by_sparse.speeds, by_dense.speeds, rtol=1e-9)
+    assert by_sparse.rigid == pytest.approx(by_dense.rigid, rel=1e-9)
+
+
+def test_whether_modes_are_circles_is_seen_by_sparse_matrices(monkeypatch):
+    monkeypatch.setattr(undamped, "_DENSE", 10)
+    alike, unlike = (undamped.UndampedMachine(in_housings(k), None, False) for k in (1e6, 1.001e6))
+    assert (alike.is_circular, unlike.is_circular) == (True, False)
 
 
 def test_pictures_mark_no_more_nodes_than_can_be_told_apart():
