@@ -10,7 +10,6 @@ without G it gives the natural frequencies at standstill.
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +54,7 @@ class UndampedMachine:
 
     contacts: `open` or `pinned`, where clearance contacts are bearings too; None: open where the
     machine is held without them; rigid_pedestals: whether housings are taken as ground. Raises
-    `LinearError` where there is no bearing.
+    `LinearError` where there is no bearing. mass: the mass matrix of the unknowns, sparse.
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None, rigid_pedestals: bool) -> None:
@@ -98,77 +97,71 @@ class UndampedMachine:
         rows = np.column_stack([2 * self._held, 2 * self._held + 1]).ravel()
         self._between = Between(across[rows], K.row, K.col)
         places = self._between.places
-        self._M, self._gyroscopic = M, gyroscopic
+        self.mass, self._gyroscopic = M, gyroscopic
         self._K = places.numbers(K.row, K.col, K.data)
         self._system = StrainedMatrices(places, machine.system.B[:, :n], machine.system.stiffness)
-
-    @cached_property
-    def mass(self) -> np.ndarray:
-        """The mass matrix of the unknowns."""
-        return np.asarray(self._M.toarray())
 
     @property
     def is_circular(self) -> bool:
         """Whether all modes are circles: no pedestal differs in x and y."""
-        if self._M.shape[0] // 2 <= _DENSE:
+        if not self._is_long:
             return _half(self._synchronous(self.rigid_stiffness), _FORWARD)[1]
-        within, beside = self._forward(self.rigid_stiffness)(self._start)
+        motion = np.outer(_some(self.mass.shape[0] // 2), _FORWARD).ravel()
+        moved = self._moving(self.rigid_stiffness)(motion).reshape(-1, 2)
+        within, beside = moved @ _FORWARD.conj(), moved @ _FORWARD
         return bool(np.abs(beside).max() < _APART * np.abs(within).max())
 
     def forward_criticals(self, stiffness: float, count: int) -> np.ndarray:
         """Return the `count` lowest forward critical speeds, fewer where there are fewer, ascending
         [rad/s], with this stiffness of all bearings [N/m], of a machine whose modes are circles."""
-        size, wanted = self._M.shape[0] // 2, 2 * count + 4
-        forward = self._forward(stiffness)
-        operator = LinearOperator((size, size), lambda w: forward(w)[0], dtype=complex)
-        while size > _DENSE and wanted < size // 3:
-            try:
-                found = eigs(operator, k=wanted, v0=self._start, which="LR")
-            except ArpackNoConvergence:
-                break
-            speeds = _criticals(*found, 2 * self._nodes)[0]
-            if len(speeds) >= count:
-                return speeds[:count]
-            wanted *= 2
-        inverse = _half(self._synchronous(stiffness), _FORWARD)[0]
-        return _solve(inverse, 2 * self._nodes)[0][:count]
+        nodes, found = 2 * self._nodes, None
+        if self._is_long:
+            move = self._moving(stiffness)
 
-    @property
-    def _start(self) -> np.ndarray:
-        """Deflections and slopes in which there is something of every mode."""
-        return np.random.default_rng(1).standard_normal(self._M.shape[0] // 2)
+            def turn(w: np.ndarray) -> np.ndarray:
+                moved = move(np.outer(w, _FORWARD).ravel())
+                return np.asarray(moved.reshape(-1, 2) @ _FORWARD.conj())
 
-    def _forward(self, stiffness: float) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
-        """Return a function of a forward circular motion: what K^-1 (M - i G) makes of it, that is
-        forward, and that is backward."""
-        solve, other = self._solver(stiffness), np.array([1.0, 1j]) / np.sqrt(2.0)
+            found = _lowest(turn, self.mass.shape[0] // 2, nodes, count)
+        if found is None:
+            found = _solve(_half(self._synchronous(stiffness), _FORWARD)[0], nodes)
+        return found[0][:count]
 
-        def apply(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            motion = np.outer(w, _FORWARD).ravel()
-            force = self._M @ motion - 1j * (self._gyroscopic @ motion)
-            moved = (solve(force.real)[0] + 1j * solve(force.imag)[0]).reshape(-1, 2)
-            return moved @ _FORWARD.conj(), moved @ other.conj()
-
-        return apply
-
-    def synchronous(self, stiffness: float) -> Synchronous:
-        """Return the synchronous modes with this stiffness of all bearings [N/m], whichever way
-        they whirl."""
-        speeds, shapes = _solve(self._synchronous(stiffness), 4 * self._nodes)
-        x, y = (shapes[axis : 4 * self._nodes : 4] for axis in (0, 1))
+    def synchronous(self, stiffness: float, count: int) -> Synchronous:
+        """Return the `count` lowest synchronous modes, or more, with this stiffness of all bearings
+        [N/m], whichever way they whirl."""
+        found, nodes = None, 4 * self._nodes
+        if self._is_long:
+            found = _lowest(self._moving(stiffness), self.mass.shape[0], nodes, count)
+        speeds, shapes = found or _solve(self._synchronous(stiffness), nodes)
+        x, y = (shapes[axis:nodes:4] for axis in (0, 1))
         turning, against = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
-        norms = np.einsum("im,ij,jm->m", shapes.conj(), self.mass, shapes).real
+        norms = np.sum(shapes.conj() * (self.mass @ shapes), axis=0).real
         forwardness = (turning - against) / (turning + against)
         return Synchronous(stiffness, speeds, forwardness, shapes, norms)
 
+    @property
+    def _is_long(self) -> bool:
+        return bool(self.mass.shape[0] // 2 > _DENSE)
+
     def _synchronous(self, stiffness: float) -> np.ndarray:
         """Return K^-1 (M - i G)."""
-        return self._inverse(stiffness, self.mass - 1j * self._gyroscopic.toarray())
+        return self._inverse(stiffness, self.mass.toarray() - 1j * self._gyroscopic.toarray())
+
+    def _moving(self, stiffness: float) -> Callable[[np.ndarray], np.ndarray]:
+        """Return the function that applies K^-1 (M - i G) to a motion."""
+        solve, mass = self._solver(stiffness), (self.mass - 1j * self._gyroscopic).tocsr()
+
+        def move(motion: np.ndarray) -> np.ndarray:
+            force = mass @ motion
+            return solve(force.real)[0] + 1j * solve(force.imag)[0]
+
+        return move
 
     def natural_frequencies(self, stiffness: float) -> np.ndarray:
         """Return the natural frequencies at standstill, ascending [rad/s], with this stiffness of
         all bearings [N/m]; of two planes that are alike those of one."""
-        inverse = self._inverse(stiffness, self.mass.astype(complex))
+        inverse = self._inverse(stiffness, self.mass.toarray().astype(complex))
         across, up = (
             _solve(_half(inverse, plane)[0], 2 * self._nodes)[0] for plane in (_ACROSS, _UP)
         )
@@ -216,7 +209,7 @@ class UndampedMachine:
         bearing has at a speed [rad/s]."""
         own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
         own[own == 0.0] = _SOFT * self.rigid_stiffness
-        inverse = self._inverse(own, self.mass.astype(complex))
+        inverse = self._inverse(own, self.mass.toarray().astype(complex))
         _, shapes = _solve(_half(inverse, _ACROSS)[0], 2 * self._nodes)
         w = shapes[: 2 * self._nodes : 2].T
         return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
@@ -244,6 +237,29 @@ def _half(matrix: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, bool]:
     other = np.array([-motion[1].conj(), motion[0].conj()])
     within, beside = (np.einsum("a,iajb,b->ij", m.conj(), blocks, motion) for m in (motion, other))
     return within, bool(np.abs(beside).max() < _APART * np.abs(within).max())
+
+
+def _some(size: int) -> np.ndarray:
+    """Return a motion in which there is something of every mode."""
+    return np.random.default_rng(1).standard_normal(size)
+
+
+def _lowest(
+    move: Callable[[np.ndarray], np.ndarray], size: int, nodes: int, count: int
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return `_solve` of the matrix that a function applies, at least the `count` lowest; None
+    where all eigenvalues have to be computed for that."""
+    operator = LinearOperator((size, size), move, dtype=complex)
+    wanted = 2 * count + 4
+    while wanted < size // 3:
+        try:
+            found = _criticals(*eigs(operator, k=wanted, v0=_some(size), which="LR"), nodes)
+        except ArpackNoConvergence:
+            break
+        if len(found[0]) >= count:
+            return found
+        wanted *= 2
+    return None
 
 
 def _solve(inverse: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
