@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import (
+    LinearError,
     critical_peaks,
     response_with_peaks,
     unbalance_check,
@@ -193,3 +194,10 @@ def test_a_response_and_its_check_look_for_the_critical_speeds_once(monkeypatch)
     response_with_peaks(rotor, np.linspace(0.0, 450.0, 21), nodes=[4])
     unbalance_check(rotor, 200.0, 300.0, [4])
     assert len(diagrams) == 1
+
+
+def test_unbalances_that_take_each_other_away_drive_nothing():
+    rotor = parse_rotor(OVERHUNG.replace("DAMPING", "3000.0"))
+    opposite = [(4, 1e-4, 0.3), (4, 1e-4, 0.3 + math.pi)]
+    with pytest.raises(LinearError, match="no unbalance acts"):
+        critical_peaks(rotor, 400.0, [4], unbalances=opposite)
