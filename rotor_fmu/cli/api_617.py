@@ -182,7 +182,7 @@ def unbalance(
         raise InputError("--mode and --clearance: need the operating range, --range FROM:TO")
     check_nodes(machine, "--node", node or ())
     check_nodes(machine, "--clearance", gaps)
-    check_nodes(machine, "--unbalance", (number for number, _, _ in given or ()))
+    check_nodes(machine, "--unbalance", (n for n, _, _ in given or ()), may_repeat=True)
     from ..linear import acceptance, answers
     from ..linear.where_linearized import where_not_reached
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
