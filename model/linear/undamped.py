@@ -253,9 +253,10 @@ def _lowest(
     wanted = 2 * count + 4
     while wanted < size // 3:
         try:
-            found = _criticals(*eigs(operator, k=wanted, v0=_some(size), which="LR"), nodes)
+            values, shapes = eigs(operator, k=wanted, v0=_some(size), which="LR")
         except ArpackNoConvergence:
             break
+        found = _criticals(values, shapes, nodes)
         if len(found[0]) >= count:
             return found
         wanted *= 2
@@ -265,7 +266,8 @@ def _lowest(
 def _solve(inverse: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies, ascending [rad/s], and shapes of K^-1 M; nodes: their unknowns, which are
     the first: a mode in which they rest is of housings alone, and none of the rotor."""
-    return _criticals(*scipy.linalg.eig(inverse), nodes)
+    values, shapes = scipy.linalg.eig(inverse)
+    return _criticals(values, shapes, nodes)
 
 
 def _criticals(values: np.ndarray, shapes: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
