@@ -23,7 +23,6 @@ from ..parts.film_viscosity import HeatQuantities
 from ..parts.journal_bearing import JournalBearing
 from ..parts.speed_table import interpolant
 from ..quantities import QuantityError
-from .film_at_rest import FilmAtRest
 
 _CLOSE = 1e-6  # K, of a film's temperature
 _STEEP = 1e3  # K, that a balance changes as the temperature does by one
@@ -82,6 +81,11 @@ def _temperature(part: JournalBearing, speed: float, viscosity: Callable[[float]
     """Return the temperature of the film at a speed [degC]."""
     if speed == 0.0 or part.heat_share == 0.0:
         return float(part.inlet_temperature)
+    # imported where a balance is made: they take longer than all else that a machine is made of
+    from scipy.optimize import brentq
+
+    from .film_at_rest import FilmAtRest
+
     places: list[complex] = []
 
     @cache
@@ -119,9 +123,6 @@ def _temperature(part: JournalBearing, speed: float, viscosity: Callable[[float]
         load."""
         result = film_temperature(temperature)
         return 1.0 if result is None else temperature - result
-
-    # imported where a balance is made: it takes longer than all else that a machine is made of
-    from scipy.optimize import brentq
 
     balanced = float(brentq(temperature_residual, low, high, xtol=_CLOSE)) if high > low else low
     if film_temperature(balanced) is None or abs(temperature_residual(balanced)) > _STEEP * _CLOSE:

@@ -5,6 +5,7 @@ bearings, all alike and isotropic, and the stiffness that the bearings have them
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -109,7 +110,7 @@ def first_rigid_critical(rotor: Rotor, contacts: str | None = None) -> float:
     """Return the first forward critical speed of the undamped rotor on rigid supports [rad/s]; NaN
     where there is none."""
     machine = UndampedMachine(rotor, contacts, rigid_pedestals=True)
-    speeds = machine.forward_criticals(machine.rigid_stiffness)
+    speeds = machine.forward_criticals(machine.rigid_stiffness, 1)
     return float(speeds[0]) if len(speeds) else math.nan
 
 
@@ -125,7 +126,7 @@ class _Lines:
         self.branches: ForwardBranches | None = None
         self._solve: Callable[[float], np.ndarray] = machine.natural_frequencies
         if is_synchronous and machine.is_circular:
-            self._solve = machine.forward_criticals
+            self._solve = partial(machine.forward_criticals, count=count)
         elif is_synchronous:
             self._solve = self.branches = ForwardBranches(machine, stiffness, count)
 

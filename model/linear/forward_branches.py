@@ -23,13 +23,14 @@ class ForwardBranches:
 
     def __init__(self, machine: UndampedMachine, stiffness: np.ndarray, count: int) -> None:
         self._machine = machine
+        self._most = 4 * count + _MORE
         self._following = Following(
             lambda modes: modes.speeds,
             self._likeness,
             lambda a, b: self._modes(math.sqrt(a.stiffness * b.stiffness)),
         )
         first = self._modes(stiffness[0])
-        places = np.arange(min(len(first.speeds), 4 * count + _MORE))
+        places = np.arange(min(len(first.speeds), self._most))
         self._places = {float(stiffness[0]): (first, places)}
         counts = np.array([self._forwardness(k) > _BACKWARD for k in stiffness])
         # at one stiffness amid others alone a backward mode grazes the bound, which is no line
@@ -48,7 +49,7 @@ class ForwardBranches:
         return modes.forwardness[places]
 
     def _modes(self, stiffness: float) -> Synchronous:
-        return self._machine.synchronous(float(stiffness))
+        return self._machine.synchronous(float(stiffness), self._most + _MORE)
 
     def _followed(self, stiffness: float) -> tuple[Synchronous, np.ndarray]:
         """Return the modes with a stiffness, and the places in them of those that are followed."""
@@ -64,4 +65,4 @@ class ForwardBranches:
         """Return the modal assurance criterion, weighted by mass, of all shapes of a with all of
         b."""
         norms = np.sqrt(np.outer(a.norms, b.norms))
-        return np.abs(a.shapes.conj().T @ self._machine.mass @ b.shapes / norms) ** 2
+        return np.abs(a.shapes.conj().T @ (self._machine.mass @ b.shapes) / norms) ** 2

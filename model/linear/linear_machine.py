@@ -224,11 +224,12 @@ class LinearMachine:
         a force, and the elements' end forces; softly held at that place, for the tangents may hold
         the machine in one direction only."""
         solve = linear._replace(own_K=linear.own_K + self._soft * linear.own_M).factorized()
+        M, onto = linear.M, self._across.T  # made once for all places that are tried
 
         def lead(at: np.ndarray, of_laws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             # not by what is left: that is small numbers of large ones where the shaft is stiff
             of_laws = of_laws - to_complex(self._tangent(linear.laws.by_d, at))
-            return solve(force + self._across.T @ in_plane(of_laws) + self._soft * (linear.M @ at))
+            return solve(force + onto @ in_plane(of_laws) + self._soft * (M @ at))
 
         return lead
 

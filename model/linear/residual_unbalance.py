@@ -6,8 +6,8 @@ B, between which its mass is divided by the same levers, as its weight is betwee
     U_A = sum U (z_B - z) / (z_B - z_A),    U_B = sum U (z - z_A) / (z_B - z_A)
 
 A grade G is the largest eccentricity e = U / m times the service speed in mm/s, so that G 2.5 at
-3000 rev/min permits 7.96 um. Where the centre of mass lies near a bearing or beyond both, the
-standard divides what it permits more evenly; here each plane keeps the size of its own share.
+3000 rev/min permits 7.96 um. Each plane is permitted its share of that by the same levers; where
+the centre of mass lies near a bearing or beyond both, the standard keeps the shares within limits.
 """
 
 import math
@@ -17,18 +17,23 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
+from ..structure.structure import total_mass
 from .linear_machine import LinearMachine
 from .undamped import bearings_of, without_seals
 
+# Of what the whole rotor is permitted, the least and the most that a plane is: of a rotor with its
+# centre of mass between its bearings, and of one beyond them (ISO 21940-11, clause 7)
+_INBOARD, _OUTBOARD = (0.3, 0.7), (0.3, 1.3)
 GRADES = (0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0)  # [mm/s]
 
 
 class TolerancePlane(NamedTuple):
-    """The plane of a bearing: its node (from 1), the mass that it bears [kg], and the unbalance of
-    the rotor there, complex [kg.m]."""
+    """The plane of a bearing: its node (from 1), the mass that it bears [kg], that by which a grade
+    permits unbalance there [kg], and the unbalance of the rotor there, complex [kg.m]."""
 
     node: int
     mass: float
+    graded_mass: float
     unbalance: complex
 
 
@@ -47,11 +52,16 @@ def tolerance_planes(rotor: Rotor) -> tuple[TolerancePlane, ...]:
     if len(nodes) < 2:
         return ()
     structure, z = assemble(rotor), np.asarray(rotor.nodes)
+    whole = float(total_mass(structure))
     at = z[structure.unbalances.dof // 2] + structure.unbalances.offset
     result = []
     for node, other in ((nodes[0], nodes[-1]), (nodes[-1], nodes[0])):
         end, span = z[other - 1], z[other - 1] - z[node - 1]
         mass = structure.mass_sum[::2] @ (end - z) - structure.mass_sum[1::2].sum()
         unbalance = structure.unbalance @ (end - at)
-        result.append(TolerancePlane(node, abs(float(mass / span)), complex(unbalance / span)))
+        share = float(mass / span) / whole
+        limits = _INBOARD if 0.0 <= share <= 1.0 else _OUTBOARD
+        graded = whole * float(np.clip(abs(share), *limits))
+        borne = abs(float(mass / span))
+        result.append(TolerancePlane(node, borne, graded, complex(unbalance / span)))
     return tuple(result)

@@ -20,6 +20,7 @@ from .modes import check_speed
 from .static import check_node
 from .system_at_speed import LinearError
 
+_ROUNDING = 1e-14  # of unbalances at a node: a smaller sum of them is none
 _CREEPING = 1e-4  # of the lowest elastic frequency: a speed whose response is that of all below
 
 
@@ -109,6 +110,15 @@ def unbalance_response(
     return SteadyWhirl(rotor, contacts, unbalances).response(speeds)
 
 
+def _of(node: int, amount: float, phase: float) -> complex:
+    """Return an unbalance as a complex number; `LinearError` unless it is finite."""
+    if not np.isfinite([amount, phase]).all():
+        raise LinearError(
+            f"unbalance at node {node} = {amount:g} kg.m at {phase:g} rad: must be finite"
+        )
+    return complex(amount * np.exp(1j * phase))
+
+
 class SteadyWhirl:
     """The steady motion of a machine under its unbalances, or under those given instead, at any
     speed, solved for once; see `unbalance_response` for these and `contacts`."""
@@ -120,18 +130,18 @@ class SteadyWhirl:
         unbalances: Sequence[tuple[int, float, float]] | None = None,
     ) -> None:
         self.machine = machine = LinearMachine(rotor, contacts)
-        pull = np.zeros(machine.across.shape[1] // 2, dtype=complex)
         if unbalances is None:
             own, whole = machine.structure.unbalances, machine.structure.unbalance
-            np.add.at(pull, own.dof, whole)
-            np.add.at(pull, own.slope, own.offset * whole)
-        given = () if unbalances is None else unbalances
-        for node, amount, phase in rows("unbalances", given, "(node, amount, angle)"):
-            if not np.isfinite([amount, phase]).all():
-                raise LinearError(
-                    f"unbalance at node {node} = {amount:g} kg.m at {phase:g} rad: must be finite"
-                )
-            pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
+            at = np.concatenate([own.dof, own.slope])
+            each = np.concatenate([whole, own.offset * whole])
+        else:
+            listed = rows("unbalances", unbalances, "(node, amount, angle)")
+            at = np.array([2 * (check_node(machine, node) - 1) for node, _, _ in listed], int)
+            each = np.array([_of(*unbalance) for unbalance in listed], complex)
+        pull, size = np.zeros((2, machine.across.shape[1] // 2), dtype=complex)
+        np.add.at(pull, at, each)
+        np.add.at(size, at, np.abs(each))
+        pull[np.abs(pull) <= _ROUNDING * size.real] = 0.0  # they take each other away
         self._pull = np.column_stack([pull, -1j * pull]).ravel()
         self._solved = cache(self._solve)
 

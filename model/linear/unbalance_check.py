@@ -174,8 +174,8 @@ def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
     """Return speeds up to `top` so close together that no peak lies between them: those of a grid,
     and more of them about the damped critical speeds."""
     first = lowest_speed(rotor, top, contacts)
-    grid = np.linspace(max(first, top / _POINTS), top, _POINTS)
-    return with_criticals(rotor, grid, contacts)
+    close = with_criticals(rotor, np.linspace(first, top, _POINTS + 1), contacts)
+    return close[close > 0.0]
 
 
 def _level(response: "_Response", node: int, speeds: np.ndarray) -> ProbeLevel:

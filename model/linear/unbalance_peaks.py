@@ -4,7 +4,7 @@ one is narrower than the distance of speeds spaced evenly."""
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -50,10 +50,19 @@ def with_criticals(
     at = np.unique(np.asarray(speeds, dtype=float))
     low, high = (float(end) for end in at[[0, -1]])
     first = lowest_speed(rotor, high, contacts) if low == 0.0 else low
-    diagram = np.linspace(min(first, _BEYOND * first), max(high, _BEYOND * high), _POINTS)
-    found = campbell(rotor, diagram, count=_MODES, contacts=contacts).critical
-    result = with_modes(at, ((c.speed, c.log_dec / (2 * math.pi)) for c in found))
+    result = with_modes(at, _criticals(rotor, first, high, contacts))
     return result[(result >= first) | np.isin(result, at)]
+
+
+@lru_cache(maxsize=2)  # a response and its check look for the same ones
+def _criticals(
+    rotor: Rotor, low: float, high: float, contacts: str | None
+) -> list[tuple[float, float]]:
+    """Return speed [rad/s] and damping ratio of each critical speed between two speeds, and of
+    those whose flank reaches there."""
+    diagram = np.linspace(min(low, _BEYOND * low), max(high, _BEYOND * high), _POINTS)
+    found = campbell(rotor, diagram, count=_MODES, contacts=contacts).critical
+    return [(c.speed, c.log_dec / (2 * math.pi)) for c in found]
 
 
 def major_of(whirl: SteadyWhirl, node: int, speed: float) -> float:

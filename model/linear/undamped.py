@@ -8,18 +8,20 @@ so that all its synchronous critical speeds come from one eigenvalue problem, wi
 without G it gives the natural frequencies at standstill.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from ..contact.wall import ContactQuantities
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, InterfaceElement, Part, SpringElement
 from ..parts.linear_bearing import Seal
-from ..structure.strain_solver import StrainedMatrices
+from ..structure.strain_solver import Solve, StrainedMatrices
 from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
 from .orbit import AT_REST
@@ -31,6 +33,7 @@ _APART = 1e-9  # of a matrix: what is smaller is rounding, and couples nothing
 _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
+_DENSE = 300  # unknowns of a plane up to which all eigenvalues cost less than a few
 _SOFT = 1e-14  # of that: of a bearing that has no stiffness, so that shapes are those without it
 
 
@@ -51,7 +54,7 @@ class UndampedMachine:
 
     contacts: `open` or `pinned`, where clearance contacts are bearings too; None: open where the
     machine is held without them; rigid_pedestals: whether housings are taken as ground. Raises
-    `LinearError` where there is no bearing. mass: the mass matrix of the unknowns.
+    `LinearError` where there is no bearing. mass: the mass matrix of the unknowns, sparse.
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None, rigid_pedestals: bool) -> None:
@@ -94,39 +97,71 @@ class UndampedMachine:
         rows = np.column_stack([2 * self._held, 2 * self._held + 1]).ravel()
         self._between = Between(across[rows], K.row, K.col)
         places = self._between.places
-        self.mass = M.toarray()
-        self._gyroscopic = gyroscopic.toarray()
+        self.mass, self._gyroscopic = M, gyroscopic
         self._K = places.numbers(K.row, K.col, K.data)
         self._system = StrainedMatrices(places, machine.system.B[:, :n], machine.system.stiffness)
 
     @property
     def is_circular(self) -> bool:
         """Whether all modes are circles: no pedestal differs in x and y."""
-        return _half(self._synchronous(self.rigid_stiffness), _FORWARD)[1]
+        if not self._is_long:
+            return _half(self._synchronous(self.rigid_stiffness), _FORWARD)[1]
+        motion = np.outer(_some(self.mass.shape[0] // 2), _FORWARD).ravel()
+        moved = self._moving(self.rigid_stiffness)(motion).reshape(-1, 2)
+        within, beside = moved @ _FORWARD.conj(), moved @ _FORWARD
+        return bool(np.abs(beside).max() < _APART * np.abs(within).max())
 
-    def forward_criticals(self, stiffness: float) -> np.ndarray:
-        """Return the forward critical speeds, ascending [rad/s], with this stiffness of all
-        bearings [N/m], of a machine whose modes are circles."""
-        return _solve(_half(self._synchronous(stiffness), _FORWARD)[0], 2 * self._nodes)[0]
+    def forward_criticals(self, stiffness: float, count: int) -> np.ndarray:
+        """Return the `count` lowest forward critical speeds, fewer where there are fewer, ascending
+        [rad/s], with this stiffness of all bearings [N/m], of a machine whose modes are circles."""
+        nodes, found = 2 * self._nodes, None
+        if self._is_long:
+            move = self._moving(stiffness)
 
-    def synchronous(self, stiffness: float) -> Synchronous:
-        """Return the synchronous modes with this stiffness of all bearings [N/m], whichever way
-        they whirl."""
-        speeds, shapes = _solve(self._synchronous(stiffness), 4 * self._nodes)
-        x, y = (shapes[axis : 4 * self._nodes : 4] for axis in (0, 1))
+            def turn(w: np.ndarray) -> np.ndarray:
+                moved = move(np.outer(w, _FORWARD).ravel())
+                return np.asarray(moved.reshape(-1, 2) @ _FORWARD.conj())
+
+            found = _lowest(turn, self.mass.shape[0] // 2, nodes, count)
+        if found is None:
+            found = _solve(_half(self._synchronous(stiffness), _FORWARD)[0], nodes)
+        return found[0][:count]
+
+    def synchronous(self, stiffness: float, count: int) -> Synchronous:
+        """Return the `count` lowest synchronous modes, or more, with this stiffness of all bearings
+        [N/m], whichever way they whirl."""
+        found, nodes = None, 4 * self._nodes
+        if self._is_long:
+            found = _lowest(self._moving(stiffness), self.mass.shape[0], nodes, count)
+        speeds, shapes = found or _solve(self._synchronous(stiffness), nodes)
+        x, y = (shapes[axis:nodes:4] for axis in (0, 1))
         turning, against = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
-        norms = np.einsum("im,ij,jm->m", shapes.conj(), self.mass, shapes).real
+        norms = np.sum(shapes.conj() * (self.mass @ shapes), axis=0).real
         forwardness = (turning - against) / (turning + against)
         return Synchronous(stiffness, speeds, forwardness, shapes, norms)
 
+    @property
+    def _is_long(self) -> bool:
+        return bool(self.mass.shape[0] // 2 > _DENSE)
+
     def _synchronous(self, stiffness: float) -> np.ndarray:
         """Return K^-1 (M - i G)."""
-        return self._inverse(stiffness, self.mass - 1j * self._gyroscopic)
+        return self._inverse(stiffness, self.mass.toarray() - 1j * self._gyroscopic.toarray())
+
+    def _moving(self, stiffness: float) -> Callable[[np.ndarray], np.ndarray]:
+        """Return the function that applies K^-1 (M - i G) to a motion."""
+        solve, mass = self._solver(stiffness), (self.mass - 1j * self._gyroscopic).tocsr()
+
+        def move(motion: np.ndarray) -> np.ndarray:
+            force = mass @ motion
+            return solve(force.real)[0] + 1j * solve(force.imag)[0]
+
+        return move
 
     def natural_frequencies(self, stiffness: float) -> np.ndarray:
         """Return the natural frequencies at standstill, ascending [rad/s], with this stiffness of
         all bearings [N/m]; of two planes that are alike those of one."""
-        inverse = self._inverse(stiffness, self.mass.astype(complex))
+        inverse = self._inverse(stiffness, self.mass.toarray().astype(complex))
         across, up = (
             _solve(_half(inverse, plane)[0], 2 * self._nodes)[0] for plane in (_ACROSS, _UP)
         )
@@ -174,20 +209,24 @@ class UndampedMachine:
         bearing has at a speed [rad/s]."""
         own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
         own[own == 0.0] = _SOFT * self.rigid_stiffness
-        inverse = self._inverse(own, self.mass.astype(complex))
+        inverse = self._inverse(own, self.mass.toarray().astype(complex))
         _, shapes = _solve(_half(inverse, _ACROSS)[0], 2 * self._nodes)
         w = shapes[: 2 * self._nodes : 2].T
         return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
 
     def _inverse(self, stiffness: float | np.ndarray, mass: np.ndarray) -> np.ndarray:
-        """Return K^-1 times a mass matrix, with the stiffness in x and y of each bearing [N/m];
+        """Return K^-1 times a mass matrix, with the stiffness in x and y of each bearing [N/m]."""
+        solve = self._solver(stiffness)
+        return solve(mass.real)[0] + 1j * solve(mass.imag)[0]
+
+    def _solver(self, stiffness: float | np.ndarray) -> Solve:
+        """Return the solver with K, with the stiffness in x and y of each bearing [N/m];
         `LinearError` where nothing holds the machine."""
         each = np.broadcast_to(stiffness, len(self.bearings))[:, None, None] * np.eye(2)
         try:
-            solve = self._system.factorized(self._K + self._between(each), np.eye(2))
+            return self._system.factorized(self._K + self._between(each), np.eye(2))
         except RuntimeError as error:
             raise LinearError("the machine is not held by its bearings") from error
-        return solve(mass.real)[0] + 1j * solve(mass.imag)[0]
 
 
 def _half(matrix: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, bool]:
@@ -200,10 +239,39 @@ def _half(matrix: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, bool]:
     return within, bool(np.abs(beside).max() < _APART * np.abs(within).max())
 
 
+def _some(size: int) -> np.ndarray:
+    """Return a motion in which there is something of every mode."""
+    return np.random.default_rng(1).standard_normal(size)
+
+
+def _lowest(
+    move: Callable[[np.ndarray], np.ndarray], size: int, nodes: int, count: int
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return `_solve` of the matrix that a function applies, at least the `count` lowest; None
+    where all eigenvalues have to be computed for that."""
+    operator = LinearOperator((size, size), move, dtype=complex)
+    wanted = 2 * count + 4
+    while wanted < size // 3:
+        try:
+            values, shapes = eigs(operator, k=wanted, v0=_some(size), which="LR")
+        except ArpackNoConvergence:
+            break
+        found = _criticals(values, shapes, nodes)
+        if len(found[0]) >= count:
+            return found
+        wanted *= 2
+    return None
+
+
 def _solve(inverse: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies, ascending [rad/s], and shapes of K^-1 M; nodes: their unknowns, which are
     the first: a mode in which they rest is of housings alone, and none of the rotor."""
     values, shapes = scipy.linalg.eig(inverse)
+    return _criticals(values, shapes, nodes)
+
+
+def _criticals(values: np.ndarray, shapes: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return `_solve` of eigenvalues and eigenvectors."""
     moves = np.abs(shapes[:nodes]).max(axis=0) > AT_REST * np.abs(shapes).max(axis=0)
     is_critical = moves & (values.real > 0) & (np.abs(values.imag) < _REAL * np.abs(values))
     speeds = values.real[is_critical] ** -0.5

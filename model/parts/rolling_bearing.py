@@ -144,9 +144,9 @@ def _defect(depth, arc, angle):
 
 
 @jit_not_inlined
-def _position(part, displacement, internal_state, i):
-    """Return the `ElementPosition` of an element."""
-    ratio, pitch = cage_ratio(part), 2.0 * math.pi / part.count
+def _position(part, ratio, displacement, internal_state, i):
+    """Return the `ElementPosition` of an element; ratio: `cage_ratio`, the same for all."""
+    pitch = 2.0 * math.pi / part.count
     at = internal_state[_STATE.cage] + part.cage_angle + i * pitch
     along = direction(at)
     turned = along.conjugate() * displacement
@@ -159,9 +159,9 @@ def _position(part, displacement, internal_state, i):
 
 
 @jit_not_inlined
-def _contact(part, kinematics, internal_state, i):
-    """Return the `ElementContact` of an element."""
-    position = _position(part, kinematics.displacement, internal_state, i)
+def _contact(part, ratio, kinematics, internal_state, i):
+    """Return the `ElementContact` of an element; ratio: `cage_ratio`."""
+    position = _position(part, ratio, kinematics.displacement, internal_state, i)
     if position.penetration <= 0.0:
         return ElementContact(position, 0.0, 0.0, 0.0, 0.0, 0.0)
     rate = (position.along.conjugate() * kinematics.velocity).real
@@ -172,9 +172,9 @@ def _contact(part, kinematics, internal_state, i):
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    force = 0.0j
+    force, ratio = 0.0j, cage_ratio(part)
     for i in range(int(part.count)):
-        at = _contact(part, kinematics, internal_state, i)
+        at = _contact(part, ratio, kinematics, internal_state, i)
         force -= at.normal * at.position.along
     return force
 
@@ -187,7 +187,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
     internal_state[_STATE.cage] = free[_STATE.cage] + weights.rate * ratio * speed
     internal_state[_STATE.race] = free[_STATE.race] + weights.rate * speed
     for i in range(int(part.count)):
-        at = _contact(part, kinematics, internal_state, i)
+        at = _contact(part, ratio, kinematics, internal_state, i)
         if at.normal <= 0.0:
             continue
         force -= at.normal * at.position.along
@@ -209,9 +209,9 @@ def _rates(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _energy(part, tables, displacement, internal_state):
-    energy = 0.0
+    energy, ratio = 0.0, cage_ratio(part)
     for i in range(int(part.count)):
-        delta = _position(part, displacement, internal_state, i).penetration
+        delta = _position(part, ratio, displacement, internal_state, i).penetration
         if delta > 0.0:
             energy += elastic(part, delta)[0] * delta / (part.exponent + 1.0)
     return (energy,)
@@ -220,8 +220,9 @@ def _energy(part, tables, displacement, internal_state):
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
     torque = damped = 0.0
+    ratio = cage_ratio(part)
     for i in range(int(part.count)):
-        at = _contact(part, kinematics, internal_state, i)
+        at = _contact(part, ratio, kinematics, internal_state, i)
         damped += (at.normal - at.elastic) * at.rate
         torque += at.normal * at.position.by_turn
     out[_LOSS.contact] = damped
@@ -230,10 +231,10 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    force = 0.0j
+    force, ratio = 0.0j, cage_ratio(part)
     largest = torque = loaded = 0.0
     for i in range(int(part.count)):
-        at = _contact(part, kinematics, internal_state, i)
+        at = _contact(part, ratio, kinematics, internal_state, i)
         force -= at.normal * at.position.along
         largest = max(largest, at.normal)
         loaded += 1.0 if at.normal > 0.0 else 0.0
@@ -242,7 +243,7 @@ def _observe(part, tables, kinematics, internal_state, out):
     out[_OUT.fy] = force.imag
     out[_OUT.largest] = largest
     out[_OUT.loaded] = loaded
-    out[_OUT.cage] = cage_ratio(part) * kinematics.sliding_speed
+    out[_OUT.cage] = ratio * kinematics.sliding_speed
     out[_OUT.cage_angle] = internal_state[_STATE.cage] + part.cage_angle
     out[_OUT.torque] = torque
     out[_OUT.x] = kinematics.displacement.real

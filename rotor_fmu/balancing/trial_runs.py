@@ -68,7 +68,8 @@ def balance(
         if len(set(given)) < len(given) or not given:
             raise InputError(f"{name}: {given}: must be different nodes, at least one")
     if len(set(speeds)) < len(speeds) or not speeds:
-        raise InputError(f"speeds: {speeds} rad/s: must be different ones, at least one")
+        given_speeds = ", ".join(f"{speed:g}" for speed in speeds)
+        raise InputError(f"speeds: {given_speeds} rad/s: must be different ones, at least one")
     enough_measurements(2 * len(nodes) * len(speeds), len(planes))
     for speed in speeds:
         check_positive("balancing speed", speed, "rad/s")
@@ -120,7 +121,7 @@ def _residuals(before: Rotor, after: Rotor, speed: float) -> tuple[ResidualUnbal
         ResidualUnbalance(
             *(plane.node, plane.mass, initial.unbalance, plane.unbalance),
             permitted=residual_unbalance(plane.mass, speed),
-            grade=balance_quality_grade(abs(plane.unbalance), plane.mass, speed),
+            grade=balance_quality_grade(abs(plane.unbalance), plane.graded_mass, speed),
         )
         for initial, plane in planes
     )

@@ -92,8 +92,9 @@ def stability(
     units: Units = None,
     out: PictureFolder = Path("out/stability"),
 ) -> dict[str, Any]:
-    """Compute the stability at the rated speed by API 617: the least logarithmic decrement of the
-    forward modes over the cross coupling (level 1) or with each seal (level 2)."""
+    """Compute the stability at the maximum continuous or the rated speed by API 617: the least
+    logarithmic decrement of the forward modes over the cross coupling (level 1) or with each seal
+    (level 2)."""
     if level not in (1, 2):
         raise InputError(f"--level {level}: must be 1 or 2")
     machine = machine_in_units(rotor, units)
@@ -181,7 +182,7 @@ def unbalance(
         raise InputError("--mode and --clearance: need the operating range, --range FROM:TO")
     check_nodes(machine, "--node", node or ())
     check_nodes(machine, "--clearance", gaps)
-    check_nodes(machine, "--unbalance", (number for number, _, _ in given or ()))
+    check_nodes(machine, "--unbalance", (n for n, _, _ in given or ()), may_repeat=True)
     from ..linear import acceptance, answers
     from ..linear.where_linearized import where_not_reached
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances

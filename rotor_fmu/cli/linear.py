@@ -110,8 +110,11 @@ def static(
     """Compute the deflection under gravity and the load on each bearing."""
     at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
+    from ..linear.where_linearized import where_not_at_rest
 
     result = answers.static(machine, at, contacts=contacts)
+    for sentence in where_not_at_rest(machine, result.speed, contacts):
+        typer.echo(sentence)
     return print_answer(result, out, "static")
 
 

@@ -35,11 +35,17 @@ CrossCouplings = Annotated[
 ]
 
 
-def check_nodes(machine: Rotor, option: str, numbers: Iterable[int]) -> None:
-    """Raise `InputError` for a number that is of no node."""
+def check_nodes(
+    machine: Rotor, option: str, numbers: Iterable[int], *, may_repeat: bool = False
+) -> None:
+    """Raise `InputError` for a number that is of no node, or, unless it may, is there twice."""
+    seen: set[int] = set()
     for number in numbers:
         if not 1 <= number <= len(machine.nodes):
             raise InputError(f"{option} {number}: must be from 1 to {len(machine.nodes)}")
+        if number in seen and not may_repeat:
+            raise InputError(f"{option} {number}: is given twice; they must be different nodes")
+        seen.add(number)
 
 
 def clearances_of(texts: list[str] | None) -> dict[int, float]:
@@ -49,6 +55,8 @@ def clearances_of(texts: list[str] | None) -> dict[int, float]:
         node, radius = _at_node("--clearance", text, "NODE:RADIUS", "m")
         if not radius > 0:
             raise InputError(f"--clearance {text}: must be NODE:RADIUS, RADIUS above 0")
+        if node in result:
+            raise InputError(f"--clearance {text}: node {node} has another one already")
         result[node] = radius
     return result
 

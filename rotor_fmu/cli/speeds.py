@@ -48,7 +48,9 @@ Rated = Annotated[
 RatedSpeed = Annotated[
     str | None,
     typer.Option(
-        "--rated", help="Rated speed, such as 11000rpm, or in rad/s; default: the machine's own."
+        "--rated",
+        help="Rated speed, such as 11000rpm, or in rad/s; default: the machine's maximum "
+        "continuous speed, or its rated one.",
     ),
 ]
 
@@ -124,9 +126,10 @@ def operating_range(
 
 
 def rated_speed(text: str | None, machine: "Rotor") -> float:
-    """The speed [rad/s] of `--rated`, or the machine's own."""
+    """The speed [rad/s] of `--rated`, or the highest of the machine's own at which it runs
+    continuously."""
     if text is None:
-        own = machine.operation.rated_speed
+        own = machine.operation.maximum_continuous_speed or machine.operation.rated_speed
         if own is None:
             raise InputError(
                 "--rated: must be given, such as --rated 11000rpm, or operation.rated_speed"

@@ -38,7 +38,7 @@ from ..plotting.figure_style import (
 )
 from ..plotting.labels import write_labels
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
-from .linear_plots import WHIRL_COLORS, curve, draw_whirling, shade, titled
+from .linear_plots import WHIRL_COLORS, curve, dotted, draw_whirling, shade, titled
 from .linear_tables import Table, clean_damping, peaks, turns, without_rounding
 from .mode_answers import Modes
 
@@ -250,7 +250,8 @@ class Static(Displayed, linear.Static):
         axes.axhline(0, color=GREY, lw=0.8)
         bent = curve(self.z, self.y * d.small, self.slope_y * d.small, self.shear)
         axes.plot(*bent, color=BLUE, lw=1.8, label="y")
-        axes.plot(self.z * d.length, self.y * d.small, "o", color=BLUE, ms=3.5)
+        at_nodes = dotted(len(self.z))
+        axes.plot(self.z[at_nodes] * d.length, self.y[at_nodes] * d.small, "o", color=BLUE, ms=3.5)
         if np.abs(self.x).max(initial=0) > 1e-3 * np.abs(self.y).max(initial=0):
             bent = curve(self.z, self.x * d.small, self.slope_x * d.small, self.shear)
             axes.plot(*bent, color=ORANGE, lw=1.5, ls=DASHED, label="x")

@@ -16,6 +16,7 @@ from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, SKY
 WHIRL_COLORS = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 _FINE = 12  # points an element of a curve through the nodes
 _MOST_SHAPES = 6  # of modes in a picture
+_MOST_DOTS = 60  # along a shaft: of more nodes dots and orbits are a solid area
 
 
 def curve(
@@ -41,6 +42,11 @@ def deflection(z: np.ndarray, w: np.ndarray, slope: np.ndarray, shear: Sequence[
     left, right = slope[:-1] + angle, slope[1:] + angle
     third = length / 3
     return BPoly([w[:-1], w[:-1] + third * left, w[1:] - third * right, w[1:]], z)
+
+
+def dotted(nodes: int) -> np.ndarray:
+    """Return which nodes (from 0) a picture marks: all, or of many some and both ends."""
+    return np.unique(np.linspace(0, nodes - 1, min(nodes, _MOST_DOTS)).round().astype(int))
 
 
 def shapes_in_grid(modes: int) -> tuple[int, int, int]:

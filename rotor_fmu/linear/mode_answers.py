@@ -7,7 +7,7 @@ from ..display import current, shown_speed
 from ..model import linear
 from ..plotting.figure_style import BLUE, DASHED, GREY, ORANGE, entitle, new_panels
 from .displayed import Displayed
-from .linear_plots import curve, shapes_in_grid, titled
+from .linear_plots import curve, dotted, shapes_in_grid, titled
 from .linear_tables import Table, clean_damping, turns
 
 
@@ -63,7 +63,10 @@ class Modes(Displayed, linear.Modes):
                 turn = np.exp(-1j * np.angle(w[np.argmax(np.abs(w))]))
                 bent = curve(self.z, (w * turn).real, (slope * turn).real, self.shear)
                 axes.plot(*bent, color=color, lw=1.6, ls=dashes, label=label)
-                axes.plot(self.z * current().length, (w * turn).real, "o", color=color, ms=3)
+                at = dotted(len(w))
+                axes.plot(
+                    self.z[at] * current().length, (w[at] * turn).real, "o", color=color, ms=3
+                )
             axes.margins(y=0.08)
             frequency = f"{shown_speed(self.damped[i])} {current().frequency_unit}"
             damping = f"damping {clean_damping(self.damping_ratio[i]):.2g}"

@@ -75,7 +75,7 @@ class StabilityLevel1(Displayed, linear.StabilityLevel1):
             axes.plot(over, self.first_log_dec, color=GREY, lw=1.2, label="first forward mode")
         axes.plot(over, self.log_dec, color=BLUE, lw=1.8)
         axes.axhline(0, color="black", lw=1.0)
-        label = f"least, {LEAST_LOG_DEC:g}"
+        label = f"required, {LEAST_LOG_DEC:g}"
         axes.axhline(LEAST_LOG_DEC, color=GREY, lw=1.0, ls=LIMIT, label=label)
         if self.anticipated:
             at = self.anticipated * d.stiffness

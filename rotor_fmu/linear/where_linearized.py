@@ -55,3 +55,12 @@ def where_not_reached(
         for speed in speeds
         if modes(machine, speed, contacts=contacts).growth > LEAST_GROWTH
     ]
+
+
+def where_not_at_rest(machine: Rotor, speed: float, contacts: str | None = None) -> list[str]:
+    """Return a sentence for a machine whose equilibrium at a speed [rad/s] it leaves, as on a
+    negative stiffness; one that whirls about its equilibrium has it still."""
+    if not len(modes(machine, speed, contacts=contacts).growing):
+        return []
+    where = f"its equilibrium at {speed_with_unit(speed)} is unstable"
+    return [f"{where}: it moves away from there without oscillating"]

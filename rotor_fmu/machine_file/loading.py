@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, read_text
+from ..model.laws_at_rest.oil import machine_with_oil
 from ..model.machine.ross import Imported, is_ross, parse_ross
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
@@ -132,6 +133,7 @@ def load_rotor(
     text = rig_toml() if path is None else machine_text(option, path, warnings.append)
     try:
         rotor = parse_rotor(text)
+        machine_with_oil(rotor)  # a heat balance is refused here, where the file is known
         warnings += implausible_values(rotor)
     except QuantityError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from error

@@ -15,6 +15,9 @@ from .figure_style import LABEL, empty_figure, entitle
 from .notebook import png
 
 _LINE = 0.035  # height of a line of names, of the machine's size
+_MOST_NUMBERS = 250  # of nodes
+_STEPS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
+_MOST_EDGES = 100  # of elements, beyond which thinner ones leave the shaft grey
 _LAYER = "#dddddd"
 _SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
 
@@ -44,7 +47,7 @@ def machine_figure(rotor: Rotor) -> Figure:
         for name, part in rotor.named_parts()
         if (node := getattr(part, "node", 0)) > 0
     ]
-    numbers = [(z, str(i)) for i, z in enumerate(rotor.nodes, 1)]
+    numbers = [(rotor.nodes[i - 1], str(i)) for i in _numbered(rotor)]
     for z, name, row in _rows(named, 0.34 * line):
         _label(axes, z, high, high + line * (1 + row), name, 9)
     rows = _rows(numbers, 0.34 * line)
@@ -71,6 +74,15 @@ def machine_figure(rotor: Rotor) -> Figure:
     axes.set_xlabel(f"Along the shaft z [{shown.length_unit}], radii to the same scale")
     entitle(axes, rotor.name)
     return figure
+
+
+def _numbered(rotor: Rotor) -> list[int]:
+    """Return the nodes (from 1) whose numbers are written: all, or of very many those at round
+    steps, with both ends and the nodes of parts."""
+    count = len(rotor.nodes)
+    step = next(k for k in _STEPS if count <= k * _MOST_NUMBERS)
+    parts = {getattr(part, "node", 0) for part in rotor.parts}
+    return sorted({1, count, *(n for n in parts if n > 0), *range(step, count + 1, step)})
 
 
 class _RoundIn(MaxNLocator):
@@ -116,13 +128,14 @@ def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
     """Draw the shaft and, over it, the outline of every part; lengths in m. Returns the lowest and
     the highest position drawn."""
     nodes = rotor.nodes
+    edge = 0.8 * min(1.0, _MOST_EDGES / len(rotor.sections))
     for z, section in zip(nodes, rotor.sections, strict=False):
-        right = z + section.length
+        ends = z, z + section.length
         for layer in sorted(section.layers, key=lambda layer: -layer.outer_left):
-            _tube(axes, (z, right), (layer.outer_left, layer.outer_right), _LAYER)
-        _tube(axes, (z, right), (section.outer_left, section.outer_right), _SHAFT)
+            _tube(axes, ends, (layer.outer_left, layer.outer_right), _LAYER, edge)
+        _tube(axes, ends, (section.outer_left, section.outer_right), _SHAFT, edge)
         if section.bore_left or section.bore_right:
-            _tube(axes, (z, right), (section.bore_left, section.bore_right), "white")
+            _tube(axes, ends, (section.bore_left, section.bore_right), "white", edge)
     shapes = [
         (nodes[node - 1], shape if shape.outer else shape._replace(outer=_radius(rotor, node)))
         for part in rotor.parts
@@ -141,11 +154,13 @@ def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
     return -low, max(tallest, thickest)
 
 
-def _tube(axes: Axes, z: tuple[float, float], diameters: tuple[float, float], color: str) -> None:
-    """A cylinder or cone about the axis."""
+def _tube(
+    axes: Axes, z: tuple[float, float], diameters: tuple[float, float], color: str, edge: float
+) -> None:
+    """A cylinder or cone about the axis; edge: width of its line [pt]."""
     ends = list(zip(z, (d / 2 for d in diameters), strict=True))
     corners = [*ends, *((end, -radius) for end, radius in reversed(ends))]
-    axes.add_patch(Polygon(corners, facecolor=color, edgecolor="black", lw=0.8))
+    axes.add_patch(Polygon(corners, facecolor=color, edgecolor="black", lw=edge))
 
 
 def _radius(rotor: Rotor, node: int) -> float:

@@ -118,6 +118,14 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
             "--cross-coupling 99: must be",
         ),
         (["unbalance", "--unbalance", "99:1e-5"], "--unbalance 99: must be from 1 to"),
+        (
+            ["unbalance", "--node", "4", "--node", "4"],
+            "--node 4: is given twice; they must be diff",
+        ),
+        (
+            ["unbalance", "--clearance", "4:0.2mm", "--clearance", "4:0.3mm"],
+            "--clearance 4:0.3mm: node 4 has another one already",
+        ),
         (["unbalance", "--unbalance", "4:50g:0"], "--unbalance 4:50g:0: amount 50g: "),
         (["stability", "--rated", "50Hz", "--node", "99"], "--node 99: must be from 1"),
         (

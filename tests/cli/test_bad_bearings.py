@@ -16,11 +16,13 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.description import Described
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
 from rotor_fmu.linear import bearing_answers as answers
 from rotor_fmu.linear.where_linearized import where_linearized
+from rotor_fmu.machine_file.loading import load_rotor
 
 from ..mutations import ending_hangs, one_line, outcome_of, outcomes
 from ..parts.films import DAMPER, film, heavy_shaft
@@ -102,6 +104,14 @@ def test_three_hundred_mutated_bearing_files_are_read_or_refused_in_one_line(blo
 
 
 # --- what is wrong, named ---
+
+
+def test_a_heat_balance_that_cannot_be_is_refused_with_the_name_of_its_file(tmp_path):
+    path = tmp_path / "hot.toml"
+    path.write_text(BASES[-1].replace("heat_share = 0.8", "specific_heat = 1.0"), encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(f"{path}: journal_bearing[1]: its film would")):
+        load_rotor(path)
+
 
 _SHORT = {"short": True}
 

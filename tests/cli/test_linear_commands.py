@@ -285,6 +285,22 @@ def test_a_response_beyond_the_threshold_of_stability_is_said_not_to_be_reached(
         assert follows_rotation == (given[0] == "unbalance")
 
 
+@pytest.mark.parametrize(("kyy", "unstable"), [(-1e4, 1), (1e4, 0)])
+def test_an_equilibrium_that_a_machine_leaves_is_said_to_be_unstable(
+    command, tmp_path, kyy, unstable
+):
+    """On the negative stiffness of a magnet it rests above the bearing that bears it."""
+    path = tmp_path / "magnet.toml"
+    path.write_text(
+        "[material]\nyoung = 2.1e11\ndensity = 7800.0\n[shaft]\nnodes = [0.0, 0.5]\n"
+        "diameters = [0.05]\n[[support]]\nnode = 1\nstiffness = 1e6\n[[linear_bearing]]\n"
+        f"node = 2\nkxx = 1e4\nkyy = {kyy}\ncxx = 10.0\ncyy = 10.0\n",
+        encoding="utf-8",
+    )
+    said = command("static", "--rotor", str(path))
+    assert said.count("its equilibrium at 0 Hz is unstable") == unstable
+
+
 def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
     """Of a machine whose critical speeds of four orders lie close together."""
     rotor = load_rotor(ROSS / "under_tension.toml")[1]

@@ -9,6 +9,7 @@ import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
+from rotor_fmu.cli.speeds import rated_speed
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.machine_files import NATIVE, fmu_identifier
@@ -43,6 +44,14 @@ def test_a_run_down_begins_at_the_trip_speed_and_a_run_up_ends_at_the_highest_of
     assert (down.first, down.last, down.rate) == (350.0, 0.0, 7.0)
     assert (up.first, up.last, up.rate) == (0.0, 315.0, 5.0)
     assert down.end == pytest.approx(50.0)
+
+
+def test_stability_is_that_at_the_highest_continuous_speed_unless_a_speed_is_given():
+    """As API 617 asks, and as the report of a machine has it."""
+    fast = parse_rotor(operated("rated_speed = 300.0\nmaximum_continuous_speed = 315.0"))
+    rated = parse_rotor(operated("rated_speed = 300.0"))
+    assert (rated_speed(None, fast), rated_speed(None, rated)) == (315.0, 300.0)
+    assert rated_speed("290", fast) == 290.0
 
 
 def test_the_rig_runs_down_as_in_paper_a():

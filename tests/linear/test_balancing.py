@@ -97,6 +97,25 @@ def test_the_unbalance_of_a_rotor_is_divided_between_its_bearings_as_a_force_is(
     assert not tolerance_planes(parse_rotor(SHAFT + support(4, 1e7)))
 
 
+@pytest.mark.parametrize(
+    ("z", "shares"),
+    [
+        (0.5, (0.5, 0.5)),
+        (0.4, (0.6, 0.4)),
+        (0.1, (0.7, 0.3)),
+        (1.05, (0.3, 1.05)),
+        (1.4, (0.4, 1.3)),
+    ],
+)
+def test_no_plane_is_permitted_less_than_three_tenths_of_the_whole(z, shares):
+    """ISO 21940-11 keeps the shares of inboard rotors from 0.3 to 0.7, of overhung ones to 1.3."""
+    light = "[material]\nyoung = 2e11\ndensity = 1e-3\n[shaft]\nnodes = [0.0, 1.0, 1.5]\n"
+    light += "diameters = [0.05, 0.05]\n" + support(1, 1e9) + support(2, 1e9)
+    rotor = parse_rotor(light + f"[[body]]\nz = {z}\nmass = 80.0\nI_d = 0.1\nI_p = 0.1\n")
+    graded = [plane.graded_mass for plane in tolerance_planes(rotor)]
+    np.testing.assert_allclose(graded, 80.0 * np.array(shares), rtol=1e-6)
+
+
 def test_what_is_left_in_the_bearings_planes_has_its_grade():
     """One plane takes away the sum of the discs' unbalances, which are alike, and none of the rest;
     at 150 rad/s, at which the rotor is nearly rigid."""
@@ -224,7 +243,7 @@ def test_a_machine_whose_planes_are_dependent_says_so():
         ({"speeds": [150.0], "planes": 4}, "planes = 4: must be a list of nodes"),
         ({"speeds": [150.0], "planes": [4], "measured": 4}, "measured = 4: must be a list"),
         ({"speeds": [150.0], "planes": [4.5]}, "node = 4.5: must be an integer from 1 to 8"),
-        ({"speeds": [150.0, 150.0], "planes": [4]}, "speeds"),
+        ({"speeds": [500 / 3, 500 / 3], "planes": [4]}, "speeds: 166.667, 166.667 rad/s: must be"),
         (
             {"speeds": [150.0], "planes": [4], "measured": [5, 5]},
             "measured: [5, 5]: must be different",

@@ -1,10 +1,18 @@
-"""Shafts of many elements: what sparse matrices give is what dense ones do."""
+"""Shafts of many elements: sparse matrices give what dense ones do, and pictures can be read."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import product, to_band, to_dense
+from rotor_fmu.model.linear import critical_map, undamped
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.structure import assembly, lowest_frequency, reduction, sparse_modes
+
+from rotor_fmu.linear.answers import modes
+from rotor_fmu.linear.linear_plots import dotted
+from rotor_fmu.linear.mode_shapes import shapes_for_page
+from rotor_fmu.plotting.machine_drawing import machine_figure
 
 SHAFT = "gravity = 9.81\n[material]\nyoung = 2.1e11\ndensity = 7800.0\n[shaft]\neta_v = 1e-5\n"
 BEARING = "[[linear_bearing]]\nnode = {}\nkxx = 1e7\nkyy = 1e7\ncxx = 100.0\ncyy = 100.0\n"
@@ -72,3 +80,51 @@ def test_six_hundred_elements_have_the_frequency_of_forty():
     )
     near = fine.numbers[0].lowest_omega
     assert near == pytest.approx(coarse.numbers[0].lowest_omega, rel=0.02)
+
+
+def in_housings(ky):
+    """A shaft with a bearing in a housing, and a housing that nothing shakes."""
+    housing = f"[[housing]]\nname = '{{}}'\nmass = 2.0\nkx = 1e6\nky = {ky}\ncx = 0.0\ncy = 0.0\n"
+    on = [BEARING.format(1) + "housing = 'a'\n", BEARING.format(41)]
+    return shaft(40, *on, housing.format("a"), housing.format("alone"))
+
+
+@pytest.mark.parametrize("ky", [1e6, 2e6])
+def test_the_critical_speed_map_is_that_of_dense_eigenvalues(ky, monkeypatch):
+    """Though only the lowest are computed; what moves alone has no critical speed."""
+    rotor, stiffness = in_housings(ky), np.array([1e6, 2e6])
+    by_dense = critical_map(rotor, stiffness, count=1)
+    monkeypatch.setattr(undamped, "_DENSE", 10)
+    monkeypatch.setattr(undamped, "_solve", None)  # which computes all
+    by_sparse = critical_map(rotor, stiffness, count=1)
+    np.testing.assert_allclose(by_sparse.speeds, by_dense.speeds, rtol=1e-9)
+    assert by_sparse.rigid == pytest.approx(by_dense.rigid, rel=1e-9)
+
+
+def test_whether_modes_are_circles_is_seen_by_sparse_matrices(monkeypatch):
+    monkeypatch.setattr(undamped, "_DENSE", 10)
+    alike, unlike = (undamped.UndampedMachine(in_housings(k), None, False) for k in (1e6, 1.001e6))
+    assert (alike.is_circular, unlike.is_circular) == (True, False)
+
+
+def test_pictures_mark_no_more_nodes_than_can_be_told_apart():
+    assert dotted(1).tolist() == [0]
+    assert dotted(41).tolist() == list(range(41))
+    many = dotted(1001)
+    assert (many[0], many[-1], len(many)) == (0, 1000, 60)
+    assert np.ptp(np.diff(many)) <= 1
+    shown = shapes_for_page(modes(shaft(100, *(BEARING.format(n) for n in (1, 101))), count=2))
+    assert shown["marked"] == dotted(101).tolist()
+    assert len(shown["z"]) == len(shown["modes"][0]["x"][0]) == 101
+
+
+def test_the_page_of_modes_shows_no_rounding_as_a_decrement():
+    held = [BEARING.format(n).replace("100.0", "0.0") for n in (1, 11)]
+    undamped = replace(shaft(10, *held), eta_v=0.0)
+    assert {mode["log_dec"] for mode in shapes_for_page(modes(undamped, 300.0))["modes"]} == {0.0}
+
+
+def test_of_very_many_nodes_those_of_parts_the_ends_and_round_ones_are_numbered():
+    figure = machine_figure(shaft(600, BEARING.format(1), BEARING.format(599)))
+    numbers = {int(text.get_text()) for text in figure.axes[0].texts if text.get_text().isdecimal()}
+    assert numbers == {1, 200, 599, 601, *range(5, 601, 5)}

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import (
+    LinearError,
     critical_peaks,
     response_with_peaks,
     unbalance_check,
@@ -181,3 +182,22 @@ def test_the_response_just_beyond_where_pads_begin_to_bear_does_not_depend_on_th
     """The upper pads do at 360.90 rad/s, with a force whose slope is infinite there."""
     seen = [unbalance_response(parse_rotor(PADS), [first, 360.91]) for first in (360.5, 360.92)]
     assert seen[0].major[1] == pytest.approx(seen[1].major[1], rel=1e-3)
+
+
+def test_a_response_and_its_check_look_for_the_critical_speeds_once(monkeypatch):
+    real, diagrams = unbalance_peaks.campbell, []
+    monkeypatch.setattr(
+        *(unbalance_peaks, "campbell"),
+        lambda rotor, speeds, **options: diagrams.append(0) or real(rotor, speeds, **options),
+    )
+    rotor = parse_rotor(OVERHUNG.replace("DAMPING", "3000.0"))
+    response_with_peaks(rotor, np.linspace(0.0, 450.0, 21), nodes=[4])
+    unbalance_check(rotor, 200.0, 300.0, [4])
+    assert len(diagrams) == 1
+
+
+def test_unbalances_that_take_each_other_away_drive_nothing():
+    rotor = parse_rotor(OVERHUNG.replace("DAMPING", "3000.0"))
+    opposite = [(4, 1e-4, 0.3), (4, 1e-4, 0.3 + math.pi)]
+    with pytest.raises(LinearError, match="no unbalance acts"):
+        critical_peaks(rotor, 400.0, [4], unbalances=opposite)

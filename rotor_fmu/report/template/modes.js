@@ -50,17 +50,17 @@ function draw() {
     pen.stroke();
   };
   line([project(z[0], 0, 0), project(z[z.length - 1], 0, 0)], "--soft", 1);
-  z.forEach((at, i) => {
+  shapes.marked.forEach((i) => {
     const orbit = [];
-    for (let k = 0; k <= 48; k++) orbit.push(project(at, ...moved(i, (k * Math.PI) / 24)));
+    for (let k = 0; k <= 48; k++) orbit.push(project(z[i], ...moved(i, (k * Math.PI) / 24)));
     line(orbit, colour[mode.whirl] || "--soft", 1);
   });
   const shaft = z.map((at, i) => project(at, ...moved(i, phase)));
   line(shaft, "--ink", 2.5);
   pen.fillStyle = style("--ink");
-  shaft.forEach(([x, y]) => {
+  shapes.marked.forEach((i) => {
     pen.beginPath();
-    pen.arc(x, y, 3, 0, 2 * Math.PI);
+    pen.arc(...shaft[i], 3, 0, 2 * Math.PI);
     pen.fill();
   });
 }
