@@ -314,6 +314,8 @@ class HarmonicBalance:
         of_states += differentiation[:, None, :, None] * np.eye(s)[:, None, :]
         of_states *= inverse[:, None, None] * self.state_scale
         jacobian[n : n + rows * s, n : n + rows * s] = of_states.reshape(rows * s, rows * s)
+        idle = n + np.flatnonzero(~jacobian[n : n + rows * s].any(axis=1))
+        jacobian[idle, idle] = 1.0  # the mean of a state that stays what it is may be any
 
     def last_share(self, x: np.ndarray) -> float:
         """Return the amplitude of the highest harmonics relative to the largest harmonic."""
