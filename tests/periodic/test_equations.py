@@ -8,7 +8,7 @@ from rotor_fmu.model.periodic import newton
 
 import rotor_fmu as rf
 
-from ..parts.machines import bearings, rigid
+from ..parts.machines import bearings, rigid, shaft
 from ..parts.rings import RING, rigid_in_rings
 from .machines import CLEARANCE, OMEGA, jeffcott
 
@@ -213,6 +213,21 @@ def test_a_state_that_a_part_does_without_has_no_multiplier():
         largest.append(np.abs(rub.multipliers[:3]))
     assert largest[0] == pytest.approx(largest[1], rel=1e-3)
     assert largest[0].max() < 0.999
+
+
+def test_the_error_that_newtons_method_leaves_is_a_small_residual_also_of_a_free_shaft():
+    """Which has no stiffness at rest: else no correction would make its residual smaller."""
+    from rotor_fmu.model.periodic.problem import Task, machines_of
+
+    walls = "".join(
+        f"[[contact]]{CONTACT.replace('node = 2', f'node = {node}')}" for node in (1, 3)
+    )
+    rotor = rf.parse(shaft(0.0, 0.1, 0.2) + walls).rotor
+    problem = Task(100.0, 200.0).problem(machines_of(rotor, Task(100.0, 200.0)), 150.0, 5)
+    x = np.zeros(problem.size)
+    x[1 : problem.b : 2] = -1.2  # clearances
+    _, jacobian = problem.linearized(x, 150.0)
+    assert np.abs(jacobian).max() * newton.TOLERANCE < 1e-3
 
 
 @pytest.mark.filterwarnings("error")
