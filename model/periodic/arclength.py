@@ -5,6 +5,7 @@ bent as the curve was in the last step, or along the tangent on the other side o
 the force law makes it jump; Newton's method corrects at right angles to it.
 """
 
+import math
 from collections.abc import Generator
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
@@ -26,6 +27,7 @@ _ITERATIONS, _DESIRED_ITERATIONS = 12, 4
 _LEAST_DAMPING_AHEAD = 0.05  # of a damped correction after a predictor, which a shorter step spares
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _LEAST_COSINE = 0.9  # least cosine of two tangents one after another
+_ERRORS = 1e3  # of a point: a change of x in which no resonance is looked for
 _SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
 _GROW, _SHRINK = 1.5, 0.5
 _LARGE = 10.0  # in the units of x: size of a motion from which on steps grow with it
@@ -185,7 +187,7 @@ def trace(
                 if point.value == end:
                     return
                 share = (end - point.value) / (scale * point.tangent_value)
-                yield _end_point(equations, point, share, end), length
+                yield _end_point(equations, point, share, end, scale), length
                 return
             result = step_along(equations, point, length, scale)
             cosine = float(
@@ -197,7 +199,8 @@ def trace(
             distance = float(np.linalg.norm(chord))
             if distance > _LARGEST_DISTANCE * length:  # another branch
                 raise NotConverged(result.corrections)
-            if cosine < _LEAST_COSINE and length > 64 * steps.shortest:
+            is_far = cosine < _LEAST_COSINE or _passes_over(equations, point, result, scale)
+            if is_far and length > 64 * steps.shortest:
                 raise NotConverged(result.corrections)
             if cosine >= _LEAST_COSINE and distance > 0:
                 result = result._replace(curvature=(result.direction - point.direction) / distance)
@@ -223,6 +226,22 @@ def trace(
         if replacement is not None:
             equations, point = replacement
             way = way if len(way) == len(point.x) + 1 else np.zeros(len(point.x) + 1)
+
+
+def _passes_over(
+    equations: ContinuationEquations, before: CurvePoint, after: CurvePoint, scale: float
+) -> bool:
+    """Return whether the change of x between two points, or that of lambda, does not lie between
+    those along their tangents: a step passes over a narrow resonance, beyond which x has another
+    sign, or back to where the curve came from."""
+    length = distance(before, after, scale)
+    way, change = after.x - before.x, (after.value - before.value) / scale
+    off = way - 0.5 * length * (before.tangent + after.tangent)
+    most = 0.5 * length * (np.linalg.norm(before.tangent) + np.linalg.norm(after.tangent))
+    off_value = change - 0.5 * length * (before.tangent_value + after.tangent_value)
+    most_value = 0.5 * length * (abs(before.tangent_value) + abs(after.tangent_value))
+    error = _ERRORS * equations.tolerance * (1.0 + float(np.linalg.norm(after.x)))
+    return bool(np.linalg.norm(off) > most + error or abs(off_value) > most_value + error)
 
 
 def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:
@@ -270,11 +289,18 @@ def _beyond_corner(
 
 
 def _end_point(
-    equations: ContinuationEquations, point: CurvePoint, length: float, value: float
+    equations: ContinuationEquations,
+    point: CurvePoint,
+    length: float,
+    value: float,
+    scale: float,
 ) -> CurvePoint:
     """Return the point at an end of the range, about one step length away; raises
     `NotConverged`."""
     x = solve(equations, point.x + length * point.tangent, value, _ITERATIONS)
     if np.linalg.norm(x - point.x) > 3.0 * length + equations.tolerance:
         raise NotConverged()
-    return point._replace(x=x, value=value)
+    end = with_tangent(equations, x, value, math.copysign(1.0, point.tangent_value))
+    if _passes_over(equations, point, end, scale):
+        raise NotConverged()
+    return end

@@ -25,6 +25,7 @@ from .newton import TOLERANCE
 _CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
 _ONE_SIDED_STEP = 1e-7  # of a difference by the parameter, as a share of its scale
 _MOVED = 0.1  # of a motion: a larger part of it comes into contact in a step across a corner
+_LEAST_SHARE = 1e-3  # of the stiffness at the speed: the least by which an equation is scaled
 _SAMPLES_A_HARMONIC = 16
 _LEAST_SAMPLES = 256
 
@@ -126,7 +127,9 @@ class HarmonicBalance:
         S = self.dynamic_stiffness(reference, base).S
         size = np.abs(S).max(axis=(1, 2), initial=0.0)
         rows = np.concatenate([[size[0]], np.repeat(size[1:], 2)])
-        self.row_scale = 1.0 / np.maximum(rows, 1e-9 * size.max(initial=1.0))
+        # a free shaft has no stiffness at rest
+        least = max(_LEAST_SHARE * size[min(turns, H)], 1e-9 * size.max(initial=1.0))
+        self.row_scale = 1.0 / np.maximum(rows, least)
 
     def modified(self, H: int, reference: float | None = None) -> "HarmonicBalance":
         """Return the equations with another number of harmonics, and another reference value."""
@@ -314,6 +317,8 @@ class HarmonicBalance:
         of_states += differentiation[:, None, :, None] * np.eye(s)[:, None, :]
         of_states *= inverse[:, None, None] * self.state_scale
         jacobian[n : n + rows * s, n : n + rows * s] = of_states.reshape(rows * s, rows * s)
+        idle = n + np.flatnonzero(~jacobian[n : n + rows * s].any(axis=1))
+        jacobian[idle, idle] = 1.0  # the mean of a state that stays what it is may be any
 
     def last_share(self, x: np.ndarray) -> float:
         """Return the amplitude of the highest harmonics relative to the largest harmonic."""

@@ -39,7 +39,8 @@ _FARTHEST = 2.0  # of its length: how far from its begin a point of a piece may 
 _HALVINGS = 10  # of a step with more than one bifurcation, at most
 _LOOKS = 2  # halvings of a step in which multipliers only come near to the unit circle,
 _NEAR_CIRCLE, _TINY = 0.1, 1e-300  # in the logarithm of their sizes,
-_NEAR_IF_MEETING = 0.3  # or those that meet on the real axis
+_NEAR_IF_FAST = 0.3  # or those that meet on the real axis, or where a wall is touched once more,
+_AND_BACK = 4.0  # which may move a multiplier to and fro by so many times its change in the step
 
 
 class _Located(NamedTuple):
@@ -105,8 +106,9 @@ class _Piece(NamedTuple):
         """Return whether not more than one bifurcation is expected; halvings: that are left."""
         if self.least_count or not len(self.second):
             return self.least_count <= 1
+        touches = [_touches(problem, each) for each in (self.first_orbit, self.second_orbit)]
         # of two that cancel each other, one may be the begin of a contact
-        if (_touched(problem, self.first_orbit) != _touched(problem, self.second_orbit)).any():
+        if ((touches[0] > 0) != (touches[1] > 0)).any():
             return False
         both = np.zeros((2, max(len(self.first), len(self.second))), complex)
         both[0, : len(self.first)], both[1, : len(self.second)] = self.first, self.second
@@ -118,7 +120,11 @@ class _Piece(NamedTuple):
         reach = moved if halvings == _HALVINGS else np.inf
         comes_near = (moved > _ROUGH) & (nearest < np.minimum(reach, _NEAR_CIRCLE))
         # two that meet on the real axis move as a root there, faster than the ends show
-        comes_near |= (_is_real(both[0]) != _is_real(both[1])) & (nearest < _NEAR_IF_MEETING)
+        may_move_fast = nearest < _NEAR_IF_FAST
+        comes_near |= (_is_real(both[0]) != _is_real(both[1])) & may_move_fast
+        # as where a motion touches a wall once more: on one side of it, and back on the other
+        if (touches[0] != touches[1]).any():
+            crosses |= (moved > _ROUGH) & (nearest < _AND_BACK * moved) & may_move_fast
         return not crosses.any() and not (comes_near.any() and halvings > _HALVINGS - _LOOKS)
 
     def is_explained_by(self, located: list["_Located"]) -> bool:
@@ -157,10 +163,11 @@ class _Piece(NamedTuple):
         return point
 
 
-def _touched(problem: PeriodicEquations, orbit: Orbit) -> np.ndarray:
-    """Return which interfaces come into contact along an orbit."""
-    gaps = problem.machine_at(orbit.parameter).gaps_along(orbit.b)
-    return np.asarray((gaps < 0).any(axis=0))
+def _touches(problem: PeriodicEquations, orbit: Orbit) -> np.ndarray:
+    """Return how often each interface comes into contact along an orbit, and 1 more where it is in
+    contact at all."""
+    closed = problem.machine_at(orbit.parameter).gaps_along(orbit.b) < 0
+    return np.asarray((closed & ~np.roll(closed, 1, axis=0)).sum(axis=0) + closed.any(axis=0))
 
 
 def _outside(multipliers: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from ..errors import InputError, nearest
 from ..linear.linear_tables import Table
 from ..model.message_templates import Message
 from ..model.periodic.arclength import NotConverged
-from ..model.periodic.branch import FOLD, Solution
+from ..model.periodic.branch import FOLD, TORUS, Bifurcation, Solution
 from ..model.periodic.folds import FoldCurve
 from ..model.periodic.problem import Note
 from ..model.periodic.queries import folds_over, motions_at, persists_in_time
@@ -127,7 +127,7 @@ class ResponseResult(ResponseCurves):
             for b in branch.bifurcations:
                 value, frequency = float(b.value) * axis.factor, float(b.orbit.omega) * d.speed
                 whirl = (frequency,) if self.is_whirl else ()
-                rows.append((i, b.kind, value, *whirl, float(abs(b.multiplier)), b.orbit.H))
+                rows.append((i, b.kind, value, *whirl, _crossing(b), b.orbit.H))
         over = f"{self.parameter} [{axis.word}]"
         whirls = (f"whirl [{d.frequency_unit}]",) if self.is_whirl else ()
         heads = ("branch", "bifurcation", over, *whirls, "crossing multiplier", "harmonics")
@@ -167,6 +167,14 @@ class ResponseResult(ResponseCurves):
 
     def _repr_png_(self) -> bytes:
         return png(self.figure())
+
+
+def _crossing(bifurcation: Bifurcation) -> float | str:
+    """Return the multiplier of a bifurcation, both of a pair, as a table shows it."""
+    crossing = bifurcation.multiplier
+    if bifurcation.kind != TORUS:
+        return crossing.real
+    return f"{crossing.real:.4g} ± {abs(crossing.imag):.4g}i"
 
 
 def check_names(known: Collection[str], names: Iterable[str], option: str = "") -> None:

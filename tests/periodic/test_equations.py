@@ -8,7 +8,7 @@ from rotor_fmu.model.periodic import newton
 
 import rotor_fmu as rf
 
-from ..parts.machines import bearings, rigid
+from ..parts.machines import bearings, rigid, shaft
 from ..parts.rings import RING, rigid_in_rings
 from .machines import CLEARANCE, OMEGA, jeffcott
 
@@ -31,9 +31,8 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("is_autonomous", [False, True])
-def test_the_jacobian_is_the_derivative(kind, is_autonomous):
+def rubbing(kind, is_autonomous=False):
+    """The equations of a disc in a wall of a kind, and unknowns with which it rubs."""
     from rotor_fmu.model.periodic.balance import HarmonicBalance, Parameter
     from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
@@ -54,13 +53,24 @@ def test_the_jacobian_is_the_derivative(kind, is_autonomous):
     if is_autonomous:
         x[-1] = 1.0
         problem.fix_phase(x)
+    return problem, x
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("is_autonomous", [False, True])
+def test_the_jacobian_is_the_derivative(kind, is_autonomous):
+    problem, x = rubbing(kind, is_autonomous)
     residual, jacobian, by_speed = problem.linearized_with_parameter(x, 120.0)
     assert residual == pytest.approx(problem.residual(x, 120.0), rel=1e-12, abs=1e-12)
     size = 1e-7
+    seen = np.empty_like(jacobian)
     for i in range(problem.size):
         step = size * np.eye(problem.size)[i]
-        seen = (problem.residual(x + step, 120.0) - problem.residual(x - step, 120.0)) / (2 * size)
-        assert np.abs(seen - jacobian[:, i]).max() <= 1e-3 * np.abs(jacobian).max()
+        twice = problem.residual(x + step, 120.0) - problem.residual(x - step, 120.0)
+        seen[:, i] = twice / (2 * size)
+    idle = np.flatnonzero(~seen.any(axis=1))  # the mean of a state that a part does without
+    seen[idle, idle] = 1.0
+    assert np.abs(seen - jacobian).max() <= 1e-3 * np.abs(jacobian).max()
     seen = problem.residual(x, 120.0 + 1e-4) - problem.residual(x, 120.0 - 1e-4)
     rounding = 1e-8 * np.abs(residual).max()  # over a step of 2e-4 of 120
     assert np.abs(100 * seen / 2e-4 - by_speed).max() <= 1e-3 * np.abs(by_speed).max() + rounding
@@ -175,10 +185,19 @@ def test_a_race_turns_as_fast_as_friction_and_drag_let_it(turns):
     text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS["race"] + MORE)
     result = rf.response(rf.parse(text), speed=(119.0, 121.0))
     points = result.at(120.0)
-    rubbing = max(points, key=lambda p: result.amplitude(p, "disc"))
-    assert result.amplitude(rubbing, "disc") > 1e-3
-    assert result.check(rubbing, turns).stays == rubbing.is_stable
-    assert 0 < rubbing.orbit.states[0, 0] < 120.0
+    rub = max(points, key=lambda p: result.amplitude(p, "disc"))
+    assert result.amplitude(rub, "disc") > 1e-3
+    assert result.check(rub, turns).stays == rub.is_stable
+    assert 0 < rub.orbit.states[0, 0] < 120.0
+
+
+def test_a_state_that_a_part_does_without_leaves_the_jacobian_regular():
+    """Such as the spring of a race that never sticks: its mean may be any, and stays."""
+    problem, x = rubbing("race")
+    residual, jacobian = problem.linearized(x, 120.0)
+    assert np.linalg.cond(jacobian) < 1e9
+    idle = (2 * problem.H + 1) * problem.b + 1
+    assert np.linalg.solve(jacobian, residual)[idle] == 0.0
 
 
 def test_a_state_that_a_part_does_without_has_no_multiplier():
@@ -189,11 +208,26 @@ def test_a_state_that_a_part_does_without_has_no_multiplier():
         result = rf.response(
             rf.parse(text.replace("v_s = 0.5", "v_s = 1e-4")), speed=(119.0, 121.0)
         )
-        rubbing = max(result.at(120.0), key=lambda p: result.amplitude(p, "disc"))
-        assert result.amplitude(rubbing, "disc") > 1e-3
-        largest.append(np.abs(rubbing.multipliers[:3]))
+        rub = max(result.at(120.0), key=lambda p: result.amplitude(p, "disc"))
+        assert result.amplitude(rub, "disc") > 1e-3
+        largest.append(np.abs(rub.multipliers[:3]))
     assert largest[0] == pytest.approx(largest[1], rel=1e-3)
     assert largest[0].max() < 0.999
+
+
+def test_the_error_that_newtons_method_leaves_is_a_small_residual_also_of_a_free_shaft():
+    """Which has no stiffness at rest: else no correction would make its residual smaller."""
+    from rotor_fmu.model.periodic.problem import Task, machines_of
+
+    walls = "".join(
+        f"[[contact]]{CONTACT.replace('node = 2', f'node = {node}')}" for node in (1, 3)
+    )
+    rotor = rf.parse(shaft(0.0, 0.1, 0.2) + walls).rotor
+    problem = Task(100.0, 200.0).problem(machines_of(rotor, Task(100.0, 200.0)), 150.0, 5)
+    x = np.zeros(problem.size)
+    x[1 : problem.b : 2] = -1.2  # clearances
+    _, jacobian = problem.linearized(x, 150.0)
+    assert np.abs(jacobian).max() * newton.TOLERANCE < 1e-3
 
 
 @pytest.mark.filterwarnings("error")

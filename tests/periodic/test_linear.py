@@ -1,4 +1,4 @@
-"""A machine without nonlinear parts has the linear answers."""
+"""A machine without nonlinear parts, or whose parts touch nothing, has the linear answers."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ import pytest
 import rotor_fmu as rf
 
 from ..parts.machines import FLEXIBLE, SEAL
+from .machines import CLEARANCE, OMEGA, jeffcott
 
 UNBALANCED = FLEXIBLE + SEAL + "[[unbalance]]\nnode = 4\namount = 1e-4\n[[sensor]]\nnode = 4\n"
 
@@ -46,3 +47,18 @@ def test_its_multipliers_are_those_of_its_modes(both):
     slowest = max(machine.modes(point.value).eigenvalues.real)
     growth = np.log(np.abs(point.multipliers[0])) * point.value / (2 * np.pi)
     assert growth == pytest.approx(slowest, rel=1e-7)
+
+
+@pytest.mark.parametrize("most", [0.1, 0.75])
+def test_no_step_passes_over_a_narrow_resonance_nor_goes_through_it_twice(most):
+    """One whose whirl, at most so many clearances, touches nothing; its damping is a thousandth,
+    and its width a thousandth of the longest step."""
+    zeta = 1e-3
+    result = rf.response(jeffcott(zeta=zeta, e=2 * zeta * most), speed=(20.0, 1000.0))
+    curve = result.curve("disc")
+    ratio = curve.parameter / OMEGA
+    whirl = 2 * zeta * most * ratio**2 / np.hypot(1 - ratio**2, 2 * zeta * ratio)
+    assert curve.value / CLEARANCE == pytest.approx(whirl, rel=1e-3)
+    assert curve.value.max() / CLEARANCE > 0.97 * most
+    assert (np.diff(curve.parameter) > 0).all()
+    assert result.branches[0].ends == ("start", "end of the range")

@@ -201,13 +201,41 @@ def test_two_bifurcations_of_which_the_second_undoes_the_first_are_located(
     monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
     has_contact = pairs is _touches
     monkeypatch.setattr(
-        bifurcation_search, "_touched", lambda _, p: np.array([has_contact and p.parameter > 0.3])
+        bifurcation_search, "_touches", lambda _, p: np.array([has_contact and p.parameter > 0.3])
     )
     ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
     motions = [_motion(multipliers_at, end) for end in ends]
     seen = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
     assert [b.kind for b in seen] == kinds
     assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)
+
+
+def test_doublings_on_both_sides_of_where_a_wall_is_touched_once_more_are_located(monkeypatch):
+    """Up to there a multiplier moves as a root, into the circle, and more slowly out of it again;
+    one far from the circle, which moves more, is not followed."""
+    looks = []
+
+    def multipliers_at(_, point):
+        looks.append(point.value)
+        beyond = point.value - 0.55
+        size = 0.97 + (0.65 * np.sqrt(-beyond) if beyond < 0 else 0.5 * beyond)
+        return np.array([-size, 0.2 - 0.1 * point.value])
+
+    monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
+    monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
+    monkeypatch.setattr(
+        bifurcation_search, "_touches", lambda _, orbit: np.array([2 + (orbit.parameter > 0.55)])
+    )
+    ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+    motions = [_motion(multipliers_at, end) for end in ends]
+    seen = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
+    assert [b.kind for b in seen] == ["period doubling"] * 2
+    places = 0.55 - (0.03 / 0.65) ** 2, 0.61
+    assert [b.point.value for b in seen] == pytest.approx(places, abs=1e-4)
+    looks.clear()
+    motions = [SimpleNamespace(multipliers=m.multipliers[1:], orbit=m.orbit) for m in motions]
+    assert bifurcation_search.bifurcations_between(_Line(), *ends, *motions) == []
+    assert looks == []
 
 
 @pytest.mark.parametrize(
@@ -240,7 +268,7 @@ def test_doublings_of_a_pair_that_meets_on_the_real_axis_are_located(
 
     monkeypatch.setattr(bifurcation_search, "_multipliers", multipliers_at)
     monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, located: located)
-    monkeypatch.setattr(bifurcation_search, "_touched", lambda *_: np.array([True]))
+    monkeypatch.setattr(bifurcation_search, "_touches", lambda *_: np.array([True]))
     ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
     motions = [_motion(multipliers_at, end) for end in ends]
     seen = bifurcation_search.bifurcations_between(_Line(), *ends, *motions)
