@@ -1,4 +1,4 @@
-"""Natural frequencies against another program's and against closed forms."""
+"""Natural frequencies and damping against another program's and against closed forms."""
 
 import json
 from pathlib import Path
@@ -6,8 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
+from rotor_fmu.model.linear import modes
+from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.shaft import Section
+from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.structure import beam
 from rotor_fmu.model.structure.assembly import assemble
 
@@ -136,3 +139,12 @@ def test_a_stubby_beam_has_the_frequencies_of_timoshenko():
     # static shape functions: thick elements converge with the square only, hence extrapolated
     np.testing.assert_allclose(fine, exact, rtol=4e-4)
     np.testing.assert_allclose((4 * fine - coarse) / 3, exact, rtol=2e-6)
+
+
+def test_damping_by_mass_and_by_stiffness_is_rayleighs():
+    shaft = tuple(Section.cylinder(length, 0.03, STEEL) for length in (0.2, 0.3, 0.2))
+    alpha, beta = 20.0, 1e-5
+    parts = Support(1, 1e12), Support(4, 1e12)
+    found = modes(Rotor(STEEL, shaft, parts, mass_damping=alpha, eta_v=beta), count=4)
+    expected = (alpha / found.natural + beta * found.natural) / 2
+    np.testing.assert_allclose(found.damping_ratio, expected, rtol=1e-3)

@@ -215,16 +215,6 @@ def test_a_mode_has_no_frequency_where_it_does_not_oscillate():
         )
 
 
-def test_damping_by_mass_and_by_stiffness_is_rayleighs():
-    parts = (Support(1, 1e12), Support(4, 1e12))
-    shaft = tuple(Section.cylinder(length, 0.03, STEEL) for length in (0.2, 0.3, 0.2))
-    rotor = Rotor(STEEL, shaft, parts)
-    alpha, beta = 20.0, 1e-5
-    found = modes(replace(rotor, mass_damping=alpha, eta_v=beta), count=4)
-    expected = (alpha / found.natural + beta * found.natural) / 2
-    np.testing.assert_allclose(found.damping_ratio, expected, rtol=1e-3)
-
-
 def test_a_rotor_that_damps_itself_loses_stability_where_zorzi_and_nelson_say():
     light = Material(young=2.1e11, density=1.0)
     half = Section.cylinder(0.2, 0.02, light)
