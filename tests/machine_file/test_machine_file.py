@@ -151,7 +151,7 @@ def test_a_mark_of_utf_8_before_the_text_is_no_part_of_it(tmp_path):
 
 
 def test_a_path_with_a_nul_is_refused_in_one_sentence():
-    with pytest.raises(InputError, match="cannot be read: .*embedded null"):
+    with pytest.raises(InputError, match=r"cannot be read: .*embedded null"):
         rf.load("a\0b.toml")
 
 
