@@ -12,6 +12,8 @@ from rotor_fmu.model.machine.ross import parse_ross
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.machine.toml_text import toml_text
 from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_file.loading import import_ross
@@ -55,6 +57,28 @@ def test_response_to_unbalance_is_that_of_ross(file):
     for axis in "xy":
         expected = (np.array(output[axis]) @ [1, 1j]).T
         np.testing.assert_allclose(getattr(result, axis), expected, rtol=CLOSE, atol=0)
+
+
+def test_a_rub_is_that_of_ross():
+    answer = json.loads((HERE / "ross_rub.json").read_text())
+    parts = {
+        "contact": [answer["contact"] | {"journal_radius": 0.0095, "mu": 0.0, "c": 0.0}],
+        "unbalance": [answer["unbalance"]],
+        "sensor": [{"node": answer["contact"]["node"], "name": "journal"}],
+    }
+    tables = parse_ross(text_of("rubbing.toml")).tables | parts | {"gravity": 0.0}
+    expected = np.array(answer["x"]) + 1j * np.array(answer["y"])
+    size, tolerance, speed = np.abs(expected).max(), 1e-4, answer["speed"]
+    assert size > 1.1 * answer["contact"]["clearance"]
+    sim = Simulation(parse_rotor(toml_text(tables)), choose(tolerance=tolerance), speed=speed)
+    seen = []
+    for time in answer["sampled"] * np.arange(len(expected)):
+        if time > 0:
+            sim.advance(time, speed)
+        seen.append(complex(sim.read("journal.x"), sim.read("journal.y")))
+    error = np.abs(np.array(seen) - expected).max()
+    # what is left of an error of first order after extrapolation
+    assert error < 10 * tolerance * size + answer["error"] / 10
 
 
 def test_bearings_that_ross_computed_are_imported_by_their_coefficients_and_that_is_said():
