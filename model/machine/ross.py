@@ -178,7 +178,9 @@ class _Reader:
             at.setdefault(element.node(), []).append(self._section(element, materials))
         for n in range(max(at) + 1):
             if n not in at:
-                raise QuantityError(f"ShaftElement with n = {n} is missing")
+                raise QuantityError(
+                    f"ShaftElement with n = {n} is missing; the elements must be those of one shaft"
+                )
         sections = []
         for n in sorted(at):
             core, *layers = sorted(at[n], key=lambda section: section["bore_left"])

@@ -203,7 +203,11 @@ def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
         ("gyroscopic = true", "gyroscopic = false", "gyroscopic = false: not supported, a shaft"),
         ("alpha = 0.0", "alpha = 0.1", "alpha: is not the same of all shaft elements; here one"),
         ('"cowper"', '"timoshenko"', "must be cowper or hutchinson"),
-        ("n = 1\n", "n = 9\n", "ShaftElement with n = 1 is missing"),
+        (
+            "n = 1\n",
+            "n = 9\n",
+            "ShaftElement with n = 1 is missing; the elements must be those of one",
+        ),
         ("n = 5\nscale", "n_link = 2\nn = 5\nscale", "a bearing between two shaft nodes is not"),
         ("n = 5\nscale", "n_link = 12\nn = 5\nscale", "a pedestal must be a PointMass"),
         ("kxx = [ 2000000.0,]", "kxx = [ nan,]", "kxx = nan: must be finite"),
