@@ -14,6 +14,7 @@ from .warnings import FINER, RUN_WARNINGS, UNFINISHED
 GOOD = settings.GOOD
 _WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
 _NO_REST = "no static equilibrium under gravity and the loads at the start"
+_WITH_WALL = "give the bearing, unless its ring floats, a contact stiffness k: then"
 _LIMIT, _UNIT = choice(("limit.displacement", "limit.force")), choice((" m", " N"))
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
 _SLIPPING = " in contact and slipping"
@@ -45,7 +46,7 @@ _SENTENCES = {
     "of the shaft's length",
     "START_IN_FILM": "[start]: node {d} lies {.3g} m from the middle of its oil film, of a "
     "clearance of {.3g} m, and the film would be thinner than its roughness; start nearer to the "
-    "middle, or give the bearing a contact stiffness k: then the surfaces touch",
+    f"middle, or {_WITH_WALL} the surfaces touch",
     "IN_STAGES": "solver.sensitivities, tau_impedance: not available with solver.method = radau5; "
     "take another solver.method",
     "NO_INERTIA": "a torque drives the rotor, whose moment of inertia about its axis is {.2g} "
@@ -56,10 +57,9 @@ _SENTENCES = {
     "FILM_AT_REST": f"{_NO_REST}: the oil film at node {{d}} does not carry them at {{.4g}} rad/s: "
     f"{choice(('its load is', 'the load on the machine is'))} {{.4g}} N, and it carries {{.4g}} N "
     "when it is as thin as its roughness; take a larger length, viscosity or speed, or, of a "
-    "damper, stiffness; or give the bearing a contact stiffness k: then a journal that stands "
-    "still lies on its wall",
-    "FILM_BROKEN": f"{_WHERE}the oil film at node {{d}} is thinner than its roughness; give the "
-    "bearing a contact stiffness k: then the surfaces touch",
+    f"damper, stiffness; or {_WITH_WALL} a journal that stands still lies on its wall",
+    "FILM_BROKEN": f"{_WHERE}the oil film at node {{d}} is thinner than its roughness; "
+    f"{_WITH_WALL} the surfaces touch",
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
     "DIVERGED": f"{_DIVERGED}try {FINER}; if it diverges at every step length, the "

@@ -230,7 +230,7 @@ def table(results: list[Result]) -> str:
     note = (
         f"\nMedians, and in brackets the range, of up to {runs} runs whose unbalances are turned "
         f"by {_PHASE_STEP:g} rad each. X: largest |x| of disc 3, Y: largest |y - y at rest|, both "
-        "for t > 2 s.\n"
+        "after the start-up, the first 1.96 s.\n"
     )
     return "\n".join([*rows, note, *failures]) + "\n"
 

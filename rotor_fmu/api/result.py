@@ -58,8 +58,8 @@ class Result(RecordedSignals):
 
     @cached_property
     def peaks(self) -> Peaks:
-        """Peaks over the speed of every part whose amplitude is recorded, after the start-up: 125
-        turns at the run's highest speed, or a fifth of a run that is shorter.
+        """Peaks over the speed of every part whose amplitude is recorded, after the start-up: the
+        time of 125 turns at the run's highest speed, but at most a fifth of the run.
 
         An amplitude that is largest at an edge of the run has no peak. Where there is none,
         printing the peaks, or their attribute `why`, gives the reason.

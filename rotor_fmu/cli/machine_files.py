@@ -80,7 +80,12 @@ def _copy(folder: Traversable, target: Path) -> None:
 @with_output_options
 def import_ross(
     file: Annotated[Path, typer.Argument(help="Rotor saved by ROSS, as TOML or JSON.")],
-    out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="The machine file to write; a file with other contents is not overwritten."
+        ),
+    ] = Path("machine.toml"),
 ) -> dict[str, Any]:
     """Convert a rotor that ROSS saved into a machine file."""
     from ..machine_file.loading import import_ross as read
