@@ -68,6 +68,18 @@ def test_no_peak_lies_between_two_points_of_a_machine_without_contacts(damping):
     assert len(curve.parameter) < 40 * (1 + len(linear.peaks[4]))
 
 
+def test_a_narrow_peak_is_drawn_as_the_closed_form_between_its_points_too():
+    zeta, most = 1e-3, 0.5
+    result = rf.response(jeffcott(zeta=zeta, e=2 * zeta * most), speed=(20.0, 1000.0))
+    (line,) = result.figure(["disc"]).axes[0].lines
+    ratio = np.linspace(0.99, 1.01, 2001)
+    whirl = 2 * zeta * most * ratio**2 / np.hypot(1 - ratio**2, 2 * zeta * ratio)
+    at = np.array(line.get_xdata()) * 2 * np.pi / OMEGA  # of Hz
+    drawn = np.interp(ratio, at, line.get_ydata())
+    assert np.abs(line.get_ydata()).max() == pytest.approx(1e6 * most * CLEARANCE, rel=1e-3)
+    assert np.abs(drawn / (1e6 * CLEARANCE) - whirl).max() < 0.01 * most
+
+
 @pytest.mark.parametrize("most", [0.1, 0.75])
 def test_no_step_passes_over_a_narrow_resonance_nor_goes_through_it_twice(most):
     """One whose whirl, at most so many clearances, touches nothing; its damping is a thousandth,
