@@ -30,7 +30,6 @@ _LEAST_COSINE = 0.9  # least cosine of two tangents one after another
 _ERRORS = 1e3  # of a point: a change of x in which no resonance is looked for
 _SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
 _GROW, _SHRINK = 1.5, 0.5
-_LARGE = 10.0  # in the units of x: size of a motion from which on steps grow with it
 _LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
 
 
@@ -46,12 +45,14 @@ class ContinuationEquations(Equations, Protocol):
 
 @dataclass(frozen=True)
 class ContinuationSteps:
-    """Step lengths of a continuation (initial, shortest, longest), the longest of a motion below
-    `_LARGE` in size, and the largest number of steps in one direction."""
+    """Step lengths of a continuation (initial, shortest, longest), the size of a motion from which
+    on the longest grows with it, all in the units of x, and the largest number of steps in one
+    direction."""
 
     initial: float = 0.02
     shortest: float = 1e-6
     longest: float = 0.05
+    large: float = 10.0
     max_points: int = 2000
 
 
@@ -247,7 +248,7 @@ def _passes_over(
 def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:
     """Return the longest step from a point: of a large motion it is a share of its size, while that
     in lambda stays the same."""
-    longest = steps.longest * max(1.0, float(np.linalg.norm(point.x)) / _LARGE)
+    longest = steps.longest * max(1.0, float(np.linalg.norm(point.x)) / steps.large)
     along = abs(point.tangent_value)
     return longest if along * longest <= steps.longest else steps.longest / along
 

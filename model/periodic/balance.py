@@ -87,8 +87,8 @@ class HarmonicBalance:
     which the equations are scaled; speed [rad/s]: used if it is not the parameter; turns:
     revolutions in a period; is_autonomous: omega is unknown, and only constant loads act;
     state_scale: units of the laws' internal states, by default their sizes in a motion as large as
-    each interface's length; length_scale: unit of displacements [m], by default the smallest
-    clearance of the interfaces.
+    each interface's length; length_scale: unit of displacements [m], by default that of the
+    machine.
     """
 
     tolerance, damped_beyond = TOLERANCE, 0.0
@@ -113,9 +113,7 @@ class HarmonicBalance:
         machine = machine_at(reference)
         self.b, self.s = machine.b, machine.laws.states
         self.d = 2 * machine.laws.count
-        self.length_scale = length_scale or float(np.min(machine.laws.length, initial=np.inf))
-        if not math.isfinite(self.length_scale):
-            self.length_scale = float(machine.structure.numbers[0].clearance)
+        self.length_scale = length_scale or machine.length
         if state_scale is None:
             state_scale = machine.laws.state_scales(abs(self.speed_at(reference)))
         self.state_scale = state_scale

@@ -93,7 +93,7 @@ def multipliers(machine: CondensedMachine, orbit: Orbit, steps: int = 0) -> Mult
     path = orbit_path(machine, orbit)
     period = 2 * math.pi / path.frequencies.frequency
     steps = steps or min(_MOST, max(_LEAST * orbit.turns, 4 * orbit.H))
-    if machine.b == 0:
+    if machine.laws.count == 0:
         modes = modal_basis(machine, path.frequencies, np.zeros((0, 0)))
         return Multipliers(*_sorted(np.exp(modes.roots * period), modes.shapes))
     part = tangents_along(machine, path, np.linspace(0.0, period, steps + 1))

@@ -223,7 +223,8 @@ class LawsAlongMotion:
             np.zeros((n, s, s)),
         )
         # displacements on the scale of the interface, velocities on that of its motion
-        frequency = max(float(np.abs(v).max()) / max(float(np.abs(d).max()), 1e-300), 1.0)
+        moved, fast = (float(np.abs(u).max(initial=0.0)) for u in (d, v))
+        frequency = max(fast / max(moved, 1e-300), 1.0)
         for j in map(int, np.flatnonzero(self._interfaces.states)):
             ends, first = slice(2 * j, 2 * j + 2), self._interfaces[j].internal_state
             own = slice(first, first + self._interfaces[j].states)

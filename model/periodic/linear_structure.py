@@ -66,12 +66,16 @@ class CondensedMachine:
         self.is_nonlinear, self._loads = ~linear, loads
         self.laws = LawsAlongMotion(s, ~linear)
         rows = np.repeat(~linear, 2)
-        across = (machine.across @ machine.expand).toarray()
-        pivots, independent = _independent(across[rows][::2, ::2])
-        N = across.shape[1]
+        expand = machine.expand
+        across, N = (machine.across @ expand).toarray(), expand.shape[1]
+        if linear.all():  # then the curve is followed by what is looked at
+            followed = expand[2 * s.probes.dof][:, ::2].toarray()
+        else:
+            followed = across[rows][::2, ::2]
+        pivots, independent = _independent(followed)
         rest = np.setdiff1d(np.arange(N // 2), pivots)
         self._T = np.kron(
-            np.linalg.inv(np.vstack([across[rows][::2, ::2][independent], np.eye(N // 2)[rest]])),
+            np.linalg.inv(np.vstack([followed[independent], np.eye(N // 2)[rest]])),
             np.eye(2),
         )
         self.size, self.b = N, 2 * len(independent)
@@ -133,6 +137,15 @@ class CondensedMachine:
         both = np.column_stack([pull, -1j * pull]).ravel()
         self.unbalance = T.T @ (expand.T @ both)
         self.constant = T.T @ (expand.T @ (self.machine.weight + in_plane(constant)))
+
+    @property
+    def length(self) -> float:
+        """The unit of displacements [m]: the smallest clearance of the nonlinear interfaces; of a
+        machine without them what its unbalance moves it by far above all critical speeds."""
+        if self.laws.count:
+            return float(self.laws.length.min())
+        far = np.linalg.solve(self._M, self.unbalance)[: self.b]
+        return float(np.abs(far).max(initial=0.0) or self.structure.numbers[0].clearance)
 
     def matrices(self, speed: float) -> ReducedMatrices:
         """Return M, D, K in the reduced coordinates at a speed [rad/s]."""

@@ -3,6 +3,7 @@ the range and from seeds."""
 
 import math
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,9 +12,7 @@ from ..message_templates import Message
 from ..one_thread import on_one_thread
 from ..simulation import HYSTERETIC_AS_SLOWER
 from . import arclength, newton
-from .arclength import CurvePoint
 from .balance import HarmonicBalance, Orbit
-from .branch import Branch, solution
 from .branch_switching import follow_switched
 from .checkpoint import EventLog, Starts
 from .continuation import LOST, BranchSearch, ReportPoint, follow, follow_all, is_known, start_at
@@ -25,7 +24,6 @@ from .self_excited import growing_whirls, rolling_whirls
 from .shooting import Shooting
 from .starting_points import guesses
 
-_LINEAR_POINTS = 401  # of a machine without nonlinear parts
 _NO_START = "no-start"  # a note's code
 _BEYOND, _MOST_STARTS = 0.02, 12  # of the range: where a lost branch is taken up again
 
@@ -43,13 +41,11 @@ def response(
     check(rotor, task)
     machines = machines_of(rotor, task)
     machines(task.low).check_supported()
+    if machines(task.low).laws.count == 0:  # a step may be as long as the motion is large
+        task = replace(task, steps=replace(task.steps, large=task.steps.longest))
     result = Response(rotor, task)
     if rotor.eta_h > 0.0:
         result.notes.append(HYSTERETIC_AS_SLOWER)
-    problem = _problem(machines, task, task.low)
-    if problem.b == 0:
-        result.branches.append(_linear(problem, task, report_point))
-        return result
     search = BranchSearch(result, machines, log or EventLog(), report_point)
     try:
         if task.start_orbit is not None:
@@ -71,17 +67,6 @@ def response(
 def _problem(machines: Machines, task: Task, at: float) -> HarmonicBalance:
     H = max(task.accuracy.least, 3) * task.turns
     return task.problem(machines, at, H, turns=task.turns)
-
-
-def _linear(problem: HarmonicBalance, task: Task, report_point: ReportPoint) -> Branch:
-    """Return the response of a machine without nonlinear parts at evenly spaced values."""
-    branch = Branch(ends=("end of the range", "end of the range"))
-    for value in np.linspace(task.low, task.high, _LINEAR_POINTS):
-        point = CurvePoint(np.zeros(0), float(value), np.zeros(0), 1.0)
-        result = solution(problem, point, task.accuracy)
-        branch.points.append(result)
-        report_point("linear", result)
-    return branch
 
 
 def _from_ends(search: BranchSearch) -> None:

@@ -38,8 +38,8 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
     total = np.zeros(len(ports(rotor)), complex)
     for name, value in loads.items():
         if name not in known:
-            near = nearest(name, known)
-            raise InputError(f"loads: {name!r} is not a force on a port; the nearest is {near}")
+            near = f"the nearest is {nearest(name, known)}" if known else "the machine has no port"
+            raise InputError(f"loads: {name!r} is not a force on a port; {near}")
         if not math.isfinite(number(f"loads: {name}", value)):
             raise InputError(f"loads: {name} = {value}: must be finite")
         place, factor = known[name]

@@ -146,8 +146,15 @@ class ResponseResult(ResponseCurves):
             "parameter": self.parameter,
             "unit": self.unit,
             "bifurcations": [
-                {"kind": b.kind, "value": b.value, "omega": b.orbit.omega}
-                for b in self.bifurcations
+                {
+                    "branch": i,
+                    "kind": b.kind,
+                    "value": b.value,
+                    "omega": b.orbit.omega,
+                    "multiplier": [float(b.multiplier.real), float(b.multiplier.imag)],
+                }
+                for i, branch in enumerate(self.branches, 1)
+                for b in branch.bifurcations
             ],
             "branches": [
                 {

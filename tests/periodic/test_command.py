@@ -26,8 +26,9 @@ def test_the_command_writes_curve_and_picture(process, tmp_path):
     assert output["parameter"] == "speed"
     assert output == json.loads((tmp_path / "response.json").read_text())
     assert (tmp_path / "response.png").stat().st_size > 10_000
-    kinds = [b["kind"] for b in output["bifurcations"]]
-    assert "fold" in kinds
+    (fold,) = [b for b in output["bifurcations"] if b["kind"] == "fold"]
+    assert fold["branch"] == 1
+    assert fold["multiplier"] == pytest.approx([1.0, 0.0], abs=1e-3)
 
 
 @pytest.mark.parametrize("compiles", [True, False])
@@ -128,7 +129,7 @@ def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process,
         (("--fold-over", "contact[1].mu=-1:1"), "contact[1].mu = -1"),
         (("--period", "0"), "--period 0: must be"),
         (("--share", "2"), "--share 2: must be"),
-        (("--load", "disc=3"), "is not a force on a port"),
+        (("--load", "disc=3"), "is not a force on a port; the machine has no port"),
         (
             ("--speed", "50:400", "--seed", "1000"),
             "--seed 159.15: must be from 7.9577 to 63.662 Hz",
