@@ -28,9 +28,10 @@ _PLANAR = 1e-3  # forwardness below which an orbit is a line
 # Share of the imaginary part below which an eigenvalue is real: two real ones that are equal come
 # out apart by the root of rounding.
 _REAL = 1e-5
-# Of the highest of the frequencies: a growth that is more than rounding, which of a free motion is
-# about the root of that of a number.
-_GROWING = 1e-7
+# Of the lowest elastic frequency, by which the modes are scaled: what is faster is more than
+# rounding, which of a free motion, whose eigenvalue is there twice, is about the root of that of a
+# number.
+_FREE = 1e-6
 LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
 DEFAULT_COUNT = 8
 DOUBTFUL = 1e-6  # a residual that is said
@@ -46,7 +47,8 @@ class Modes(Spectrum):
     housing_x, housing_y: shape (m, housings); is_degenerate: shape (m,),
     whether a mode shares its eigenvalue, so that it may whirl either way; decays: eigenvalues of
     modes that do not oscillate [1/s], slowest first; residuals: the residual of each mode's
-    equation, shape (m,) [1], about the relative error of its eigenvalue.
+    equation, shape (m,) [1], about the relative error of its eigenvalue; lowest_elastic: the lowest
+    elastic frequency of the shaft as it is supported at rest [rad/s].
     """
 
     speed: float
@@ -62,6 +64,7 @@ class Modes(Spectrum):
     is_degenerate: np.ndarray
     decays: np.ndarray
     residuals: np.ndarray
+    lowest_elastic: float
 
     @property
     def sharing(self) -> np.ndarray:
@@ -100,7 +103,7 @@ class Modes(Spectrum):
 
     @property
     def _rounding(self) -> float:
-        return _GROWING * float(np.max([*self.natural, *np.abs(self.decays)], initial=0.0))
+        return _FREE * self.lowest_elastic
 
     @property
     def forwardness(self) -> np.ndarray:
@@ -189,6 +192,7 @@ def modes_of(machine: LinearMachine, linear: Linear, count: int) -> Modes:
         is_degenerate=_sharing(values).sum(axis=1) > 1,
         decays=decays,
         residuals=residuals[result],
+        lowest_elastic=scale,
     )
 
 

@@ -67,7 +67,7 @@ class UndampedMachine:
         names = (*machine.supports.springs, *machine.supports.interfaces)
         held = [i for i, name in enumerate(names) if name in named]
         if not held:
-            raise LinearError("the machine has no bearing whose stiffness could be varied")
+            raise LinearError("the machine has no bearing: add one that holds the shaft")
         self.bearings = {names[i]: named[names[i]] for i in held}
         self._held = np.array(held)
         self._own: dict[float, np.ndarray] = {}

@@ -12,7 +12,6 @@ from .law import Kinematics
 
 _STEPS, _REST_STEPS = 60, 120
 _NEAR = 1e-7  # share of the scales: the error after Newton's last step is of second order in it
-_AT_REST = 1e-10  # share of the clearance
 _REACH = 0.2  # largest share of the smaller clearance by which a step moves the ring
 WEIGHT = places(("x", "y"))  # gravity, at the head of the law's table
 STATE = places(("x", "y", "vx", "vy", "speed"))
@@ -98,10 +97,21 @@ def _within(part, size):
     return reach / size if size > reach else 1.0
 
 
+@jit
+def _led(at, by_d, by_v):
+    """Return the `RingResponse` of a `Ring` that moves by by_d and with by_v of what is sought,
+    without inertia, to the residuals on it."""
+    return ring_response(
+        *(at.inner, at.outer, 1.0 + 0.0j, 0.0j, complex(by_d, 0.0), complex(by_v, 0.0)),
+        *(0.0j, 0.0j, at.force, at.torque),
+    )
+
+
 @jit_not_inlined
 def ring_at_rest(part, tables, kinematics, internal_state):
     """Return the `Ring` in equilibrium about a journal at rest, and store it in the states, from
-    which the search starts; by implicit steps of a ring without inertia, of growing length."""
+    which the search starts; by implicit steps of a ring without inertia, of growing length, and by
+    an endless one, which is Newton's, where that is near."""
     x = complex(internal_state[STATE.x], internal_state[STATE.y])
     speed = internal_state[STATE.speed]
     at = ring(part, tables, kinematics, x, 0.0j, speed)
@@ -109,15 +119,17 @@ def ring_at_rest(part, tables, kinematics, internal_state):
         return at
     step = 1.0 / abs(kinematics.speed)
     for _ in range(_REST_STEPS):
-        response = ring_response(
-            *(at.inner, at.outer, 1.0 + 0.0j, 0.0j, step + 0.0j, 1.0 + 0.0j, 0.0j, 0.0j),
-            *(at.force, at.torque),
-        )
-        size = step * modulus(response.moved)
-        x += response.moved * (step * _within(part, size))
+        response = _led(at, 1.0, 0.0)
+        is_near = modulus(response.moved) <= _NEAR * part.clearance
+        is_near = is_near and abs(response.turned) <= _NEAR * abs(kinematics.speed)
+        if is_near:
+            x += response.moved
+        else:
+            response = _led(at, step, 1.0)
+            x += response.moved * (step * _within(part, step * modulus(response.moved)))
         speed += response.turned
         at = ring(part, tables, kinematics, x, 0.0j, speed)
-        if size <= _AT_REST * part.clearance:
+        if is_near:
             break
         step *= 2.0
     store_ring(internal_state, x, 0.0j, speed)

@@ -14,6 +14,7 @@ from ..display import speed_with_unit
 from ..errors import InputError, RunFailed, check_positive, listed, numbers
 from ..linear.answers import modes
 from ..linear.displayed import of_machine
+from ..model.linear.modes import LEAST_GROWTH
 from ..model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
 from ..model.linear.static import check_node
 from ..model.linear.supports import walls
@@ -37,7 +38,6 @@ _TRIAL = 0.1  # of the rotor's weight, the force of all trial unbalances togethe
 _TOLERANCE = 1e-5
 _STEADY = 0.01  # of the initial vibration: what another one within a run may differ by
 _UNSTEADY = "the vibration was not steady: another motion than that of the unbalance is in it"
-_GROWS = 1e-9  # of its frequency: what grows less is a mode without damping
 
 # Of how many runs are done, and of what the next one is.
 ReportRun = Callable[[int, str], None]
@@ -188,11 +188,12 @@ class _Bench:
 
 def _settling(rotor: Rotor, speed: float) -> float:
     """Return in how many turns a machine settles at a speed [rad/s], infinite without damping."""
-    roots = modes(rotor, speed).eigenvalues
-    growth = float(roots.real.max(initial=-math.inf))
-    if growth > _GROWS * np.abs(roots).max(initial=0.0):
+    found = modes(rotor, speed)
+    roots = [*found.eigenvalues.real[found.is_held], *found.decays]
+    growth = float(np.max(roots, initial=-math.inf))
+    if found.growth > LEAST_GROWTH:
         raise InputError(
             f"balancing speed = {speed:g} rad/s: the machine is unstable there and does not settle "
-            f"(a mode grows by {growth:.3g} 1/s)"
+            f"(a motion grows by {growth:.3g} 1/s)"
         )
     return _SETTLED / -growth * speed / (2 * math.pi) if growth < 0 else math.inf

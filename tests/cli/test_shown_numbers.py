@@ -83,7 +83,7 @@ def test_what_of_a_load_is_rounding_is_shown_as_0():
     """No film bears across gravity, but for 3e-9 of what it bears."""
     _, rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")
     answer = answers.static(rotor)
-    assert answer.load_x.any()
+    answer = replace(answer, load_x=3e-9 * answer.load_y)
     rows = answer.table().rows[-len(answer.supports) :]
     assert {row[4] for row in rows} == {0.0}
     assert [row[5] for row in rows] == pytest.approx(answer.load_y)

@@ -13,6 +13,7 @@ from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.body import Body
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
+from rotor_fmu.model.parts.unbalance import Unbalance
 from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER
 
 from rotor_fmu.balancing.trial_runs import balance
@@ -20,6 +21,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
 from rotor_fmu.vibration.influence_coefficients import correction
 from tests.linear.api_617 import RPM, SHAFT, example, support
+from tests.linear.test_growth_without_oscillation import pulled
 
 
 def without_contact():
@@ -156,6 +158,13 @@ def test_a_machine_whose_slowest_mode_outlasts_the_runs_says_so():
 def test_a_machine_that_does_not_settle_is_refused():
     rotor = replace(without_contact(), rotating_damping=True)
     with pytest.raises(InputError, match=r"balancing speed = 300 rad/s: the machine is unstable"):
+        balance(rotor, [300.0], [4])
+
+
+def test_a_machine_that_leaves_its_place_without_oscillating_is_refused():
+    rotor = pulled(k=-5e6)
+    rotor = replace(rotor, parts=(*rotor.parts, Unbalance(4, 1e-4)))
+    with pytest.raises(InputError, match=r"= 300 rad/s: the machine is unstable there .* 1/s\)"):
         balance(rotor, [300.0], [4])
 
 

@@ -63,6 +63,18 @@ def test_a_stiff_and_light_shaft_has_the_modes_of_a_rigid_rotor(elements, shaft)
     assert result.whirl[2:] == ("backward", "forward")
 
 
+def test_beside_bending_modes_that_are_faster_by_many_decades_the_rigid_ones_are_held():
+    rotor = machine(2e22, 4)
+    result = modes(rotor, SPEED, count=8)
+    assert result.natural[-1] > 1e8 * result.natural[0]
+    assert result.is_held.all()
+    bounce = min(abs(rigid_roots()))
+    below, above = (modes(rotor, share * bounce, count=8).growth for share in (0.5, 2.0))
+    assert max(below, above) < 0.0
+    critical = campbell(rotor, np.array([0.5, 1.5]) * bounce, count=8).critical
+    assert [c.speed for c in critical[:2]] == pytest.approx([bounce, bounce], rel=1e-3)
+
+
 def test_the_modes_come_nearer_to_the_rigid_ones_as_the_shaft_stiffens():
     off = [
         np.abs(modes(machine(young, 20), SPEED, count=4).eigenvalues / rigid_roots() - 1).max()

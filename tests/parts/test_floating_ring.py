@@ -86,6 +86,21 @@ def test_a_run_begins_where_both_films_carry_the_load_in_series():
     assert abs(still.read(f"{name}.ring_y")) < 1e-9 * RING["clearance"]
 
 
+def test_a_ring_that_is_nearly_at_rest_comes_to_rest():
+    """However near its equilibrium the search begins, it ends there, but for rounding."""
+    law = _alone(_ring(points=16), complex(0.0, -G))
+    c_i, c_o, d = RING["clearance"], RING["outer_clearance"], -1.0e-5 - 0.6e-5j
+    rested, again = law.alone._states.copy(), np.zeros(law.count)
+    settle = interpreted(law.law.vibrate)
+    moving = law.alone._moving(d, 0j)
+    settle(law.record, law.tables, moving, SPEED, rested, rested)
+    for share in (1e-4, 1e-7, 1e-10):
+        off = share * np.array([c_o, c_i, 0.0, 0.0, SPEED])
+        settle(law.record, law.tables, moving, SPEED, rested + off, again)
+        left = np.abs(again - rested) / np.array([c_o, c_o, 1.0, 1.0, SPEED])
+        assert left.max() < 1e-12
+
+
 # --- tangents ---
 
 
