@@ -28,7 +28,8 @@ def _dissipating(law: Law) -> Callable:
     """Return a function that adds a law's dissipation to its places among `FLOWS` and returns the
     braking torque."""
     dissipate, count = law.dissipate, len(law.losses)
-    places = tuple(FLOWS.index(loss.name) for loss in law.losses)
+    # an index into none cannot be compiled
+    places = tuple(FLOWS.index(loss.name) for loss in law.losses) or (0,)
 
     def add(part, tables, kinematics, internal_state, scratch, out):
         torque = dissipate(part, tables, kinematics, internal_state, scratch)
