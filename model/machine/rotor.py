@@ -68,10 +68,8 @@ def _is_base(element: Element) -> bool:
 
 
 # The quantities of the machine itself, and the heading under which they stand.
-OWN = {
-    **dict.fromkeys(("eta_v", "eta_h", "rotating_damping", "mass_damping"), "shaft"),
-    "gravity": "",
-}
+OF_SHAFT = "eta_v", "eta_h", "rotating_damping", "mass_damping"
+OWN = dict.fromkeys(OF_SHAFT, "shaft") | {"gravity": ""}
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from ..parts.base import Part
 from ..quantities import ANY, GRAVITY, Quantity, QuantityError, check
 from .mesh import Mesh
 from .operating_speeds import Operation
-from .rotor import Rotor
+from .rotor import OF_SHAFT, Rotor
 from .shaft_tables import Materials, sections_between, sections_in_turn
 from .table_reader import UnfitKeys, a_table, fits, make, number, refuse_unknown, tables_of
 
-_SHAFT_KEYS = ("nodes", "diameters", "start", "eta_v", "eta_h", "rotating_damping", "mass_damping")
+_SHAFT_KEYS = ("nodes", "diameters", "start", *OF_SHAFT)
 _OWN_KEYS = (
     "name", "identifier", "units", "gravity", "gravity_angle", "inclination", "operation",
     "material", "shaft", "section",
@@ -71,10 +71,7 @@ def parse_rotor(text: str) -> Rotor:
         material=materials.own,
         sections=mesh.sections,
         parts=tuple(p for kind in PARTS for p in _parts(kind, data, mesh, materials)),
-        eta_v=number(shaft.get("eta_v", 0.0)),
-        eta_h=number(shaft.get("eta_h", 0.0)),
-        rotating_damping=shaft.get("rotating_damping", False),
-        mass_damping=number(shaft.get("mass_damping", 0.0)),
+        **{name: number(shaft[name]) for name in OF_SHAFT if name in shaft},
         gravity=number(data.get("gravity", GRAVITY)),
         gravity_angle=number(data.get("gravity_angle", 0.0)),
         inclination=number(data.get("inclination", 0.0)),

@@ -5,7 +5,7 @@ from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
 from ..model.machine.operating_speeds import Operation
-from ..model.machine.rotor import Rotor
+from ..model.machine.rotor import OF_SHAFT, Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import Part
 from ..model.parts.housing import Housing
@@ -106,7 +106,7 @@ def own_tables() -> Iterator[Table]:
         Key("diameters", None, "of the cylinders between them [m]", kind="numbers", unit="m"),
         Key("start", own["start"], "position of the first node, with `[[section]]`", 0.0),
     ]
-    for name in ("eta_v", "eta_h", "rotating_damping", "mass_damping"):
+    for name in OF_SHAFT:
         shaft.append(Key(name, own[name], own[name].text, defaults[name]))
     yield Table("[shaft]", "shaft", "nodes and what lies between them", False, tuple(shaft))
     text = "one stretch of the shaft after another, in the place of `nodes` and `diameters`"
