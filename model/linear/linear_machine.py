@@ -243,10 +243,8 @@ class LinearMachine:
     def rotor_matrices(self) -> tuple[sp.csc_array, sp.csc_array, sp.csc_array]:
         """Return M, K and G of the unknowns, shape (N, N), without what the laws and the shaft's
         strain add."""
-        M, K, G = (
-            self.system.places.matrix(numbers) for numbers in (self._M, self._K, self._gyroscopic)
-        )
-        return M, K, G
+        matrix = self.system.places.matrix
+        return matrix(self._M), matrix(self._K), matrix(self._gyroscopic)
 
     def holds_at(self, speed: float) -> bool:
         """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""

@@ -57,11 +57,9 @@ def tolerance_planes(rotor: Rotor) -> tuple[TolerancePlane, ...]:
     result = []
     for node, other in ((nodes[0], nodes[-1]), (nodes[-1], nodes[0])):
         end, span = z[other - 1], z[other - 1] - z[node - 1]
-        mass = structure.mass_sum[::2] @ (end - z) - structure.mass_sum[1::2].sum()
-        unbalance = structure.unbalance @ (end - at)
-        share = float(mass / span) / whole
-        limits = _INBOARD if 0.0 <= share <= 1.0 else _OUTBOARD
-        graded = whole * float(np.clip(abs(share), *limits))
-        borne = abs(float(mass / span))
-        result.append(TolerancePlane(node, borne, graded, complex(unbalance / span)))
+        moment = structure.mass_sum[::2] @ (end - z) - structure.mass_sum[1::2].sum()
+        mass, unbalance = float(moment / span), structure.unbalance @ (end - at)
+        limits = _INBOARD if 0.0 <= mass <= whole else _OUTBOARD
+        graded = whole * float(np.clip(abs(mass) / whole, *limits))
+        result.append(TolerancePlane(node, abs(mass), graded, complex(unbalance / span)))
     return tuple(result)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -65,15 +66,13 @@ def _between(line: Sequence[Motion]) -> Iterator[list[Motion]]:
         padded[: len(motion.motion)] = motion.motion
         return np.append(padded.ravel() / size, motion.value / span)
 
-    tangent = None
-    for i, motion in enumerate(line[:-1]):
-        start, way = place(motion), place(line[i + 1]) - place(motion)
+    places = [place(motion) for motion in line]
+    chords = [b - a for a, b in pairwise(places)]
+    tangents = [None, *(_tangent(*ways) for ways in pairwise(chords)), None]
+    for motion, start, way, ends in zip(line, places, chords, pairwise(tangents), strict=False):
         length = float(np.linalg.norm(way)) or 1.0
-        begin, tangent = tangent, None
-        if i + 2 < len(line):
-            tangent = _tangent(way, place(line[i + 2]) - place(line[i + 1]))
         more = list[Motion]()
-        for t, at in _on_cubic(way / length, begin, tangent):
+        for t, at in _on_cubic(way / length, *ends):
             moved = start + t * way + length * at
             more.append(
                 motion._replace(
