@@ -30,7 +30,7 @@ def operating_speeds(rotor: Rotor) -> OperatingSpeeds:
     speeds = list(given.speeds.values())
     rated = given.rated_speed or given.maximum_continuous_speed or given.trip_speed
     rated = rated or _default(rotor)
-    highest = given.maximum_continuous_speed or rated
+    highest = given.service_speed or rated
     trip = given.trip_speed or max([highest, *speeds])
     return OperatingSpeeds(
         rated,

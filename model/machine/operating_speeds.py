@@ -51,6 +51,12 @@ class Operation:
         return [speed for name, speed in self.speeds.items() if name != "trip_speed"]
 
     @property
+    def service_speed(self) -> float | None:
+        """The highest given speed at which the machine runs continuously [rad/s], its maximum
+        continuous or its rated speed, if there is one."""
+        return self.maximum_continuous_speed or self.rated_speed
+
+    @property
     def speeds(self) -> dict[str, float]:
         """The given speeds [rad/s], by their names, ascending."""
         return {n: value for n in _ASCENDING if (value := getattr(self, n)) is not None}

@@ -79,8 +79,7 @@ def balance(
     check_positive("trial unbalance", trial, "kg.m")
     if not assemble(rotor).unbalance.any():
         raise InputError("the machine has no unbalance: there is nothing to balance")
-    own = rotor.operation
-    service_speed = own.maximum_continuous_speed or own.rated_speed or max(speeds)
+    service_speed = rotor.operation.service_speed or max(speeds)
     bench, u = _Bench(rotor, speeds, nodes, report), complex(trial)
     initial = bench.vibration("as it is", {})
     trials = np.array([bench.vibration(f"trial unbalance at node {n}", {n: u}) for n in planes])

@@ -129,10 +129,11 @@ def rated_speed(text: str | None, machine: "Rotor") -> float:
     """The speed [rad/s] of `--rated`, or the highest of the machine's own at which it runs
     continuously."""
     if text is None:
-        own = machine.operation.maximum_continuous_speed or machine.operation.rated_speed
+        own = machine.operation.service_speed
         if own is None:
             raise InputError(
-                "--rated: must be given, such as --rated 11000rpm, or operation.rated_speed"
+                "--rated: must be given, such as --rated 11000rpm, or the machine's "
+                "operation.maximum_continuous_speed or operation.rated_speed"
             )
         return own
     speed = one_speed(text, "--rated")

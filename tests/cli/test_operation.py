@@ -52,6 +52,8 @@ def test_stability_is_that_at_the_highest_continuous_speed_unless_a_speed_is_giv
     rated = parse_rotor(operated("rated_speed = 300.0"))
     assert (rated_speed(None, fast), rated_speed(None, rated)) == (315.0, 300.0)
     assert rated_speed("290", fast) == 290.0
+    with pytest.raises(InputError, match=r"maximum_continuous_speed or operation\.rated_speed"):
+        rated_speed(None, parse_rotor(operated("")))
 
 
 def test_the_rig_runs_down_as_in_paper_a():
