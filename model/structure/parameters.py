@@ -75,17 +75,16 @@ def elastic_share(eta_h):
 def _prepare_shaft(structure, numbers):
     """Fill in damping, stiffness and weight."""
     share = elastic_share(numbers.eta_h)
+    eta_v, mass_damping = numbers.eta_v, numbers.mass_damping
+    gravity, down = numbers.gravity, complex(numbers.down_x, numbers.down_y)
     n, width = structure.M.shape
     for i in range(n):
         for d in range(width):
             structure.C[i, d] = (
-                numbers.eta_v * structure.K_shaft[i, d]
-                + numbers.mass_damping * structure.M_shaft[i, d]
+                eta_v * structure.K_shaft[i, d] + mass_damping * structure.M_shaft[i, d]
             )
             structure.K[i, d] = share * structure.K_shaft[i, d] + structure.K_axial[i, d]
-        structure.weight[i] = (
-            numbers.gravity * structure.mass_sum[i] * complex(numbers.down_x, numbers.down_y)
-        )
+        structure.weight[i] = gravity * structure.mass_sum[i] * down
     for i in range(len(structure.springs)):
         spring = structure.springs[i]
         structure.K[spring.dof, 0] += spring.stiffness
