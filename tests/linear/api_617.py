@@ -4,6 +4,7 @@ import json
 import math
 
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
 
 from tests.validation.test_ross import HERE
 
@@ -31,3 +32,7 @@ def support(node, stiffness, damping=0.0):
 
 def example(name):
     return parse_rotor((ROOT / "examples" / name / "rotor.toml").read_text())
+
+
+def coupling(node, q):
+    return LinearBearing(node=node, kxx=0.0, kyy=0.0, kxy=q, kyx=-q, cxx=0.0, cyy=0.0)

@@ -5,7 +5,10 @@ from pathlib import Path
 import pytest
 from rotor_fmu.model.kernels.library import here
 
+from rotor_fmu.files import write_text
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.live.live_page import solver_page
 
 from ..fmu.conftest import master  # noqa: F401, a fixture
 from ..fmu.masters import COMPILER, NO_COMPILER, Master, compile_c_host
@@ -45,3 +48,11 @@ def c_host(fmu, tmp_path_factory):
     host = Master(fmu, compile_c_host(tmp_path_factory.mktemp("host")), is_alone=True)
     yield host
     host.close()
+
+
+@pytest.fixture(scope="session")
+def rig(tmp_path_factory):
+    """The page on which the rig runs."""
+    file = tmp_path_factory.mktemp("live") / "rig.html"
+    write_text(solver_page(machine_of(None, False, 0)), file)
+    return file

@@ -7,53 +7,20 @@ import re
 import runpy
 import select
 import socket
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
-from typer.testing import CliRunner
+from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
-from rotor_fmu.live.controls import MOST_ROWS, course
 from rotor_fmu.live.live_page import solver_page, solver_table
 from rotor_fmu.runs.peaks import start_up
 
-from ..documents.browser import NASTY, RIGHT, Page, look
+from ..documents.browser import NASTY, RIGHT, look
+from .live import LivePage
 from .wasm import Native, rows_of
-
-# a run-down of half a second
-SHORT = "#course.to=395&course.rate=10&bearing%5B1%5D.mu=0.04"
-
-
-@pytest.fixture(scope="module")
-def rig(tmp_path_factory):
-    file = tmp_path_factory.mktemp("live") / "rig.html"
-    write_text(solver_page(machine_of(None, False, 0)), file)
-    return file
-
-
-class LivePage(Page):
-    """A page at settings that its address holds."""
-
-    def __init__(self, driver, path, settings=SHORT):
-        driver.open("about:blank")  # an address that differs in its settings alone opens nothing
-        self.address = path.as_uri() + settings
-        super().__init__(driver, self)
-
-    def as_uri(self):
-        return self.address
-
-    def ended(self, runs=1):
-        self.wait(f"Number(document.documentElement.dataset.runs) >= {runs}")
-        return self
-
-    def notices(self):
-        return self.run(
-            "return [...document.querySelectorAll('.notice')].map((n) => n.textContent)"
-        )
 
 
 @pytest.mark.parametrize(("width", "dark"), [(400, True), (1500, False)])
@@ -186,26 +153,6 @@ def test_no_picture_of_another_run_stands_beside_settings_that_cannot_run(silent
     assert "; the run before: " in page.text("state")
 
 
-def test_the_value_shown_of_the_machine_file_is_that_of_the_machine_file(silent, tmp_path):
-    text = rig_toml().replace("clearance = 50e-6", "clearance = 33.3333333333e-6")
-    file = tmp_path / "thirds.html"
-    write_text(solver_page(machine_of(text, False, 0)), file)
-    page = LivePage(silent, file).ended()
-    page.run("byName.get('bearing[1].clearance').input.id = 'typed'")
-    shown = page.find("typed").get_property("value")
-    for value in ("40", shown):
-        page.set("typed", value, "change")
-    assert "bearing[1].clearance" not in page.run("return values")
-
-
-def test_a_run_that_cannot_begin_is_not_called_running(silent, rig):
-    page = LivePage(silent, rig, "#solver.method=99").ended()
-    assert page.text("state").startswith("Ended early after ")
-    page = LivePage(silent, rig, "#solver.method=1.5")
-    assert page.notices() == ["solver.method: must be an integer"]
-    assert page.text("state") == "Not run."
-
-
 def test_no_request_leaves_the_page(driver, rig):
     page = LivePage(driver, rig).ended()
     with socket.create_server(("127.0.0.1", 0)) as server:
@@ -244,53 +191,6 @@ def test_a_machines_name_is_shown_and_runs_nothing(silent, tmp_path):
     assert page.run("return document.scripts.length") == 5
 
 
-def test_every_kind_of_control_reaches_the_fmu(silent, rig):
-    page = LivePage(silent, rig).ended()
-    page.run("field('auto').checked = false")
-    typed = {
-        "shaft.eta_h": "0.001",
-        "shaft.eta_v": "1e-6",  # with the damping of the rig, which turns, it whirls itself apart
-        "solver.preset": "3",
-        "disc[2].phase": "90",
-        "disc[1].fy": "-5",
-    }
-    for name, value in typed.items():
-        page.set(page.run("return byName.get(arguments[0]).input.id", name), value, "change")
-    page.run("byName.get('shaft.rotating_damping').input.click()")
-    page.find("run").click()
-    page.ended(2)
-    given = page.run("return now.given")
-    short = {"course.to": 395, "bearing[1].mu": 0.04}  # and the rate, which is the rig's
-    phase = given.pop("disc[2].phase")
-    assert phase == pytest.approx(np.pi / 2)
-    assert given == short | {
-        **{"shaft.eta_h": 0.001, "shaft.eta_v": 1e-6, "shaft.rotating_damping": 1},
-        **{"disc[1].fy": -5, "solver.preset": 3},
-    }
-    native = rows_of(Native(solver_table(machine_of(None, False, 0))), page.run("return now.plan"))
-    lines = list(csv.reader(page.run("return csv(now)").splitlines()))
-    assert np.array(lines[1:], float).tobytes() == native.tobytes()
-
-
-def test_the_page_of_a_recorded_run_begins_with_its_settings(silent, tmp_path):
-    from rotor_fmu.cli import app
-
-    sets = ("--set", "bearing[2].mu=0.02", "--set", "solver.tolerance=1e-2")
-    run, live = str(tmp_path / "run"), tmp_path / "live.html"
-    CliRunner().invoke(app, ["run-down", "--direct", "--stop", "1", *sets, "--out", run])
-    CliRunner().invoke(app, ["report", run, "--live", "--out", str(live)])
-    page = LivePage(silent, live, "").ended()
-    given = page.run("return now.given")
-    assert given.pop("course.rate") == pytest.approx(10.0)
-    assert given.pop("course.to") == pytest.approx(390.0)
-    assert given == {"bearing[2].mu": 0.02, "solver.tolerance": 0.01}
-    end = page.run("return [now.t[now.n - 1], column(now, 'disc[3].x')[now.n - 1]]")
-    rows = list(csv.DictReader((tmp_path / "run" / "run_down.csv").open()))
-    assert end[0] == pytest.approx(float(rows[-1]["time [s]"]))
-    # other communication points, the same motion within the tolerance
-    assert end[1] == pytest.approx(float(rows[-1]["disc[3].x [m]"]), abs=2e-6)
-
-
 def test_the_picture_of_a_run_at_one_speed_is_over_time_and_says_so(silent, rig):
     page = LivePage(silent, rig, "#course.to=400&course.hold=0.2").ended()
     caption = "return document.querySelector('#amplitude figcaption').textContent"
@@ -301,41 +201,6 @@ def test_the_picture_of_a_run_at_one_speed_is_over_time_and_says_so(silent, rig)
     )
     page = LivePage(silent, rig).ended()
     assert page.run(caption) == "Amplitude over speed"
-
-
-def test_a_link_to_the_machine_files_settings_holds_against_those_of_a_recorded_run(
-    silent, tmp_path
-):
-    given = {"bearing[2].mu": 0.02, "course.to": 395.0}
-    write_text(solver_page(machine_of(None, False, 0), given), tmp_path / "live.html")
-    page = LivePage(silent, tmp_path / "live.html", "").ended()
-    assert page.run("return values") == given
-    page.run("field('auto').checked = false")
-    page.find("reset").click()
-    page.find("link").click()
-    linked = page.run("return location.href").removeprefix((tmp_path / "live.html").as_uri())
-    page = LivePage(silent, tmp_path / "live.html", linked)
-    assert page.run("return values") == {}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["a", "b", "--live"], "a page on which a machine runs is of one run"),
-        (["a", "--live"], "its speed does not change at one rate"),
-    ],
-)
-def test_a_run_that_no_page_repeats_is_refused(tmp_path, monkeypatch, arguments, said):
-    from rotor_fmu.cli import app
-
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bent.csv").write_text("time,speed\n0,400\n0.5,390\n1,400\n")
-    for out in ("a", "b"):
-        call = ["run-down", "--direct", "--input", "bent.csv", "--stop", "1", "--out", out]
-        assert CliRunner().invoke(app, call).exit_code == 0
-    done = CliRunner().invoke(app, ["report", *arguments])
-    assert said in str(done.exception)
-    assert not (tmp_path / "report.html").exists()
 
 
 def test_the_page_prints_its_pictures(silent, rig):
@@ -359,19 +224,6 @@ def test_the_sites_first_page_leads_to_pages_on_which_machines_run(silent, tmp_p
     # not over 40 s: on some processors Firefox now and then takes fifty times as long
     LivePage(silent, rig).ended()
     LivePage(silent, drop, "").ended()
-
-
-@pytest.mark.parametrize("rate", [0.1, 50.0])
-def test_a_machine_that_runs_down_for_an_hour_has_no_more_points_than_there_may_be(rate):
-    """A turbogenerator loses a revolution a minute each second: the page would open refused."""
-    rig = parse_rotor(rig_toml())
-    rotor = replace(rig, operation=replace(rig.operation, trip_speed=400.0, run_down_rate=rate))
-    chosen = {control["name"]: control["start"] for control in course(rotor)["controls"]}
-    ramp = chosen["course.from"] / chosen["course.rate"]
-    step = math.tau / chosen["course.from"] / chosen["course.samples"] / math.sqrt(2)
-    assert ramp / step <= MOST_ROWS * (1 + 1e-9)
-    assert chosen["course.rate"] >= rate
-    assert rate < 50 or chosen["course.rate"] == rate
 
 
 def test_numbers_beside_an_axis_leave_room_for_its_name(silent, rig):
