@@ -42,6 +42,12 @@ class ContinuationEquations(Equations, Protocol):
         """Return the residual, the Jacobian, and the derivative with respect to lambda over its
         scale."""
 
+    def seen(
+        self, x: np.ndarray, value: float, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return what a reader of the curve sees of a solution, shape (n,), in any unit, and its
+        derivative along a direction of the curve (see `CurvePoint.direction`)."""
+
 
 @dataclass(frozen=True)
 class ContinuationSteps:
@@ -232,17 +238,31 @@ def trace(
 def _passes_over(
     equations: ContinuationEquations, before: CurvePoint, after: CurvePoint, scale: float
 ) -> bool:
-    """Return whether the change of x between two points, or that of lambda, does not lie between
-    those along their tangents: a step passes over a narrow resonance, beyond which x has another
-    sign, or back to where the curve came from."""
-    length = distance(before, after, scale)
-    way, change = after.x - before.x, (after.value - before.value) / scale
-    off = way - 0.5 * length * (before.tangent + after.tangent)
-    most = 0.5 * length * (np.linalg.norm(before.tangent) + np.linalg.norm(after.tangent))
-    off_value = change - 0.5 * length * (before.tangent_value + after.tangent_value)
-    most_value = 0.5 * length * (abs(before.tangent_value) + abs(after.tangent_value))
-    error = _ERRORS * equations.tolerance * (1.0 + float(np.linalg.norm(after.x)))
-    return bool(np.linalg.norm(off) > most + error or abs(off_value) > most_value + error)
+    """Return whether the change of x between two points, that of lambda, or that of what is seen
+    does not lie between those along their tangents: a step passes over a narrow resonance, beyond
+    which x has another sign, or back to where the curve came from. What is seen, measured by its
+    own size, must not turn far either: a resonance may lie where x hardly moves."""
+    length, error = distance(before, after, scale), _ERRORS * equations.tolerance
+
+    def is_off(change, slopes, size):
+        """Return whether a change is not between two slopes; size: of what changes."""
+        off = np.linalg.norm(change - 0.5 * length * sum(slopes))
+        most = 0.5 * length * sum(np.linalg.norm(slope) for slope in slopes)
+        return bool(off > most + error * size)
+
+    of_x, points = 1.0 + float(np.linalg.norm(after.x)), (before, after)
+    change = (after.value - before.value) / scale
+    if is_off(after.x - before.x, [p.tangent for p in points], of_x):
+        return True
+    if is_off(change, [p.tangent_value for p in points], of_x):
+        return True
+    seen, slopes = zip(*(equations.seen(p.x, p.value, p.direction) for p in points), strict=True)
+    size = max(float(np.linalg.norm(each)) for each in seen)
+    if size == 0.0:
+        return False
+    first, last = (np.append(p.direction, s / size) for p, s in zip(points, slopes, strict=True))
+    cosine = first @ last / (np.linalg.norm(first) * np.linalg.norm(last))
+    return bool(cosine < _LEAST_COSINE) or is_off(seen[1] - seen[0], slopes, size)
 
 
 def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:

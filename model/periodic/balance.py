@@ -254,6 +254,23 @@ class HarmonicBalance:
         by = by_parameter(beside, value, residual, scale, _ONE_SIDED_STEP, is_across)
         return residual, jacobian, by
 
+    def seen(
+        self, x: np.ndarray, value: float, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the motion about the mean of the places that are observed, real and imaginary
+        parts of their amplitudes [m], shape (n,), and its derivative along a direction of the
+        curve."""
+
+        def along(way: float) -> np.ndarray:
+            """Return the motion so far along the direction."""
+            at = value + way * self.parameter.scale * direction[-1]
+            orbit = self.split(x + way * direction[:-1], at)
+            whole = self.dynamic_stiffness(at, orbit.omega).whole(amplitudes(orbit.b))
+            return (whole[1:] @ self.machine_at(at).probes.T).ravel().view(float)
+
+        motion = along(0.0)
+        return motion, by_parameter(along, 0.0, motion, 1.0, _ONE_SIDED_STEP)
+
     def _is_across(self, x: np.ndarray, value: float, other: float) -> bool:
         """Return whether the same motion touches a wall, or leaves it, all at once between two
         values of the parameter."""

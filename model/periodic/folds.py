@@ -89,6 +89,12 @@ class _Folds:
         by = by_parameter(partial(self.residual, X), second, residual, self._scale, _STEP)
         return residual, J, by
 
+    def seen(
+        self, X: np.ndarray, second: float, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return nothing: of these motions only the parameters are shown."""
+        return np.zeros(0), np.zeros(0)
+
 
 def fold_curve(
     problem_at: Callable[[float], HarmonicBalance],

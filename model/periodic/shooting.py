@@ -290,6 +290,17 @@ class Shooting:
         by = by_parameter(partial(self.residual, x), value, defect, self.parameter.scale, _STEP)
         return defect, jacobian, by
 
+    def seen(
+        self, x: np.ndarray, value: float, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the velocities at the begin of the period of the places that are observed, over
+        the frequency at the reference, shape (n,) [m], and their derivative along a direction of
+        the curve."""
+        probes = self.machine_at(value).probes / self.balance.frequency_scale
+        n = probes.shape[1]
+        motion, along = (probes @ (each / self._weights)[n:] for each in (x, direction[:-1]))
+        return motion, along
+
     def multipliers(self, x: np.ndarray, value: float) -> np.ndarray:
         """Return the Floquet multipliers, the largest first."""
         last = self._last_transition

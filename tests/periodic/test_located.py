@@ -112,6 +112,9 @@ class _Circle:
     def linearized_with_parameter(self, x, value):
         return self.residual(x, value), np.array([2.0 * x]), np.array([2.0 * value])
 
+    def seen(self, x, value, direction):
+        return x, direction[:-1]
+
 
 def test_a_step_as_long_along_the_tangent_as_the_last_one_was_comes_to_its_end():
     """So that a function along the step, whose sign changes just before the end, is continuous."""
