@@ -16,9 +16,9 @@ import numpy as np
 
 from . import arclength, newton
 from .arclength import ContinuationSteps
-from .balance import HarmonicBalance, Orbit, by_parameter
+from .balance import HarmonicBalance, Orbit
 from .branch import why_ended
-from .newton import NotConverged
+from .newton import NotConverged, by_parameter
 
 _STEP = 1e-5
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import mesh
-from .balance import HarmonicBalance, Orbit, by_parameter
+from .balance import HarmonicBalance, Orbit
 from .entry_points import Propagators
 from .floquet import (
     Frequencies,
@@ -34,7 +34,7 @@ from .floquet import (
 )
 from .fourier import amplitudes, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
-from .newton import NotConverged
+from .newton import NotConverged, by_parameter
 from .stepping import integrate_period
 
 _HARMONICS = 256  # at least, of the orbit that is given
