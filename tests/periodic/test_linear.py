@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import response_with_peaks
+from rotor_fmu.model.periodic import starting_points
 
 import rotor_fmu as rf
 
@@ -48,6 +49,12 @@ def test_its_multipliers_are_those_of_its_modes(both):
     slowest = max(machine.modes(point.value).eigenvalues.real)
     growth = np.log(np.abs(point.multipliers[0])) * point.value / (2 * np.pi)
     assert growth == pytest.approx(slowest, rel=1e-7)
+
+
+def test_a_seed_of_a_machine_without_contacts_is_searched_without_a_run_in_time(monkeypatch):
+    monkeypatch.setattr(starting_points, "_simulation", None)
+    found = rf.response(rf.parse(UNBALANCED), speed=(50.0, 100.0), seeds=(70.0,), stability=False)
+    assert [note.code for note in found.notes] == ["no-motion"]
 
 
 @pytest.mark.parametrize("damping", [1.0, 1e-3])
