@@ -10,6 +10,7 @@ from rotor_fmu.periodic.response_page import response_page
 from rotor_fmu.periodic.vertices import vertices
 
 from ..documents.browser import NASTY, Page
+from ..parts.machines import bearings, rigid
 from .machines import CLEARANCE, OMEGA, jeffcott, rub
 
 HERTZ = 1 / (2 * np.pi)  # of a rad/s
@@ -121,3 +122,13 @@ def test_an_orbit_far_smaller_than_the_largest_one_is_round(silent, tmp_path):
     curve = 1e6 * found.curve("disc").value
     assert curve[0] < 1e-4 * curve.max()
     assert np.hypot(x, y) == pytest.approx(np.full(len(x), curve[0]), rel=1e-3)
+
+
+def test_places_that_move_alike_have_one_curve_with_the_names_of_both():
+    ends = "".join(f'[[sensor]]\nnode = {n}\nname = "at_{n}"\n' for n in (1, 2))
+    unbalanced = "[[unbalance]]\nnode = 2\namount = 1e-4\n"
+    text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + unbalanced + ends)
+    found = rf.response(rf.parse(text), speed=(50.0, 150.0), stability=False)
+    axes = found.figure(["at_1", "at_2"]).axes[0]
+    assert len(axes.lines) == 1
+    assert axes.get_legend().get_texts()[0].get_text() == "at_1, at_2"
