@@ -29,6 +29,7 @@ _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond,
 _LEAST_COSINE = 0.9  # least cosine of two tangents one after another
 _ERRORS = 1e3  # of a point: a change of x in which no resonance is looked for
 _SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
+_ACROSS_STEP = 4.0  # times as large is 1 less the cosine of the tangents at both ends of a way
 _GROW, _SHRINK = 1.5, 0.5
 _LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
 
@@ -41,6 +42,12 @@ class ContinuationEquations(Equations, Protocol):
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the residual, the Jacobian, and the derivative with respect to lambda over its
         scale."""
+
+    def seen(
+        self, x: np.ndarray, value: float, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return what a reader of the curve sees of a solution, shape (n,), in any unit, and its
+        derivative along a direction of the curve (see `CurvePoint.direction`)."""
 
 
 @dataclass(frozen=True)
@@ -179,7 +186,7 @@ def trace(
     A pair (equations, point) that is sent in replaces the equations and the last point, so that the
     number of harmonics can change on the way.
     """
-    point, length, way = start, steps.initial, np.zeros(len(start.x) + 1)
+    point, length, bend = start, steps.initial, math.inf
     for _ in range(steps.max_points):
         try:
             ahead = point.value + length * scale * point.tangent_value
@@ -209,7 +216,7 @@ def trace(
             length *= _SHRINK
             if length >= steps.shortest:
                 continue
-            corner = _beyond_corner(equations, point, way, steps, scale)
+            corner = _beyond_corner(equations, point, bend, steps, scale)
             if corner is None:
                 raise NotConverged(error.corrections) from None
             result, length = corner, 16 * steps.shortest
@@ -222,27 +229,41 @@ def trace(
             length *= 0.7
         length = min(length, _longest(steps, result))
         way = np.append(result.x - point.x, (result.value - point.value) / scale)
+        bend = 1.0 - float(result.direction @ way / np.linalg.norm(way)) if way.any() else math.inf
         point = result
         replacement = yield point, length
         if replacement is not None:
             equations, point = replacement
-            way = way if len(way) == len(point.x) + 1 else np.zeros(len(point.x) + 1)
 
 
 def _passes_over(
     equations: ContinuationEquations, before: CurvePoint, after: CurvePoint, scale: float
 ) -> bool:
-    """Return whether the change of x between two points, or that of lambda, does not lie between
-    those along their tangents: a step passes over a narrow resonance, beyond which x has another
-    sign, or back to where the curve came from."""
-    length = distance(before, after, scale)
-    way, change = after.x - before.x, (after.value - before.value) / scale
-    off = way - 0.5 * length * (before.tangent + after.tangent)
-    most = 0.5 * length * (np.linalg.norm(before.tangent) + np.linalg.norm(after.tangent))
-    off_value = change - 0.5 * length * (before.tangent_value + after.tangent_value)
-    most_value = 0.5 * length * (abs(before.tangent_value) + abs(after.tangent_value))
-    error = _ERRORS * equations.tolerance * (1.0 + float(np.linalg.norm(after.x)))
-    return bool(np.linalg.norm(off) > most + error or abs(off_value) > most_value + error)
+    """Return whether the change of x between two points, that of lambda, or that of what is seen
+    does not lie between those along their tangents: a step passes over a narrow resonance, beyond
+    which x has another sign, or back to where the curve came from. What is seen, measured by its
+    own size, must not turn far either: a resonance may lie where x hardly moves."""
+    length, error = distance(before, after, scale), _ERRORS * equations.tolerance
+
+    def is_off(change, slopes, size):
+        """Return whether a change is not between two slopes; size: of what changes."""
+        off = np.linalg.norm(change - 0.5 * length * sum(slopes))
+        most = 0.5 * length * sum(np.linalg.norm(slope) for slope in slopes)
+        return bool(off > most + error * size)
+
+    of_x, points = 1.0 + float(np.linalg.norm(after.x)), (before, after)
+    change = (after.value - before.value) / scale
+    if is_off(after.x - before.x, [p.tangent for p in points], of_x):
+        return True
+    if is_off(change, [p.tangent_value for p in points], of_x):
+        return True
+    seen, slopes = zip(*(equations.seen(p.x, p.value, p.direction) for p in points), strict=True)
+    size = max(float(np.linalg.norm(each)) for each in seen)
+    if size == 0.0:
+        return False
+    first, last = (np.append(p.direction, s / size) for p, s in zip(points, slopes, strict=True))
+    cosine = first @ last / (np.linalg.norm(first) * np.linalg.norm(last))
+    return bool(cosine < _LEAST_COSINE) or is_off(seen[1] - seen[0], slopes, size)
 
 
 def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:
@@ -256,17 +277,17 @@ def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:
 def _beyond_corner(
     equations: ContinuationEquations,
     point: CurvePoint,
-    way: np.ndarray,
+    bend: float,
     steps: ContinuationSteps,
     scale: float,
 ) -> CurvePoint | None:
     """Return a point beyond a corner of the curve, a short way along the tangent that holds on the
-    other side of the corner, or None if there is no such point; way: from the point before."""
+    other side of the corner, or None if there is no such point; bend: 1 less the cosine of the way
+    to this point and the tangent here, which is large where a difference across the corner
+    falsifies that tangent."""
     plane = point.direction
-    # where lambda turns the curve may double back, on another piece by its tangent; the tangent
-    # here, which a difference across the corner falsifies, must be that of the way to this point
-    size = np.linalg.norm(way)
-    is_known = plane @ way > (1.0 - _SAME_PIECE) * size > 0
+    # where lambda turns the curve may double back, on another piece by its tangent
+    same_piece = _SAME_PIECE + _ACROSS_STEP * bend
     for length in (4 * steps.shortest, 64 * steps.shortest, 1e3 * steps.shortest):
         x = point.x + length * point.tangent
         value = point.value + length * scale * point.tangent_value
@@ -283,7 +304,7 @@ def _beyond_corner(
             chord = np.append(result.x - point.x, (result.value - point.value) / scale)
             by_beyond, by_plane = (abs(result.direction @ each) for each in (beyond, plane))
             is_ahead = chord @ plane > 0.05 * np.linalg.norm(chord)
-            is_other = is_known and by_beyond > by_plane + _SAME_PIECE
+            is_other = by_beyond > by_plane + same_piece
             if (is_ahead or is_other) and chord.any():
                 return result
     return None

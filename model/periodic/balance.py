@@ -16,14 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..quantities import QuantityError
 from .force_corners import SampledOrbit
 from .fourier import add_real, amplitudes, coefficients, derivative, products, resized, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
-from .newton import TOLERANCE
+from .newton import TOLERANCE, by_parameter
 
 _CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
-_ONE_SIDED_STEP = 1e-7  # of a difference by the parameter, as a share of its scale
+_PARAMETER_STEP = 1e-7  # of a difference by the parameter, as a share of its scale
 _MOVED = 0.1  # of a motion: a larger part of it comes into contact in a step across a corner
 _LEAST_SHARE = 1e-3  # of the stiffness at the speed: the least by which an equation is scaled
 _SAMPLES_A_HARMONIC = 16
@@ -55,29 +54,6 @@ class Parameter:
 
     name: str
     scale: float
-
-
-def by_parameter(
-    residual_at: Callable[[float], np.ndarray],
-    value: float,
-    residual: np.ndarray,
-    scale: float,
-    step: float,
-    is_across: Callable[[float], bool] = lambda _: False,
-) -> np.ndarray:
-    """Return the derivative of a residual with respect to a parameter over its scale, by a
-    difference over a step, as a share of the scale, upwards where that is possible; is_across:
-    whether the residual has a corner between its value and another one."""
-    result = np.zeros(0)
-    for side in (step, -step):
-        try:
-            beside = residual_at(value + side * scale)
-        except QuantityError:  # beyond the largest that the machine can have
-            continue
-        if not is_across(value + side * scale):
-            return (beside - residual) / side
-        result = result if len(result) else (beside - residual) / side
-    return result
 
 
 class HarmonicBalance:
@@ -251,8 +227,27 @@ class HarmonicBalance:
         residual, jacobian = self.linearized(x, value)
         beside, is_across = partial(self.residual, x), partial(self._is_across, x, value)
         scale = self.parameter.scale
-        by = by_parameter(beside, value, residual, scale, _ONE_SIDED_STEP, is_across)
+        # the friction of a race that rolls turns within a hardly larger change of the speed
+        step, is_central = _PARAMETER_STEP, self.s > 0
+        by = by_parameter(beside, value, residual, scale, step, is_across, is_central)
         return residual, jacobian, by
+
+    def seen(
+        self, x: np.ndarray, value: float, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the motion about the mean of the places that are observed, real and imaginary
+        parts of their amplitudes [m], shape (n,), and its derivative along a direction of the
+        curve."""
+
+        def along(way: float) -> np.ndarray:
+            """Return the motion so far along the direction."""
+            at = value + way * self.parameter.scale * direction[-1]
+            orbit = self.split(x + way * direction[:-1], at)
+            whole = self.dynamic_stiffness(at, orbit.omega).whole(amplitudes(orbit.b))
+            return (whole[1:] @ self.machine_at(at).probes.T).ravel().view(float)
+
+        motion = along(0.0)
+        return motion, by_parameter(along, 0.0, motion, 1.0, _PARAMETER_STEP)
 
     def _is_across(self, x: np.ndarray, value: float, other: float) -> bool:
         """Return whether the same motion touches a wall, or leaves it, all at once between two

@@ -16,9 +16,9 @@ import numpy as np
 
 from . import arclength, newton
 from .arclength import ContinuationSteps
-from .balance import HarmonicBalance, Orbit, by_parameter
+from .balance import HarmonicBalance, Orbit
 from .branch import why_ended
-from .newton import NotConverged
+from .newton import NotConverged, by_parameter
 
 _STEP = 1e-5
 
@@ -88,6 +88,12 @@ class _Folds:
         residual, J = self.linearized(X, second)
         by = by_parameter(partial(self.residual, X), second, residual, self._scale, _STEP)
         return residual, J, by
+
+    def seen(
+        self, X: np.ndarray, second: float, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return nothing: of these motions only the parameters are shown."""
+        return np.zeros(0), np.zeros(0)
 
 
 def fold_curve(

@@ -29,7 +29,10 @@ from . import entry_points
 
 _CALLED = call_laws, linearize_laws, find_gaps, find_invalid
 _BLOCKS = 4  # blocks, one for each number of samples that is asked for
-_STEP = 1e-6  # of a central difference, as a share of the variable's scale
+_STEP = 1e-6  # along the motion, as a share of an interface's length, to a sample's own side
+# of a central difference, as a share of the variable's scale: the friction of a race that rolls at
+# hundreds of revolutions a second turns within some 1e-5 of its speed
+_DIFFERENCE = 1e-7
 _LEAST_STEP = 1e-9  # of one beside a corner
 
 
@@ -249,8 +252,8 @@ class LawsAlongMotion:
         (n, 2, s), and of their rates by displacement, velocity and states, from central
         differences; motion: these three, shape (n, 4 + s), of a frequency [rad/s]."""
         length, force, rates = self.length[0], [], []
-        steps = _STEP * np.tile([1.0, 1.0, frequency, frequency], (len(motion), 1)) * length
-        steps = np.hstack([steps, _STEP * np.tile(scale, (len(motion), 1))])
+        steps = _DIFFERENCE * np.tile([1.0, 1.0, frequency, frequency], (len(motion), 1)) * length
+        steps = np.hstack([steps, _DIFFERENCE * np.tile(scale, (len(motion), 1))])
         # not across the corner in which a contact begins
         apart = 0.5 * np.abs(self.gaps(motion[:, :2]))
         steps[:, :2] = np.clip(apart, _LEAST_STEP * length, steps[:, :2])

@@ -83,6 +83,11 @@ class CondensedMachine:
         self.B = (across[rows] @ self._T)[:, : self.b]
         self._linear_rows = (across[~rows] @ self._T).reshape(-1, 2, N)
         self._linear = linear
+        # of the observed displacements, x and y of each place in turn, by all coordinates
+        x, slope, both = 2 * s.probes.dof, 2 * s.probes.slope, np.arange(2)
+        at, of_slope = ((place[:, None] + both).ravel() for place in (x, slope))
+        offset = np.repeat(s.probes.offset, 2)[:, None]
+        self.probes = (expand[at].toarray() + offset * expand[of_slope].toarray()) @ self._T
         self._set_matrices(machine, across)
         self._set_forces(loads)
 

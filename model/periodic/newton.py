@@ -1,11 +1,14 @@
 """Damped Newton's method for R(x, lambda) = 0 at a value of lambda, and what continuation shares
 with it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
+
+from ..quantities import QuantityError
 
 TOLERANCE = 1e-9  # of Newton's last correction, where equations are as exact as that
 _LEAST_DAMPING = 1e-3  # factor of a correction
@@ -94,6 +97,35 @@ def solve_linear(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     except np.linalg.LinAlgError:
         pass
     return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
+
+
+def by_parameter(
+    residual_at: Callable[[float], np.ndarray],
+    value: float,
+    residual: np.ndarray,
+    scale: float,
+    step: float,
+    is_across: Callable[[float], bool] = lambda _: False,
+    is_central: bool = False,
+) -> np.ndarray:
+    """Return the derivative of a residual with respect to a parameter over its scale, by a
+    difference over a step, as a share of the scale, upwards where that is possible, or where
+    is_central to both sides; is_across: whether the residual has a corner between its value and
+    another one."""
+    ends, result = [value + side * scale for side in (step, -step)], np.zeros(0)
+    if is_central and not any(map(is_across, ends)):
+        with suppress(QuantityError):
+            above, below = map(residual_at, ends)
+            return (above - below) / (2 * step)
+    for side in (step, -step):
+        try:
+            beside = residual_at(value + side * scale)
+        except QuantityError:  # beyond the largest that the machine can have
+            continue
+        if not is_across(value + side * scale):
+            return (beside - residual) / side
+        result = result if len(result) else (beside - residual) / side
+    return result
 
 
 def predicted_correction(corrections: list[float]) -> float:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import mesh
-from .balance import HarmonicBalance, Orbit, by_parameter
+from .balance import HarmonicBalance, Orbit
 from .entry_points import Propagators
 from .floquet import (
     Frequencies,
@@ -34,7 +34,7 @@ from .floquet import (
 )
 from .fourier import amplitudes, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
-from .newton import NotConverged
+from .newton import NotConverged, by_parameter
 from .stepping import integrate_period
 
 _HARMONICS = 256  # at least, of the orbit that is given
@@ -289,6 +289,17 @@ class Shooting:
         defect, jacobian = self.linearized(x, value)
         by = by_parameter(partial(self.residual, x), value, defect, self.parameter.scale, _STEP)
         return defect, jacobian, by
+
+    def seen(
+        self, x: np.ndarray, value: float, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the velocities at the begin of the period of the places that are observed, over
+        the frequency at the reference, shape (n,) [m], and their derivative along a direction of
+        the curve."""
+        probes = self.machine_at(value).probes / self.balance.frequency_scale
+        n = probes.shape[1]
+        motion, along = (probes @ (each / self._weights)[n:] for each in (x, direction[:-1]))
+        return motion, along
 
     def multipliers(self, x: np.ndarray, value: float) -> np.ndarray:
         """Return the Floquet multipliers, the largest first."""

@@ -39,8 +39,9 @@ def guesses(
 ) -> Iterator[Orbit]:
     """Yield orbits to start from at a value of the parameter: that with open contacts, then those
     that the machine reaches in time from rest; at a seed also circles beyond the clearances, and
-    what the machine reaches from them; last its rest, near which it may move unstably. failures:
-    receives why time integration failed."""
+    what the machine reaches from them; last its rest, near which it may move unstably; of a machine
+    without nonlinear interfaces the first alone. failures: receives why time integration
+    failed."""
     problem = task.problem(
         machines, value, max(task.accuracy.least, 3) * task.turns, turns=task.turns
     )
@@ -49,6 +50,8 @@ def guesses(
     changed = task.rotor_at(rotor, value)
     open_contacts = problem.split(np.zeros(problem.size), value)
     yield open_contacts
+    if machine.laws.count == 0:  # then it is the only motion
+        return
     circles = list(_circles(problem, open_contacts)) if is_seed else []
     yield from circles
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 # Of a curve, a value on it, and what is said behind these.
 _AddPoint = Callable[[str, float, str], None]
 _CHECKED = 8  # points that are taken into time
+_HAS_LEFT = 1e6  # growth of a deviation by which the error of a run has left a motion
 
 
 @with_output_options
@@ -283,8 +284,13 @@ def _checked(result: "ResponseResult") -> list[dict[str, Any]]:
         rows.append(row | {"stays": seen.stays, "distance": seen.distance})
         what, more = "stable" if point.is_stable else "unstable", ""
         if seen.stays and not point.is_stable:
-            growth = abs(point.multipliers[0]) ** (seen.turns / point.orbit.turns)
+            each = abs(point.multipliers[0]) ** (1 / point.orbit.turns)
+            growth = each**seen.turns
             more = f", in which a deviation grows {growth:.3g} times"
+            if growth > _HAS_LEFT:  # as beside a grazing, where a stable motion begins
+                more = (
+                    f": gone to a motion that near, since a deviation grows {each:.3g} times a turn"
+                )
         typer.echo(
             f"{value}, {what}: {'stays' if seen.stays else 'leaves'}, "
             f"{seen.distance:.2g} of the orbit away after {seen.turns} turns{more}"

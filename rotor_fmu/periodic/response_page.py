@@ -1,5 +1,6 @@
 """The page of a periodic response: curves, and the orbit of the point under the pointer."""
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from ..report.packed import COARSE, packed
 from ..report.report_tables import notices_html, table
 from ..report.run_page import page, template
 from .curves import ONCE_A_TURN, UNITS
-from .vertices import vertices
+from .vertices import Vertex, drawn, vertices
 
 if TYPE_CHECKING:
     from .result import ResponseResult
@@ -23,6 +24,8 @@ def response_page(result: "ResponseResult", name: str) -> str:
     """Return the page as HTML; name: of the machine."""
     lines, axis = [vertices(branch) for branch in result.branches], result.axis
     points = [vertex.motion for line in lines for vertex in line]
+    branches = [drawn(branch) for branch in result.branches]
+    every = [vertex for branch in branches for vertex in branch]
     places = list(result.probes)
     turns = max((p.orbit.turns for p in points), default=1)
     samples = _SAMPLES * turns
@@ -44,7 +47,12 @@ def response_page(result: "ResponseResult", name: str) -> str:
         "frequency": current().frequency_unit if result.is_whirl else "",
         "samples": samples,
         "quantities": {q: _shown(unit)[1] for q, unit in _units(result).items()},
-        "places": [_place(result, place, points, samples) for place in places],
+        "line": {
+            "value": packed(np.array([v.motion.value for v in every]) * axis.factor),
+            "branch": [i for i, branch in enumerate(branches) for _ in branch],
+            "stable": [int(v.is_stable) for v in every],
+        },
+        "places": [_place(result, place, points, every, samples) for place in places],
     }
     found = result.table()
     body = template("response.html").substitute(
@@ -71,14 +79,29 @@ def _largest(point: Solution | Bifurcation) -> float:
 
 
 def _place(
-    result: "ResponseResult", place: str, points: list[Solution | Bifurcation], samples: int
+    result: "ResponseResult",
+    place: str,
+    points: list[Solution | Bifurcation],
+    every: list[Vertex],
+    samples: int,
 ) -> dict[str, Any]:
-    """Return the curves of a place and its orbits, one after another."""
-    values = [result.quantities(point, place) for point in points]
-    curves = {
-        q: packed(_shown(unit)[0] * np.array([each[q] for each in values]))
-        for q, unit in _units(result).items()
-    }
-    orbits = [result.series(point, place, samples) for point in points]
-    x, y = np.array(orbits).reshape(-1, 2, samples).transpose(1, 0, 2) * current().small
-    return {"name": place, "curves": curves, "x": packed(x, COARSE), "y": packed(y, COARSE)}
+    """Return the curves of a place, those that are drawn through every vertex, and its orbits, one
+    after another."""
+
+    def curves(motions: Iterable[Solution | Bifurcation]) -> dict[str, Any]:
+        """Return the quantities of motions."""
+        values = [result.quantities(motion, place) for motion in motions]
+        return {
+            q: packed(_shown(unit)[0] * np.array([each[q] for each in values]))
+            for q, unit in _units(result).items()
+        }
+
+    # each by its own size about its mean: a small orbit would be steps of the largest one
+    orbits = np.array([result.series(point, place, samples) for point in points])
+    about = orbits.reshape(-1, 2, samples)
+    about = about - about.mean(axis=2, keepdims=True)
+    size = np.abs(about).max(axis=(1, 2), initial=0.0)
+    x, y = (about / np.where(size > 0, size, 1.0)[:, None, None]).transpose(1, 0, 2)
+    lines = curves(vertex.motion for vertex in every)
+    orbit = {"x": packed(x, COARSE), "y": packed(y, COARSE), "size": packed(size * current().small)}
+    return {"name": place, "curves": curves(points), "lines": lines, **orbit}

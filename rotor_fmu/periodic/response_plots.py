@@ -16,19 +16,22 @@ from .curves import ResponseCurves
 from .vertices import pieces
 
 _COLORS = (*COLORS[:4], SKY)
+_LINE = 2e-3  # of a picture's height: less than the width of a line
 _ENDS = {why: f"the curve is {why.rstrip(': ')}" for why in (LOST, UNFINISHED)}
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
 
 def response_figure(result: ResponseCurves, names: Sequence[str] | None = None) -> Figure:
-    """Amplitudes of places over the parameter; by default of the three that move most."""
+    """Amplitudes of places over the parameter; by default of the three that move most. Places that
+    move alike, such as symmetric discs, have one curve."""
     if names is None:
         largest = {n: result.curve(n).value.max(initial=0.0) for n in result.probes}
         names = sorted(sorted(largest, key=lambda n: -largest[n])[:3])
+    alike = _alike(result, names)
     figure, axes = new_figure(6.8, 4.6)
     axis, small = result.axis, current().small
     handles = []
-    for name, color in zip(names, _COLORS, strict=False):
+    for (name, *others), color in zip(alike, _COLORS, strict=False):
         for branch in result.branches:
             for motions, is_stable in pieces(branch):
                 at = [m.value * axis.factor for m in motions]
@@ -42,7 +45,8 @@ def response_figure(result: ResponseCurves, names: Sequence[str] | None = None) 
                 if why.startswith((LOST, UNFINISHED)) and branch.points:
                     y = result.amplitude(branch.points[end], name) * small
                     axes.plot(branch.points[end].value * axis.factor, y, "x", color=color, ms=7)
-        handles.append(Line2D([], [], color=color, lw=1.8, label=name))
+        label = ", ".join((name, *others))
+        handles.append(Line2D([], [], color=color, lw=1.8, label=label))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))
     handles.append(Line2D([], [], color=GREY, lw=1.2, ls=DASHED, label="unstable"))
     for kind in dict.fromkeys(b.kind for b in result.bifurcations):
@@ -62,6 +66,21 @@ def response_figure(result: ResponseCurves, names: Sequence[str] | None = None) 
     axes.set_ylabel(f"Largest distance from the mean [{current().small_unit}]")
     entitle(axes, titled(result.machine, f"periodic motions over {result.parameter}"))
     return figure
+
+
+def _alike(result: ResponseCurves, names: Sequence[str]) -> list[list[str]]:
+    """Return names in groups of places whose curves lie one on the other in a picture."""
+    curves = {name: result.curve(name).value for name in names}
+    width = _LINE * max((curve.max(initial=0.0) for curve in curves.values()), default=0.0)
+    groups = list[list[str]]()
+    for name, curve in curves.items():
+        for group in groups:
+            if np.abs(curve - curves[group[0]]).max(initial=0.0) <= width:
+                group.append(name)
+                break
+        else:
+            groups.append([name])
+    return groups
 
 
 def fold_figure(result: ResponseCurves, name: str, unit: str, folds: FoldCurve) -> Figure:

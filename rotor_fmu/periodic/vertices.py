@@ -36,19 +36,28 @@ def vertices(branch: Branch) -> list[Vertex]:
     return result
 
 
+def drawn(branch: Branch) -> list[Vertex]:
+    """Return the vertices of a branch with motions between them where a line through these would
+    show corners that the curve has not."""
+    line = vertices(branch)
+    between = _between([vertex.motion for vertex in line]) if line else []
+    return [
+        Vertex(motion, vertex.is_stable)
+        for vertex, more in zip(line, between, strict=True)
+        for motion in (vertex.motion, *more)
+    ]
+
+
 def pieces(branch: Branch) -> list[tuple[list[Motion], bool]]:
     """Return the stretches of a branch that are all stable or all not, each up to the first motion
-    of the next one, and which; with motions between its vertices where a line through these would
-    show corners that the curve has not."""
-    line, result = vertices(branch), list[tuple[list[Motion], bool]]()
-    if not line:
-        return result
-    for (motion, is_stable), more in zip(line, _between([v.motion for v in line]), strict=True):
+    of the next one, and which, as they are drawn."""
+    result = list[tuple[list[Motion], bool]]()
+    for motion, is_stable in drawn(branch):
         if not result or result[-1][1] != is_stable:
             if result:
                 result[-1][0].append(motion)
             result.append(([], is_stable))
-        result[-1][0].extend([motion, *more])
+        result[-1][0].append(motion)
     return result
 
 

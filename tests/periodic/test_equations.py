@@ -240,3 +240,25 @@ def test_a_residual_whose_square_no_number_holds_is_no_warning_to_the_user():
         linearized=lambda x, _: (slope @ (x - 1.0), slope),
     )
     assert newton.solve(steep, np.zeros(2), 0.0) == pytest.approx(1.0)
+
+
+ROLLING = """[[touchdown_bearing]]
+node = 2
+journal_radius = 0.05
+clearance = 1e-3
+mu = 0.2
+k = 1e6
+c = 10.0
+race_inertia = 1e-5
+race_damping = 1e-6
+race_drag = 1e-5
+"""
+
+
+def test_the_tangents_of_a_race_that_rolls_are_those_of_its_curve():
+    """Its surface speed, by which friction changes, is a small part of the rotor's."""
+    text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + ROLLING + MORE, gravity=20.0)
+    machine = rf.parse(text.replace("0.5e-3", "1e-6"))
+    (branch,) = rf.response(machine, speed=(2000.0, 2100.0), stability=False).branches
+    assert branch.ends == ("start", "end of the range")
+    assert len(branch.points) < 25  # steps along tangents that are wrong are short

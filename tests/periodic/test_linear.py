@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import response_with_peaks
+from rotor_fmu.model.periodic import starting_points
 
 import rotor_fmu as rf
 
@@ -50,6 +51,12 @@ def test_its_multipliers_are_those_of_its_modes(both):
     assert growth == pytest.approx(slowest, rel=1e-7)
 
 
+def test_a_seed_of_a_machine_without_contacts_is_searched_without_a_run_in_time(monkeypatch):
+    monkeypatch.setattr(starting_points, "_simulation", None)
+    found = rf.response(rf.parse(UNBALANCED), speed=(50.0, 100.0), seeds=(70.0,), stability=False)
+    assert [note.code for note in found.notes] == ["no-motion"]
+
+
 @pytest.mark.parametrize("damping", [1.0, 1e-3])
 def test_no_peak_lies_between_two_points_of_a_machine_without_contacts(damping):
     """Not even one as narrow as a thousandth of the range, nor the weak one of backward whirl."""
@@ -80,10 +87,11 @@ def test_a_narrow_peak_is_drawn_as_the_closed_form_between_its_points_too():
     assert np.abs(drawn / (1e6 * CLEARANCE) - whirl).max() < 0.01 * most
 
 
-@pytest.mark.parametrize("most", [0.1, 0.75])
+@pytest.mark.parametrize("most", [1e-5, 0.1, 0.75])
 def test_no_step_passes_over_a_narrow_resonance_nor_goes_through_it_twice(most):
     """One whose whirl, at most so many clearances, touches nothing; its damping is a thousandth,
-    and its width a thousandth of the longest step."""
+    and its width a thousandth of the longest step. However few clearances it is, a picture shows
+    it."""
     zeta = 1e-3
     result = rf.response(jeffcott(zeta=zeta, e=2 * zeta * most), speed=(20.0, 1000.0))
     curve = result.curve("disc")
@@ -93,3 +101,46 @@ def test_no_step_passes_over_a_narrow_resonance_nor_goes_through_it_twice(most):
     assert curve.value.max() / CLEARANCE > 0.97 * most
     assert (np.diff(curve.parameter) > 0).all()
     assert result.branches[0].ends == ("start", "end of the range")
+
+
+STIFF_PEDESTALS = """
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.25, 0.5, 0.75, 1.0]
+diameters = [0.03, 0.03, 0.03, 0.03]
+[[disc]]
+node = 3
+diameter = 0.2
+width = 0.03
+e = 1e-6
+[[support]]
+node = 1
+stiffness = 1e9
+[[support]]
+node = 3
+stiffness = 1e3
+damping = 50.0
+[[support]]
+node = 5
+stiffness = 1e9
+[[contact]]
+node = 1
+journal_radius = 0.015
+clearance = 1e-4
+mu = 0.1
+k = 1e7
+"""
+
+
+def test_a_resonance_of_a_disc_is_drawn_that_the_contacts_hardly_notice():
+    """The contact is at a node of the mode: while the disc goes through it, it moves less than a
+    ten thousandth of its clearance."""
+    machine = rf.parse(STIFF_PEDESTALS)
+    (branch,) = rf.response(machine, speed=(20.0, 1000.0), stability=False).branches
+    linear = response_with_peaks(machine.rotor, np.linspace(20.0, 1000.0, 500))
+    contact, disc = (np.array([abs(p.motion[1, 2 * i]) for p in branch.points]) for i in (0, 4))
+    assert contact.max() < 1e-4 * 1e-4
+    drawn = np.interp(linear.speeds, [p.value for p in branch.points], disc)
+    assert np.abs(drawn - linear.major[:, 2]).max() < 0.05 * linear.major[:, 2].max()

@@ -112,6 +112,9 @@ class _Circle:
     def linearized_with_parameter(self, x, value):
         return self.residual(x, value), np.array([2.0 * x]), np.array([2.0 * value])
 
+    def seen(self, x, value, direction):
+        return x, direction[:-1]
+
 
 def test_a_step_as_long_along_the_tangent_as_the_last_one_was_comes_to_its_end():
     """So that a function along the step, whose sign changes just before the end, is continuous."""
@@ -144,3 +147,40 @@ def test_a_torus_begins_where_a_pair_of_multipliers_leaves_the_circle(curve, ove
     assert abs(fold.multiplier - 1) < 1e-6
     (grazing,) = [b for b in curve.bifurcations if b.kind == "grazing"]
     assert np.isnan(grazing.multiplier)
+
+
+class _Corner:
+    """lambda = 2 |x|, and so many more unknowns that are 0."""
+
+    tolerance, damped_beyond = 1e-12, 1.0
+
+    def __init__(self, more):
+        self.more = more
+
+    def residual(self, x, value):
+        return np.append(value - 2.0 * abs(x[0]), x[1:])
+
+    def linearized(self, x, value):
+        return self.residual(x, value), np.diag([-2.0 * np.sign(x[0]), *np.ones(self.more)])
+
+    def linearized_with_parameter(self, x, value):
+        return *self.linearized(x, value), np.append(1.0, np.zeros(self.more))
+
+    def seen(self, x, value, direction):
+        return x[:0], x[:0]
+
+
+def test_a_curve_doubles_back_in_a_corner_with_other_unknowns_at_each_point():
+    corners = [_Corner(0), _Corner(1)]
+    point = arclength.with_tangent(corners[0], np.array([1.0]), 2.0, -1.0)
+    trace = arclength.trace(corners[0], point, 1.0, -1.0, 3.0, ContinuationSteps())
+    point, values = next(trace)[0], []
+    for i in range(1, 1000):
+        x, tangent = (np.append(each[0], np.zeros(i % 2)) for each in (point.x, point.tangent))
+        point = point._replace(x=x, tangent=tangent, curvature=np.zeros(0))
+        values.append((point.x[0], point.value))
+        try:
+            point, _ = trace.send((corners[i % 2], point))
+        except StopIteration:
+            break
+    assert values[-1] == pytest.approx((-1.5, 3.0))

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from rotor_fmu.model.periodic.branch import FOLD, Bifurcation
 
+import rotor_fmu as rf
 from rotor_fmu.display import choose, restored
 from rotor_fmu.periodic.response_page import response_page
 from rotor_fmu.periodic.vertices import vertices
 
 from ..documents.browser import NASTY, Page
-from .machines import CLEARANCE, OMEGA, rub
+from ..parts.machines import bearings, rigid
+from .machines import CLEARANCE, OMEGA, jeffcott, rub
 
 HERTZ = 1 / (2 * np.pi)  # of a rad/s
 
@@ -92,15 +94,41 @@ def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, curve, tmp_pat
     assert "disc.x_1x" in page.text("reading")
 
 
-def test_unstable_motions_are_dashed(silent, curve, tmp_path):
+def test_unstable_motions_are_dashed_and_curves_those_of_the_picture(silent, curve, tmp_path):
     path = tmp_path / "response.html"
     path.write_text(response_page(curve, "Jeffcott"), encoding="utf-8")
     page = Page(silent, path)
     full, dashed = page.run(
         "return curves.lines[0].map((s) => s.data.y.map((v) => Number.isFinite(v) ? v : null))"
     )
-    line = curve.curve("disc")
-    for drawn, wanted in ((full, line.stable), (dashed, ~line.stable)):
-        shown = {round(v, 1) for v in drawn if v is not None}
-        assert {round(1e6 * v, 1) for v in line.value[wanted]} <= shown
-        assert len(shown) <= wanted.sum() + 2  # and the points that join them
+    drawn = {"-": [], "--": []}
+    for line in curve.figure(["disc"]).axes[0].lines:
+        if len(line.get_ydata()) > 1:
+            drawn[line.get_linestyle()] += list(line.get_ydata())
+    for on_page, in_picture in zip((full, dashed), drawn.values(), strict=True):
+        shown = sorted(v for v in on_page if v is not None)
+        assert shown == pytest.approx(sorted(in_picture), rel=1e-5)
+        assert len(shown) > 20
+
+
+@pytest.mark.slow
+def test_an_orbit_far_smaller_than_the_largest_one_is_round(silent, tmp_path):
+    path = tmp_path / "response.html"
+    found = rf.response(jeffcott(zeta=1e-3, e=1e-3), speed=(20.0, 400.0), stability=False)
+    path.write_text(response_page(found, "Jeffcott"), encoding="utf-8")
+    page = Page(silent, path)
+    page.run("curves.pick(0)")
+    x, y = page.run("return [curves.path.data.x, curves.path.data.y]")
+    curve = 1e6 * found.curve("disc").value
+    assert curve[0] < 1e-4 * curve.max()
+    assert np.hypot(x, y) == pytest.approx(np.full(len(x), curve[0]), rel=1e-3)
+
+
+def test_places_that_move_alike_have_one_curve_with_the_names_of_both():
+    ends = "".join(f'[[sensor]]\nnode = {n}\nname = "at_{n}"\n' for n in (1, 2))
+    unbalanced = "[[unbalance]]\nnode = 2\namount = 1e-4\n"
+    text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + unbalanced + ends)
+    found = rf.response(rf.parse(text), speed=(50.0, 150.0), stability=False)
+    axes = found.figure(["at_1", "at_2"]).axes[0]
+    assert len(axes.lines) == 1
+    assert axes.get_legend().get_texts()[0].get_text() == "at_1, at_2"

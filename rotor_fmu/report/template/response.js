@@ -54,8 +54,8 @@ class ResponseCurves {
 
   // Every branch in two lines, broken where the other one goes on; both have the point between.
   draw() {
-    const { value, branch, stable, kind } = this.response;
-    const y = this.values;
+    const { value, branch, stable } = this.response.line;
+    const y = this.place.lines[field("quantity").value];
     this.lines.forEach((pair, b) => pair.forEach((source, k) => {
       const wanted = k === 0 ? 1 : 0;
       const line = { x: [], y: [] };
@@ -71,9 +71,11 @@ class ResponseCurves {
       }
       source.data = line;
     }));
+    const { kind } = this.response;
     const marked = [...kind.keys()].filter((i) => kind[i] !== "");
     this.marks.data = {
-      x: marked.map((i) => value[i]), y: marked.map((i) => y[i]), kind: marked.map((i) => kind[i]),
+      x: marked.map((i) => this.response.value[i]), y: marked.map((i) => this.values[i]),
+      kind: marked.map((i) => kind[i]),
     };
     const unit = this.response.quantities[field("quantity").value];
     this.chart.plot.left[0].axis_label = verbatim(`${this.place.name}.${field("quantity").value} [${unit}]`);
@@ -106,8 +108,10 @@ class ResponseCurves {
     const [value, y] = [response.value[i], this.values[i]];
     this.one.data = { x: [value], y: [y] };
     const { samples } = response;
-    const cut = (values) => [...values.subarray(i * samples, (i + 1) * samples)];
-    const [px, py] = [cut(this.place.x), cut(this.place.y)];
+    const { curves, size } = this.place;
+    const cut = (axis) => [...this.place[axis].subarray(i * samples, (i + 1) * samples)]
+      .map((share) => curves[axis][i] + size[i] * share);
+    const [px, py] = [cut("x"), cut("y")];
     this.path.data = { x: [...px, px[0]], y: [...py, py[0]] };
     const every = samples / response.turns[i];
     const marks = Array.from({ length: response.turns[i] }, (_, k) => Math.round(k * every));
