@@ -24,11 +24,11 @@ def five_digits(value: float) -> str:
 
 
 def html_table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table in HTML; heads that are all empty are left out, words flush left."""
+    """Return a table in HTML, words flush left; empty heads, and those of no row, are left out."""
     lines = [[cell(value) for value in row] for row in rows]
     columns = zip(*lines, strict=True) if lines else [()] * len(heads)
     styles = [' style="text-align: left"' if _are_words(column) else "" for column in columns]
-    top = f"<thead>{_line(heads, styles, 'th')}</thead>" if any(heads) else ""
+    top = f"<thead>{_line(heads, styles, 'th')}</thead>" if lines and any(heads) else ""
     body = "".join(_line(line, styles, "td") for line in lines)
     return f"<table><caption>{html.escape(caption)}</caption>{top}<tbody>{body}</tbody></table>"
 

@@ -33,7 +33,9 @@ class Table(NamedTuple):
         return cls(title, heads, list(rows))
 
     def text(self) -> str:
-        """Return the table as text in columns, for a terminal."""
+        """Return the table as text in columns, for a terminal; without rows its title says it."""
+        if not self.rows:
+            return self.title
         shown = [list(self.heads), *([cell(value) for value in row] for row in self.rows)]
         widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
         lines = [

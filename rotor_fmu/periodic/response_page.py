@@ -55,9 +55,8 @@ def response_page(result: "ResponseResult", name: str) -> str:
         "places": [_place(result, place, points, every, samples) for place in places],
     }
     found = result.table()
-    body = template("response.html").substitute(
-        notices=notices_html(result.notes), tables=table("Bifurcations", found.heads, found.rows)
-    )
+    listed = table("Bifurcations", found.heads, found.rows) if found.rows else ""
+    body = template("response.html").substitute(notices=notices_html(result.notes), tables=listed)
     return page(title=name, about=found.title, body=body, data=data, scripts=("response.js",))
 
 

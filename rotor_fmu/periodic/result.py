@@ -137,6 +137,8 @@ class ResponseResult(ResponseCurves):
             for i, b in enumerate(self.branches, 1)
         )
         of_branches = f"branch {counts}" if counts else "no branch"
+        if counts and not rows:
+            of_branches += "; no bifurcation"
         return Table(f"Periodic response over {self.parameter}; {of_branches}", heads, rows)
 
     @cached_property

@@ -251,6 +251,7 @@ def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(comm
     assert "no critical speed up to 4.7746 Hz" in [text.get_text() for text in texts]
     said = command("campbell", "--rotor", JEFFCOTT, "--speed", "0:20")
     assert said.startswith("No critical speed between 0 and 3.1831 Hz, contacts open; stable at")
+    assert "log dec" not in said
 
 
 def _crosses(amplitude, below):

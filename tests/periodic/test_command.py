@@ -38,6 +38,8 @@ def test_that_the_laws_are_compiled_first_is_said(process, monkeypatch, compiles
     monkeypatch.setattr(laws, "waits_for_compiler", lambda: compiles)
     done = process("response", "--rotor", str(JEFFCOTT), "--speed", "100:110")
     assert done.returncode == 0
+    assert done.stdout.splitlines()[0].endswith("; no bifurcation")
+    assert "crossing multiplier" not in done.stdout
     said = "response: compiling the laws of all parts, once on this machine"
     assert (said in done.stderr.splitlines()) == compiles
 
