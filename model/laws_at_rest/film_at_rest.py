@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..parts import LAWS
-from ..parts.law_probe import BY_D, LawProbe
+from ..parts.law import BY_D
+from ..parts.law_probe import LawProbe
 from ..step.laws_along_motion import single_law
 from .potential_rest import rest_in_potential
 from .tangents import LawsAtRest

@@ -21,8 +21,7 @@ from ..parts.base import MountElement, Part
 from ..parts.film_law import bearing_at
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
-from ..parts.law import Weights
-from ..parts.law_probe import BY_D
+from ..parts.law import BY_D, Weights
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..parts.tilting_pads import states_of_pad
 from .system_at_speed import LinearError

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from ..quantities import Output, check_all, remembered
+from ..quantities import SPEED, Output, check_all, remembered
 
 if TYPE_CHECKING:
     from .law import Law
@@ -138,6 +138,11 @@ PROBE_OUTPUTS = (
         Output("x_1x_phase", "rad", f"angle by which the 1x component of x {_LEADS}", nominal=1.0),
         Output("y_1x_phase", "rad", f"angle by which the 1x component of y {_LEADS}", nominal=1.0),
     ),
+)
+# The force of an interface whose friction or coefficients depend on the speed.
+FORCE_OUTPUTS = (
+    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
+    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
 )
 STEP_WORK = Output(
     "step_work", "J", "energy that entered here over the last communication step", nominal=1e-3

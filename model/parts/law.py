@@ -77,6 +77,9 @@ class Weights(NamedTuple):
     rate: float
 
 
+BY_D, BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
+
+
 class StateSlopes(NamedTuple):
     """What a law's `linearize` fills in of its s internal states: their rates, shape (s,); the
     derivatives of the force by them, complex; those of their rates by displacement and velocity, as
