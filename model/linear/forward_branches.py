@@ -32,7 +32,8 @@ class ForwardBranches:
         first = self._modes(stiffness[0])
         places = np.arange(min(len(first.speeds), self._most))
         self._places = {float(stiffness[0]): (first, places)}
-        counts = np.array([self._forwardness(k) > _BACKWARD for k in stiffness])
+        seen = (modes.forwardness[places] for modes, places in map(self._followed, stiffness))
+        counts = np.array([of_modes > _BACKWARD for of_modes in seen])
         # at one stiffness amid others alone a backward mode grazes the bound, which is no line
         beside = np.pad(counts, ((1, 1), (0, 0)), constant_values=True)
         is_line = (counts & (beside[:-2] | beside[2:])).any(axis=0)
@@ -43,10 +44,6 @@ class ForwardBranches:
         """Return the critical speeds with a stiffness [N/m], shape (count or fewer,) [rad/s]."""
         modes, places = self._followed(stiffness)
         return modes.speeds[places[self._kept]]
-
-    def _forwardness(self, stiffness: float) -> np.ndarray:
-        modes, places = self._followed(stiffness)
-        return modes.forwardness[places]
 
     def _modes(self, stiffness: float) -> Synchronous:
         return self._machine.synchronous(float(stiffness), self._most + _MORE)

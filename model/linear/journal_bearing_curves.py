@@ -88,11 +88,6 @@ def bearings(rotor: Rotor) -> dict[str, AnyBearing]:
     return {name: p for kind in kinds for name, p in rotor.named_parts() if isinstance(p, kind)}
 
 
-def journal_bearings(rotor: Rotor) -> dict[str, JournalBearing]:
-    """Return the journal bearings of a machine by their names."""
-    return {where: p for where, p in rotor.named_parts() if isinstance(p, JournalBearing)}
-
-
 def bearing_curves(
     rotor: Rotor,
     speeds: Sequence[float] | np.ndarray,
@@ -107,7 +102,7 @@ def bearing_curves(
     the machine's weight puts on it. Raises `LinearError` if there is no such bearing or no
     equilibrium, or if there are several of both.
     """
-    known = journal_bearings(rotor)
+    known = {name: p for name, p in rotor.named_parts() if isinstance(p, JournalBearing)}
     if not known:
         raise LinearError("the machine has no [[journal_bearing]]")
     name = bearing or next(iter(known))

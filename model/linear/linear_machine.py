@@ -272,13 +272,10 @@ class LinearMachine:
         m_x, m_y = interpreted(masses)(s.housings)
         return in_plane(np.concatenate([s.weight, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
 
-    def _kappa(self, speed: float) -> float:
-        return self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
-
     def _strain(self, speed: float) -> Strain:
         """Return the contribution of the shaft's strain."""
-        by_d = self._elastic - self._kappa(speed) * TURN
-        return Strain(by_d, self._viscous, self._kappa_h, speed)
+        kappa = self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
+        return Strain(self._elastic - kappa * TURN, self._viscous, self._kappa_h, speed)
 
     def _linear(
         self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None

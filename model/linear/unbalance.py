@@ -69,11 +69,6 @@ class UnbalanceResponse:
         return orbit.semi_axes(self.x, self.y)[1]
 
     @property
-    def inclination(self) -> np.ndarray:
-        """Angles of the major axes from x, shape (s, n) [rad]."""
-        return orbit.inclination(self.x, self.y)
-
-    @property
     def phase_x(self) -> np.ndarray:
         """Angle by which x leads the shaft's mark, a lag negative whichever way it turns, shape
         (s, n) [rad]."""
