@@ -49,7 +49,7 @@ def modes(
     from ..linear import answers
 
     check_count(count, _MOST_MODES)
-    from ..linear.mode_shapes import mode_shapes_figure
+    from ..linear.mode_answers import mode_shapes_figure
     from ..plotting.figure_style import save
 
     result = answers.modes(machine, at, count=count, contacts=contacts)

@@ -43,8 +43,6 @@ Rated = Annotated[
         "given; default: the machine's own range."
     ),
 ]
-
-
 RatedSpeed = Annotated[
     str | None,
     typer.Option(

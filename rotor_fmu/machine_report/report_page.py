@@ -14,7 +14,7 @@ from ..linear import acceptance, answers, stability_answers
 from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, clean_damping, numbers
-from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
+from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.unbalance import SteadyWhirl
