@@ -17,9 +17,8 @@ _MORE = 8  # modes followed beyond four times those asked for, since they change
 
 
 class ForwardBranches:
-    """The critical speeds over ascending stiffnesses [N/m], `count` of those that somewhere, not
-    at a single one amid others, do not clearly whirl backward, in the order that they have at the
-    first stiffness."""
+    """The critical speeds over ascending stiffnesses [N/m], `count` of those that somewhere, not at
+    a single one amid others, do not clearly whirl backward, in the order of the first stiffness."""
 
     def __init__(self, machine: UndampedMachine, stiffness: np.ndarray, count: int) -> None:
         self._machine = machine
@@ -59,7 +58,6 @@ class ForwardBranches:
         return self._places[to]
 
     def _likeness(self, a: Synchronous, b: Synchronous) -> np.ndarray:
-        """Return the modal assurance criterion, weighted by mass, of all shapes of a with all of
-        b."""
+        """Return the modal assurance criterion, weighted by mass, of all shapes of a and b."""
         norms = np.sqrt(np.outer(a.norms, b.norms))
         return np.abs(a.shapes.conj().T @ (self._machine.mass @ b.shapes) / norms) ** 2

@@ -95,8 +95,7 @@ def bearing_curves(
     bearing: str | None = None,
     load: float | Sequence[float] | np.ndarray | None = None,
 ) -> BearingCurves:
-    """Return a journal bearing's equilibrium and coefficients at each speed [rad/s], or under each
-    load at one.
+    """Return a journal bearing's equilibrium and coefficients at each speed [rad/s] or load.
 
     bearing: its name, the first by default; load: downwards [N], one or several, by default what
     the machine's weight puts on it. Raises `LinearError` if there is no such bearing or no

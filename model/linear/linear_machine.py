@@ -241,8 +241,7 @@ class LinearMachine:
         return places.numbers(x, x + 1, q) - places.numbers(x + 1, x, q)
 
     def rotor_matrices(self) -> tuple[sp.csc_array, sp.csc_array, sp.csc_array]:
-        """Return M, K and G of the unknowns, shape (N, N), without what the laws and the shaft's
-        strain add."""
+        """Return M, K and G of the unknowns, shape (N, N), without laws and the shaft's strain."""
         matrix = self.system.places.matrix
         return matrix(self._M), matrix(self._K), matrix(self._gyroscopic)
 
@@ -325,8 +324,7 @@ class LinearMachine:
         return np.concatenate([springs, acting])
 
     def _holds(self, *places: Linear) -> bool:
-        """Return whether the stiffness, the mean of these places, resists every motion as a rigid
-        body."""
+        """Return whether the stiffness, the mean of these places, resists every rigid motion."""
         linear, soft, rigid = places[0], self._soft, self._rigid()
         own_K = sum(place.own_K for place in places) / len(places)
         solve = self.system.factorized(own_K + soft * linear.own_M, linear.strain.by_d)

@@ -98,8 +98,7 @@ class Modes(Spectrum):
 
     @property
     def is_sound(self) -> np.ndarray:
-        """Which modes satisfy their equations within `DOUBTFUL`; others are dominated by
-        rounding."""
+        """Which modes satisfy their equations within `DOUBTFUL`; others are rounding."""
         return self.residuals <= DOUBTFUL
 
     @property
@@ -140,8 +139,7 @@ class Modes(Spectrum):
 
     @property
     def whirl(self) -> tuple[str, ...]:
-        """`forward`, `backward`, `planar`, or `mixed` where some nodes whirl forward, others
-        backward."""
+        """`forward`, `backward`, `planar`, or `mixed` where nodes whirl either way."""
         forward, backward = (np.abs(p) ** 2 for p in self._parts())
         each = (forward - backward) / (forward + backward).max(axis=1, keepdims=True)
         seen = zip(each, self.forwardness, self.is_degenerate, strict=True)
@@ -313,8 +311,7 @@ def _eigen(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) -> None:
-    """Make the two shapes of an eigenvalue that is there twice a forward and a backward circle, if
-    they can be."""
+    """Make both shapes of a double eigenvalue a forward and a backward circle, if they can be."""
     paired = -1
     for i in range(len(values) - 1):
         if i == paired or abs(values[i + 1] - values[i]) > _DEGENERATE * abs(values[i]):

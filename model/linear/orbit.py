@@ -21,7 +21,6 @@ def backward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def semi_axes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the major and minor semi-axis; the minor one is negative where the node whirls
-    backward."""
+    """Return the major and minor semi-axis; the latter is negative where the node whirls back."""
     forward, backward = np.abs(forward_part(x, y)), np.abs(backward_part(x, y))
     return forward + backward, forward - backward

@@ -60,8 +60,7 @@ class Modes(Displayed, linear.Modes):
         return f"{self.whirl[mode]}{', housings alone' if self.is_of_housings[mode] else ''}"
 
     def figure(self) -> Figure:
-        """Draw the shapes of the lowest modes: each plane at the instant of its largest
-        deflection."""
+        """Draw the lowest modes' shapes, each plane at the instant of its largest deflection."""
         shown, rows, columns = shapes_in_grid(len(self.eigenvalues))
         figure, panels = new_panels(4.2 * columns, 0.9 + 1.75 * rows, rows, columns, share_x=True)
         for i, axes in enumerate(panels):

@@ -32,8 +32,7 @@ _ONE_PEAK = 0.03
 
 
 class Conclusion(NamedTuple):
-    """What the report says of a check in a line, and whether the check is met; None where nothing
-    was checked."""
+    """What the report says of a check, and whether it is met; None where nothing was checked."""
 
     text: str
     is_met: bool | None

@@ -123,8 +123,7 @@ def _peak(figures: Mapping[str, Any]) -> str:
 
 
 def _speed(hz: float) -> str:
-    """Return a speed [Hz] with a tenth of a Hz and in whole rpm, or with three digits where that
-    is fewer."""
+    """Return a speed [Hz] to a tenth of a Hz and in whole rpm, or to three digits if fewer."""
     shown, rpm = (
         f"{value:.{places}f}" if abs(value) >= least else f"{value:.3g}"
         for value, places, least in ((hz, 1, 10.0), (60 * hz, 0, 100.0))

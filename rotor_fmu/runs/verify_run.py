@@ -82,8 +82,7 @@ class Verification:
 
 
 def finer(settings: Settings) -> dict[str, float]:
-    """Return the settings of a finer run that differ: a tenth of the tolerance, or half of the
-    steps."""
+    """Return a finer run's settings that differ: a tenth of the tolerance, or half the steps."""
     if settings.mode == "controlled":
         changed = {"tolerance": _FINER * settings.tolerance}
     elif settings.mode == "adaptive":

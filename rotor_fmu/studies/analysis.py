@@ -157,8 +157,7 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
     """Return the indices of a column by the names of what is varied, each with its half width at 95
     %.
 
-    Of a sample with gaps the whole blocks are used; `{}` where they are fewer than two, or do not
-    vary.
+    Of a sample with gaps whole blocks are used; `{}` of fewer than two, or none that vary.
     """
     of_runs = np.full(len(design), math.nan)
     of_runs[data.run.values] = data[name].values

@@ -1,5 +1,4 @@
-"""Carry out a study, from its list of runs to its rows, continuing where an earlier call
-stopped."""
+"""Carry out a study, from its runs to its rows, continuing where an earlier call stopped."""
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait

@@ -173,8 +173,7 @@ def schema_of(study: Study) -> "pyarrow.Schema":
 
 
 def read_rows(folder: Path) -> "pyarrow.Table":
-    """Return all rows there are, each once, in the order of the runs; `InputError` without a
-    study."""
+    """Return all rows, each once, in the order of the runs; `InputError` without a study."""
     import pyarrow as pa
 
     result = read_parts(folder)

@@ -165,8 +165,7 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
 
 
 def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:
-    """Return the first turns of blocks, and their length: `turns`, or as many consecutive ones as
-    there are."""
+    """Return the first turns of blocks and their length, `turns` or as many on end as there are."""
     check_integer("turns", turns, 1)
     signal.needs(least)
     turns = min(turns, signal.longest)
