@@ -82,8 +82,7 @@ class FilmAtRest(LawProbe):
         return found if self._balances(load, found) else d
 
     def _by_newton(self, load: complex, d: complex) -> complex | None:
-        """Return the equilibrium by Newton's method from a displacement on; None if it finds
-        none."""
+        """Return the equilibrium by Newton's method from a displacement on, or None."""
         c = self._part.clearance
         before = math.inf
         for _ in range(_ITERATIONS):

@@ -302,8 +302,7 @@ class LinearMachine:
     def loads(
         self, linear: Linear, u: np.ndarray, pull: np.ndarray, force: np.ndarray, omega: float
     ) -> np.ndarray:
-        """Return the loads on springs, then on interfaces, in x and y, shape (springs + interfaces,
-        2) [N].
+        """Return loads on springs, then interfaces, in x, y, shape (springs + interfaces, 2) [N].
 
         The machine moves as Re(u exp(i omega t)), its elements pulling with `pull`, under `force`,
         x, y of every dof; at omega = 0 it rests.

@@ -170,8 +170,7 @@ def modes(
 ) -> Modes:
     """Return the `count` lowest modes at a speed [rad/s], fewer where there are fewer.
 
-    contacts: `open` or `pinned`; None: open where the machine is held without them. Raises
-    `LinearError`.
+    contacts: `open`, `pinned` or None: open where that holds the machine. Raises `LinearError`.
     """
     return machine_modes(LinearMachine(rotor, contacts), speed, count)
 

@@ -1,5 +1,4 @@
-"""The definition of a part: a frozen data class that says which elements of the machine it consists
-of.
+"""The definition of a part: a frozen data class that says of which elements it consists.
 
 Assembly knows only the few elements below. A new kind of part combines them, and brings a `Law` of
 its own if a force is neither linear nor constant.

@@ -88,8 +88,7 @@ LOSSES = (Output("film", "J", "dissipated in oil films", nominal=10.0), *CONTACT
 
 @jit
 def film_breaks(part, tables, displacement, internal_state):
-    """Return whether the journal touches in a film without contact stiffness: `Law.breaks` of a
-    film."""
+    """Return whether the journal touches in a film without contact stiffness: `Law.breaks`."""
     return breaks(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0))
 
 

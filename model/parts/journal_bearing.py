@@ -195,8 +195,7 @@ def _per_pad(unit: str, text: str, rule: Rule, default: float) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class JournalBearing(HeatQuantities, TiltingQuantities, Part):
-    """A journal bearing with an oil film, between a node (from 1) and the housing of that name or
-    ground.
+    """A journal bearing with an oil film, between a node (from 1) and a housing or ground.
 
     Without pads it is a plain, whole circle. A pad has the angle of its middle [rad], anticlockwise
     from the right; an arc [rad]; a preload, 1 less the bearing's clearance over the pad's; and an

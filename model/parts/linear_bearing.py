@@ -37,8 +37,7 @@ def _damping(direction: str, *default: float) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class Coefficients:
-    """Stiffness [N/m] and damping [N.s/m]: kxy is minus the force to the right per upward
-    displacement."""
+    """Stiffness [N/m] and damping [N.s/m]: kxy is minus the force in x per displacement in y."""
 
     kxx: float | tuple[float, ...] = _stiffness("horizontal")
     kxy: float | tuple[float, ...] = _stiffness("horizontal force by vertical displacement", 0.0)

@@ -84,8 +84,7 @@ def _store(slopes, place, first, rate, change, part):
 
 @jit_not_inlined
 def _linearize_pad(part, bearing, tables, i, pad, internal_state, slopes):
-    """Return p_d, q_d, p_v, q_v of a pad in its `PadMotion`, and fill in what is its own of
-    `StateSlopes`."""
+    """Return p_d, q_d, p_v, q_v of a pad in its `PadMotion`, and fill in its `StateSlopes`."""
     at, outwards = pad.at, across_of(bearing, tables, i) * -1j
     stride = states_of_pad(part)
     first, last = stride * i, stride * (i + 1) - 1

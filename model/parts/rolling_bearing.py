@@ -288,8 +288,7 @@ class RollingBearing(RollingQuantities, Part):
     housing: str = GROUND
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError` for impossible quantities, or elements that do not fit on their
-        circle."""
+        """Raise `QuantityError` for impossible quantities, or elements without room."""
         check_all(where, self)
         if float(self.count) != int(self.count):
             raise QuantityError(f"{where}.count = {self.count:g}: must be a whole number")

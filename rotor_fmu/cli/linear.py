@@ -1,5 +1,4 @@
-"""`rotor-fmu modes`, `campbell`, `static`, `show`, `frequency-response`: each with a table and a
-picture."""
+"""`rotor-fmu modes`, `campbell`, `static`, `show`, `frequency-response`: table and picture."""
 
 import math
 from collections.abc import Callable

@@ -1,5 +1,4 @@
-"""The figures of a run, its peaks and what the solver did, and what it came to in three
-sentences."""
+"""The figures of a run, peaks and the solver's work, and what it came to in three sentences."""
 
 import math
 from collections.abc import Mapping

@@ -35,8 +35,7 @@ STILL = 1e-8
 
 
 class Comparison(NamedTuple):
-    """A quantity of a run and of its finer twin [m]; difference: relative to how much that part
-    moves [1]."""
+    """A quantity of a run and its finer twin [m]; difference: relative to the part's motion [1]."""
 
     name: str
     value: float

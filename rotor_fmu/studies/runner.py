@@ -134,8 +134,7 @@ def _one_by_one(
 
 
 def _error_of(future: Future) -> BaseException | None:
-    """Return the error of a chunk, or that of its worker; raises `RunFailed` for an error that no
-    run caused."""
+    """Return the error of a chunk, or of its worker; raises `RunFailed` for one of no run."""
     try:
         error = future.exception()
     except CancelledError:

@@ -210,8 +210,7 @@ def time_share(
     angles: int = 120,
     pieces: int = 8,
 ) -> TimeShare:
-    """Return how long a displacement z = x + i y pointed in each direction, over the speed w
-    [rad/s].
+    """Return how long z = x + i y pointed in each direction, over the speed w [rad/s].
 
     The path between two rows is a straight line, each of its `pieces` counting for the time it
     took: a quick passage is a faint trace, not the few points that happened to be recorded.
