@@ -88,8 +88,7 @@ def path_of(name: str, value: Any) -> Path:
 
 
 def rows(name: str, values: Any, form: str) -> list[tuple[int, float, float]]:
-    """Return a list of a node and two numbers each; form: what they are; `InputError` for anything
-    else."""
+    """Return a list of a node and two numbers each, or `InputError`; form: what they are."""
     try:
         return [(node, number(name, a), number(name, b)) for node, a, b in values]
     except (TypeError, ValueError):

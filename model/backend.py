@@ -82,8 +82,7 @@ def why_interpreted() -> str:
 
 
 def waits_for_compiler(entry: Any = entry_points.advance) -> bool:
-    """Return whether the first call of an entry point in this process compiles it, with everything
-    that it calls."""
+    """Return whether the first call of an entry point in this process compiles it."""
     return selected_backend() is Backend.NUMBA and has_to_compile(entry)
 
 

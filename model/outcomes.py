@@ -85,8 +85,7 @@ def no_rest(run, status, arguments):
 
 @jit
 def _node_of_invalid_film(run):
-    """Return the node (from 1) of a law that is invalid where the last step led; 0 if there is
-    none."""
+    """Return the node (from 1) of a law that is invalid where the last step led, or 0."""
     structure = run.structure
     j = first_invalid_law(structure, run.trial.q, run.trial.internal_state)
     return _node_of(structure, structure.interfaces[j].dof) if j >= 0 else 0
@@ -94,8 +93,7 @@ def _node_of_invalid_film(run):
 
 @jit
 def _node_of(structure, dof):
-    """Return the node (from 1) of a deflection, or of the node that a housing supports, by its
-    dof."""
+    """Return the node (from 1) of a deflection, or that a housing supports, by its dof."""
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].end == dof:
             dof = structure.interfaces[j].dof
@@ -194,8 +192,7 @@ def hidden(run, arguments):
 
 @jit
 def _farthest(run):
-    """Return the index of the deflection that is farthest from the axis, or of the first that is
-    not finite."""
+    """Return the index of the deflection farthest from the axis, or the first not finite."""
     deflections = run.structure.deflections
     place, farthest = 0, -1.0
     for i in range(len(deflections)):

@@ -199,8 +199,7 @@ def restored() -> Iterator[None]:
 
 
 def in_its_units(show: Method) -> Method:
-    """A method that shows the units of `shown_units`, those of a machine's file, unless others were
-    chosen."""
+    """A method that shows the units of `shown_units`, a machine's, unless others are chosen."""
 
     @wraps(show)
     def in_units(self: Any, *arguments: Any, **options: Any) -> Any:

@@ -128,8 +128,7 @@ def _end(message: str, status: int) -> NoReturn:
 
 
 def optional(module: str, extra: str, what: str) -> Any:
-    """Return a module that an extra of this package brings; `InputError` where it is not
-    installed."""
+    """Return a module that an extra of this package brings; `InputError` without it."""
     try:
         return import_module(module)
     except ImportError:

@@ -34,8 +34,7 @@ def unfinished(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def scratch_folder() -> Iterator[Path]:
-    """A temporary folder; an `OSError` that names no file, as of a full disk, is raised with its
-    name."""
+    """A temporary folder; an `OSError` that names no file, as of a full disk, has its name."""
     with TemporaryDirectory(prefix="rotor_fmu_") as name, named(Path(name)):
         yield Path(name)
 

@@ -1,5 +1,4 @@
-"""How much a run is to be trusted: `ok`, `doubtful: ` and the codes of its warnings, or `failed: `
-and why."""
+"""How much a run is to be trusted: `ok`, `doubtful: ` and codes of warnings, `failed: ` and why."""
 
 from collections.abc import Iterable
 

@@ -32,8 +32,7 @@ def refuse_other(out: Path, other: str) -> None:
 
 
 def read_run(path: Path) -> Recording:
-    """Return the recording of a run's folder, or a recording's file, in which turns of the shaft
-    can be counted."""
+    """Return the recording of a run's folder or file, in which the shaft's turns can be counted."""
     file = path / RUN if path.is_dir() else path
     if not file.exists():
         what = f"holds no {RUN}" if path.is_dir() else "is not there"
@@ -55,8 +54,7 @@ def read_summary(path: Path) -> dict[str, Any]:
 
 
 def read_study(path: Path) -> "tuple[dict[str, Any], pyarrow.Table]":
-    """Return what a study's folder says of it, and its rows, each once, in the order of the
-    runs."""
+    """Return what a study's folder says of it, and its rows, each once, in runs' order."""
     arrow_error = optional("pyarrow", "study", str(path)).ArrowException
     from .studies.store import about_of, read_rows
 

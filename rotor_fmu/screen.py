@@ -43,8 +43,7 @@ def text_table(
 
 @contextmanager
 def progress_of(label: str, total: float, first: float) -> Iterator[Update]:
-    """A bar with a text on a terminal; elsewhere a line every now and then, after `first` [s]; on
-    standard error."""
+    """A bar with a text on a terminal; else a line now and then, after `first` [s]; on stderr."""
     console = Console(stderr=True)
     every = _BAR_EVERY if console.is_terminal else _LINE_EVERY
     due = time.monotonic() + (0.0 if console.is_terminal else first)

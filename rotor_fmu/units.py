@@ -64,8 +64,7 @@ _ANGLES = ("radian", "degree", "revolution", "turn", "cycle", "hertz", "per_minu
 
 
 def units_for(si: str) -> dict[str, float]:
-    """Return the units in which a quantity may be given without pint, and the factor of each to the
-    SI unit [1]."""
+    """Return the units of a quantity that need no pint, and the factor of each to SI [1]."""
     return {si: 1.0, **_OTHERS.get(si, {})}
 
 

@@ -94,8 +94,7 @@ def stretched(part, z):
 
 @jit
 def outward(gradient):
-    """Return the slope of the clearance at the point of contact [1], and its unit normal in the
-    frame along e."""
+    """Return the slope of the clearance at the contact [1], and its unit normal in e's frame."""
     if gradient.imag == 0.0:  # round
         return 1.0, complex(1.0, 0.0)
     steep = modulus(gradient)

@@ -81,8 +81,7 @@ def contact_quantity(name: str, default: Any = MISSING, rule: Rule | None = None
 
 @jit
 def _clearance_at(part, d):
-    """Return the clearance in the direction of d, and its first and second derivative by the angle
-    [m]."""
+    """Return the clearance in the direction of d, and two derivatives by the angle [m]."""
     if part.wear == 0.0:
         return part.clearance, 0.0, 0.0
     return _worn_at(part, d)

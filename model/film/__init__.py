@@ -1,2 +1,1 @@
-"""Oil films, for the laws of parts: pressure, load and its derivatives, tilting pads, floating
-rings."""
+"""Oil films: pressure, load and its derivatives, tilting pads, floating rings."""

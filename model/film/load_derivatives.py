@@ -76,8 +76,7 @@ def gradients(film, zone, work, column):
 
 @jit_not_inlined
 def solve_adjoints(film, zone, work):
-    """Overwrite the adjoints by the solutions with the pressure's matrix; their ends are boundary
-    values."""
+    """Overwrite the adjoints by solutions with the pressure's matrix; their ends are given."""
     n = film.n
     at = vectors(film, work)
     thickness, inverse, adjoint = at.thickness, at.inverse, at.adjoint

@@ -11,8 +11,7 @@ from .bearing_film import pad_count, pad_of, thinnest
 
 @jit
 def touch(bearing, pad):
-    """Return the `Touch` of a journal with a pad; everything but the penetration is 0 without
-    contact."""
+    """Return the `Touch` of a journal with a pad; all but the penetration is 0 without one."""
     gap, along, curvature = thinnest(pad)
     delta = bearing.roughness - gap
     if delta <= 0.0 or bearing.k == 0.0:

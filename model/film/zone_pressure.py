@@ -74,8 +74,7 @@ class Film(NamedTuple):
 
 
 class Zone(NamedTuple):
-    """A piece of a film with pressure: its ends [rad], and whether each is free (a rupture) or the
-    pad's edge."""
+    """A piece of a film with pressure: its ends [rad], and whether each is free (a rupture)."""
 
     first: float
     last: float

@@ -14,8 +14,7 @@ from .jit import jit
 
 
 def to_band(dense: np.ndarray, half_bandwidth: int) -> np.ndarray:
-    """Return the band storage, shape (n, half_bandwidth + 1), of a dense symmetric matrix, shape
-    (n, n)."""
+    """Return the band storage, shape (n, half_bandwidth + 1), of a dense symmetric matrix."""
     n = len(dense)
     band = np.zeros((n, half_bandwidth + 1), dtype=dense.dtype)
     for d in range(half_bandwidth + 1):

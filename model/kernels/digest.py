@@ -91,8 +91,7 @@ def files_digest() -> str:
 
 
 def syntax_digest(files: list[Path], before: str = "") -> str:
-    """Return the digest, sixteen characters, of the syntax trees of modules without their
-    docstrings."""
+    """Return the digest, sixteen characters, of the syntax trees of modules."""
     digest = hashlib.sha256(before.encode())
     for file in files:
         digest.update(_path(file) + b"\0" + _parsed(file.read_bytes()).text + b"\0")
@@ -139,8 +138,7 @@ _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def imported(start: Path, package: str) -> list[Path]:
-    """Return a module of `package` and the modules of the model that it imports, directly or not,
-    sorted."""
+    """Return a module of `package` and those of the model that it imports, directly or not."""
     result, seen = {start}, set[str]()
     left = [(start, package)]
     while left:
@@ -182,8 +180,7 @@ def _names(imports: list[ast.Import | ast.ImportFrom], package: str) -> Iterator
 
 
 def _modules(name: str) -> Iterator[Path]:
-    """Yield the model's files that run when a name is imported: those of the packages above it, and
-    its own."""
+    """Yield the model's files that run when a name is imported: its packages', and its own."""
     if name != _NAME and not name.startswith(f"{_NAME}."):
         return
     place = _MODEL

@@ -152,8 +152,7 @@ def _arctan_of_ratio(a, b):
 
 @jit_not_inlined
 def angle(z):
-    """Return the angle of a complex number from 0 to the right, in (-pi, pi], below 1 ulp; 0 of
-    0."""
+    """Return the angle of a complex number from the right, in (-pi, pi], below 1 ulp; 0 of 0."""
     a, b = abs(z.imag), abs(z.real)
     if not (a > 0.0 or b > 0.0):
         return 0.0 if a == b else math.nan

@@ -20,8 +20,7 @@ OPTIONS = {"error_model": "numpy", "nogil": True, "forceinline": True}
 
 
 def has_to_compile(function: Any) -> bool:
-    """Return whether the first call of a `jit` function compiles it because none of its code is
-    cached."""
+    """Return whether the first call of a `jit` function compiles it: none of it is cached."""
     if not IS_COMPILED or function.overloads:
         return False
     from .dispatching import is_cached

@@ -4,8 +4,7 @@ A file counts only if its name shows that it was made of exactly these kernels a
 
     linux64.SOURCES.KERNELS.CHECKSUM.so
 
-SOURCES is the digest of all sources of the library, KERNELS that of the kernels of a run
-(`digest`).
+SOURCES is the digest of all sources of the library, KERNELS that of a run's kernels.
 """
 
 import ctypes

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..parts import LAWS
-from ..parts.law_probe import BY_D, LawProbe
+from ..parts.law import BY_D
+from ..parts.law_probe import LawProbe
 from ..step.laws_along_motion import single_law
 from .potential_rest import rest_in_potential
 from .tangents import LawsAtRest
@@ -81,8 +82,7 @@ class FilmAtRest(LawProbe):
         return found if self._balances(load, found) else d
 
     def _by_newton(self, load: complex, d: complex) -> complex | None:
-        """Return the equilibrium by Newton's method from a displacement on; None if it finds
-        none."""
+        """Return the equilibrium by Newton's method from a displacement on, or None."""
         c = self._part.clearance
         before = math.inf
         for _ in range(_ITERATIONS):

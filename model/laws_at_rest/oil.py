@@ -119,8 +119,7 @@ def _temperature(part: JournalBearing, speed: float, viscosity: Callable[[float]
         )
 
     def temperature_residual(temperature: float) -> float:
-        """Return the temperature residual of the heat balance; 1 if the film does not carry the
-        load."""
+        """Return the temperature residual of the heat balance; 1 if the film carries too little."""
         result = film_temperature(temperature)
         return 1.0 if result is None else temperature - result
 

@@ -148,8 +148,7 @@ def inner_peaks(values: np.ndarray) -> list[int]:
 
 
 def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[float, float]:
-    """Return the speed of a peak [rad/s] between the neighbours of the i-th of speeds, and the
-    response there."""
+    """Return speed [rad/s] and response of a peak between the neighbours of the i-th of speeds."""
     # the distance from there, since the search is only exact to 1e-8 of what it varies
     found = minimize_scalar(
         lambda apart: -response(at[i] + apart),

@@ -21,8 +21,7 @@ from ..parts.base import MountElement, Part
 from ..parts.film_law import bearing_at
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
-from ..parts.law import Weights
-from ..parts.law_probe import BY_D
+from ..parts.law import BY_D, Weights
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..parts.tilting_pads import states_of_pad
 from .system_at_speed import LinearError
@@ -51,8 +50,7 @@ class _LoadedFilm(FilmAtRest, ABC):
 class RingAlone(_LoadedFilm):
     """A floating ring bearing whose journal is moved by hand at a speed [rad/s].
 
-    part: the bearing; where: its name, for messages; gravity: on the ring, to the right and upwards
-    [m/s2].
+    part: the bearing; where: its name, for messages; gravity: on the ring, x + i y [m/s2].
     """
 
     def __init__(
@@ -92,8 +90,7 @@ def cage_of(rotor: Rotor, part: Part) -> Cage:
 class BearingAlone(_LoadedFilm):
     """A journal bearing or a damper whose journal is moved by hand at a speed [rad/s].
 
-    part: the bearing; where: its name, for messages; cage: acts beside its film, on a housing that
-    does not move.
+    part: the bearing; where: its name, for messages; cage: beside its film, on a fixed housing.
     """
 
     def __init__(
@@ -126,14 +123,12 @@ class BearingAlone(_LoadedFilm):
         return super().tangent(d, v, weights) - np.diag(of_cage)
 
     def coefficients(self, d: complex) -> tuple[np.ndarray, np.ndarray]:
-        """Return K [N/m] and C [N.s/m] at rest at a displacement, shape (2, 2) each, the cage's
-        included."""
+        """Return K [N/m] and C [N.s/m] at rest at a displacement, with the cage's, shape (2, 2)."""
         K, C = super().coefficients(d)
         return K + np.diag(self.cage.stiffness), C + np.diag(self.cage.damping)
 
     def is_centred(self, load: complex) -> bool:
-        """Return whether a spring, or a cage within the clearance, centres the ring under a load
-        [N]."""
+        """Whether a spring, or a cage within the clearance, centres the ring under a load [N]."""
         most = abs(load) / self.part.clearance
         return super().is_centred(load) or bool((self.cage.stiffness > most).all())
 

@@ -13,8 +13,7 @@ from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .following import Following
 from .linear_machine import LinearError, LinearMachine
-from .modes import DEFAULT_COUNT, LEAST_GROWTH, Modes, check_count, machine_modes
-from .spectrum import Spectrum
+from .modes import DEFAULT_COUNT, LEAST_GROWTH, Modes, Spectrum, check_count, machine_modes
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _UNLIKE = 0.3  # shapes less alike than this are not of the same mode

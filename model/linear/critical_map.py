@@ -186,20 +186,16 @@ def _crossings(
         for k in _meetings(
             stiffness,
             speeds[:, mode],
-            _excess(lines, places[of.bearing], "xy".index(of.axis), mode),
+            partial(_excess, lines, places[of.bearing], "xy".index(of.axis), mode),
         )
     ]
 
 
-def _excess(lines: _Lines, place: int, axis: int, mode: int) -> Callable[[float], float]:
-    """Return the function of a stiffness: the logarithm of the bearing's own stiffness, at the
-    critical speed with it, over it; NaN where it has none."""
-
-    def excess(k: float) -> float:
-        own = lines.machine.own_stiffness(float(lines(k)[mode]))[place, axis]
-        return math.log(own / k) if own > 0 else math.nan
-
-    return excess
+def _excess(lines: _Lines, place: int, axis: int, mode: int, k: float) -> float:
+    """Return the logarithm of the bearing's own stiffness, at the critical speed with a stiffness
+    k [N/m], over it; NaN where it has none."""
+    own = lines.machine.own_stiffness(float(lines(k)[mode]))[place, axis]
+    return math.log(own / k) if own > 0 else math.nan
 
 
 def _meetings(

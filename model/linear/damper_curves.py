@@ -91,8 +91,7 @@ def _ring_at_rest(
     rotor: Rotor, part: SqueezeFilmDamper, name: str, speed: float, hung: BearingAlone
 ) -> tuple[complex, complex]:
     """Return the load on the housing that is the ring, to the right and upwards [N], and its
-    displacement from the damper's housing [m], where gravity holds the machine at a speed
-    [rad/s]."""
+    displacement from the damper's housing [m], at rest under gravity at a speed [rad/s]."""
     whole = static(rotor, speed)
     names = [mount.name for _, mount in rotor.elements_of_kind(MountElement)]
     moved = whole.housing_x + 1j * whole.housing_y

@@ -60,8 +60,7 @@ def ring_curves(
     each load at one.
 
     bearing: its name; load: downwards [N], one or several, by default what the machine's weight
-    puts on it. Raises `LinearError` if there is no equilibrium, a speed is 0, or if there are
-    several of both.
+    puts on it. Raises `LinearError` if there is no equilibrium, a speed is 0, or several of both.
     """
     part = dict(rotor.named_parts())[bearing]
     assert isinstance(part, FloatingRingBearing)

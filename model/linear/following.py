@@ -29,8 +29,7 @@ class Following(NamedTuple, Generic[M]):
     unlike: float = 0.0
 
     def onward(self, a: M, b: M, places: np.ndarray, depth: int = 0) -> np.ndarray:
-        """Return the places in `b` of the modes that have `places` in `a`; -1 of one that is not
-        there."""
+        """Return the places in `b` of the modes that have `places` in `a`; -1 of a lost one."""
         result, alike = self._paired(a, b, places)
         if (alike > _ALIKE).all() or depth == _HALVINGS:
             return np.where(alike >= self.unlike, result, -1)

@@ -17,9 +17,8 @@ _MORE = 8  # modes followed beyond four times those asked for, since they change
 
 
 class ForwardBranches:
-    """The critical speeds over ascending stiffnesses [N/m], `count` of those that somewhere, not
-    at a single one amid others, do not clearly whirl backward, in the order that they have at the
-    first stiffness."""
+    """The critical speeds over ascending stiffnesses [N/m], `count` of those that somewhere, not at
+    a single one amid others, do not clearly whirl backward, in the order of the first stiffness."""
 
     def __init__(self, machine: UndampedMachine, stiffness: np.ndarray, count: int) -> None:
         self._machine = machine
@@ -32,7 +31,8 @@ class ForwardBranches:
         first = self._modes(stiffness[0])
         places = np.arange(min(len(first.speeds), self._most))
         self._places = {float(stiffness[0]): (first, places)}
-        counts = np.array([self._forwardness(k) > _BACKWARD for k in stiffness])
+        seen = (modes.forwardness[places] for modes, places in map(self._followed, stiffness))
+        counts = np.array([of_modes > _BACKWARD for of_modes in seen])
         # at one stiffness amid others alone a backward mode grazes the bound, which is no line
         beside = np.pad(counts, ((1, 1), (0, 0)), constant_values=True)
         is_line = (counts & (beside[:-2] | beside[2:])).any(axis=0)
@@ -43,10 +43,6 @@ class ForwardBranches:
         """Return the critical speeds with a stiffness [N/m], shape (count or fewer,) [rad/s]."""
         modes, places = self._followed(stiffness)
         return modes.speeds[places[self._kept]]
-
-    def _forwardness(self, stiffness: float) -> np.ndarray:
-        modes, places = self._followed(stiffness)
-        return modes.forwardness[places]
 
     def _modes(self, stiffness: float) -> Synchronous:
         return self._machine.synchronous(float(stiffness), self._most + _MORE)
@@ -62,7 +58,6 @@ class ForwardBranches:
         return self._places[to]
 
     def _likeness(self, a: Synchronous, b: Synchronous) -> np.ndarray:
-        """Return the modal assurance criterion, weighted by mass, of all shapes of a with all of
-        b."""
+        """Return the modal assurance criterion, weighted by mass, of all shapes of a and b."""
         norms = np.sqrt(np.outer(a.norms, b.norms))
         return np.abs(a.shapes.conj().T @ (self._machine.mass @ b.shapes) / norms) ** 2

@@ -103,8 +103,7 @@ class ControlLoop:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Sensitivity of control loops, each in x and y, at f frequencies [rad/s], ascending, and one
-    speed [rad/s].
+    """Sensitivity of control loops, in x and y, at f ascending frequencies and a speed [rad/s].
 
     frequencies: those that were asked for, with those of all peaks between them; loops: names, with
     the axis; sensitivity: complex of shape (f, loops) [1]; is_stable: whether all poles of the

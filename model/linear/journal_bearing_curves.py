@@ -88,11 +88,6 @@ def bearings(rotor: Rotor) -> dict[str, AnyBearing]:
     return {name: p for kind in kinds for name, p in rotor.named_parts() if isinstance(p, kind)}
 
 
-def journal_bearings(rotor: Rotor) -> dict[str, JournalBearing]:
-    """Return the journal bearings of a machine by their names."""
-    return {where: p for where, p in rotor.named_parts() if isinstance(p, JournalBearing)}
-
-
 def bearing_curves(
     rotor: Rotor,
     speeds: Sequence[float] | np.ndarray,
@@ -100,14 +95,13 @@ def bearing_curves(
     bearing: str | None = None,
     load: float | Sequence[float] | np.ndarray | None = None,
 ) -> BearingCurves:
-    """Return a journal bearing's equilibrium and coefficients at each speed [rad/s], or under each
-    load at one.
+    """Return a journal bearing's equilibrium and coefficients at each speed [rad/s] or load.
 
     bearing: its name, the first by default; load: downwards [N], one or several, by default what
     the machine's weight puts on it. Raises `LinearError` if there is no such bearing or no
     equilibrium, or if there are several of both.
     """
-    known = journal_bearings(rotor)
+    known = {name: p for name, p in rotor.named_parts() if isinstance(p, JournalBearing)}
     if not known:
         raise LinearError("the machine has no [[journal_bearing]]")
     name = bearing or next(iter(known))

@@ -241,8 +241,7 @@ class LinearMachine:
         return places.numbers(x, x + 1, q) - places.numbers(x + 1, x, q)
 
     def rotor_matrices(self) -> tuple[sp.csc_array, sp.csc_array, sp.csc_array]:
-        """Return M, K and G of the unknowns, shape (N, N), without what the laws and the shaft's
-        strain add."""
+        """Return M, K and G of the unknowns, shape (N, N), without laws and the shaft's strain."""
         matrix = self.system.places.matrix
         return matrix(self._M), matrix(self._K), matrix(self._gyroscopic)
 
@@ -272,13 +271,10 @@ class LinearMachine:
         m_x, m_y = interpreted(masses)(s.housings)
         return in_plane(np.concatenate([s.weight, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
 
-    def _kappa(self, speed: float) -> float:
-        return self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
-
     def _strain(self, speed: float) -> Strain:
         """Return the contribution of the shaft's strain."""
-        by_d = self._elastic - self._kappa(speed) * TURN
-        return Strain(by_d, self._viscous, self._kappa_h, speed)
+        kappa = self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
+        return Strain(self._elastic - kappa * TURN, self._viscous, self._kappa_h, speed)
 
     def _linear(
         self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None
@@ -306,8 +302,7 @@ class LinearMachine:
     def loads(
         self, linear: Linear, u: np.ndarray, pull: np.ndarray, force: np.ndarray, omega: float
     ) -> np.ndarray:
-        """Return the loads on springs, then on interfaces, in x and y, shape (springs + interfaces,
-        2) [N].
+        """Return loads on springs, then interfaces, in x, y, shape (springs + interfaces, 2) [N].
 
         The machine moves as Re(u exp(i omega t)), its elements pulling with `pull`, under `force`,
         x, y of every dof; at omega = 0 it rests.
@@ -328,8 +323,7 @@ class LinearMachine:
         return np.concatenate([springs, acting])
 
     def _holds(self, *places: Linear) -> bool:
-        """Return whether the stiffness, the mean of these places, resists every motion as a rigid
-        body."""
+        """Return whether the stiffness, the mean of these places, resists every rigid motion."""
         linear, soft, rigid = places[0], self._soft, self._rigid()
         own_K = sum(place.own_K for place in places) / len(places)
         solve = self.system.factorized(own_K + soft * linear.own_M, linear.strain.by_d)

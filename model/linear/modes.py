@@ -1,8 +1,8 @@
 """Modes of the linearized machine at a speed: eigenvalues nearest to rest, and their shapes.
 
-With lambda = -zeta omega_n + i omega_d the motion is Re(shape exp(lambda t)). What is solved is the
-inverse at a real shift sigma, whose largest eigenvalues 1 / (lambda - sigma) are the lowest modes:
-these come out exact to rounding however stiff the shaft is, its stiffness being inverted only.
+With lambda = -zeta omega_n + i omega_d the motion is Re(shape exp(lambda t)). The inverse is solved
+at a real shift sigma, whose largest eigenvalues 1 / (lambda - sigma) are the lowest modes: these
+come out exact to rounding however stiff the shaft is, its stiffness being inverted only.
 """
 
 import math
@@ -16,8 +16,7 @@ from ..arguments import check_integer, number
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from .linear_machine import LinearMachine
-from .orbit import AT_REST, semi_axes
-from .spectrum import Spectrum
+from .orbit import AT_REST, backward_part, forward_part, semi_axes
 from .system_at_speed import Linear, LinearError
 
 FORWARD, BACKWARD, PLANAR, MIXED = "forward", "backward", "planar", "mixed"
@@ -37,6 +36,32 @@ DEFAULT_COUNT = 8
 DOUBTFUL = 1e-6  # a residual that is said
 
 
+class Spectrum:
+    """A result with complex `eigenvalues` lambda [rad/s] of any shape; what follows has it too."""
+
+    eigenvalues: np.ndarray
+
+    @property
+    def damped(self) -> np.ndarray:
+        """Frequencies at which the modes vibrate, omega_d [rad/s]."""
+        return self.eigenvalues.imag
+
+    @property
+    def natural(self) -> np.ndarray:
+        """omega_n = |lambda| [rad/s]."""
+        return np.abs(self.eigenvalues)
+
+    @property
+    def damping_ratio(self) -> np.ndarray:
+        """zeta [1]; negative: the mode grows."""
+        return -self.eigenvalues.real / self.natural
+
+    @property
+    def log_dec(self) -> np.ndarray:
+        """Logarithmic decrement 2 pi zeta / sqrt(1 - zeta^2) [1]."""
+        return -2 * np.pi * self.eigenvalues.real / self.eigenvalues.imag
+
+
 @dataclass(frozen=True)
 class Modes(Spectrum):
     """The lowest modes of a machine at a speed [rad/s], by natural frequency; m modes, n nodes.
@@ -44,11 +69,11 @@ class Modes(Spectrum):
     contacts: `open` or `pinned`; z: positions of the nodes [m], shape (n,); eigenvalues [1/s],
     complex of shape (m,); x, y: shapes, complex of shape (m, n), the largest semi-axis 1, all 0
     where housings move alone, the largest of which is 1 then; slope_x, slope_y [1/m], alike;
-    housing_x, housing_y: shape (m, housings); is_degenerate: shape (m,),
-    whether a mode shares its eigenvalue, so that it may whirl either way; decays: eigenvalues of
-    modes that do not oscillate [1/s], slowest first; residuals: the residual of each mode's
-    equation, shape (m,) [1], about the relative error of its eigenvalue; lowest_elastic: the lowest
-    elastic frequency of the shaft as it is supported at rest [rad/s].
+    housing_x, housing_y: shape (m, housings); is_degenerate: shape (m,), whether a mode shares its
+    eigenvalue, so that it may whirl either way; decays: eigenvalues of modes that do not oscillate
+    [1/s], slowest first; residuals: the residual of each mode's equation, shape (m,) [1], about the
+    relative error of its eigenvalue; lowest_elastic: the lowest elastic frequency of the shaft as
+    it is supported at rest [rad/s].
     """
 
     speed: float
@@ -73,8 +98,7 @@ class Modes(Spectrum):
 
     @property
     def is_sound(self) -> np.ndarray:
-        """Which modes satisfy their equations within `DOUBTFUL`; others are dominated by
-        rounding."""
+        """Which modes satisfy their equations within `DOUBTFUL`; others are rounding."""
         return self.residuals <= DOUBTFUL
 
     @property
@@ -115,8 +139,7 @@ class Modes(Spectrum):
 
     @property
     def whirl(self) -> tuple[str, ...]:
-        """`forward`, `backward`, `planar`, or `mixed` where some nodes whirl forward, others
-        backward."""
+        """`forward`, `backward`, `planar`, or `mixed` where nodes whirl either way."""
         forward, backward = (np.abs(p) ** 2 for p in self._parts())
         each = (forward - backward) / (forward + backward).max(axis=1, keepdims=True)
         seen = zip(each, self.forwardness, self.is_degenerate, strict=True)
@@ -127,7 +150,7 @@ class Modes(Spectrum):
         is_alone = self.is_of_housings[:, None]
         x = np.hstack([self.x, self.housing_x * is_alone])
         y = np.hstack([self.y, self.housing_y * is_alone])
-        return (x + 1j * y) / 2, (x - 1j * y).conj() / 2
+        return forward_part(x, y), backward_part(x, y)
 
 
 def _sharing(values: np.ndarray) -> np.ndarray:
@@ -147,8 +170,7 @@ def modes(
 ) -> Modes:
     """Return the `count` lowest modes at a speed [rad/s], fewer where there are fewer.
 
-    contacts: `open` or `pinned`; None: open where the machine is held without them. Raises
-    `LinearError`.
+    contacts: `open`, `pinned` or None: open where that holds the machine. Raises `LinearError`.
     """
     return machine_modes(LinearMachine(rotor, contacts), speed, count)
 
@@ -282,15 +304,13 @@ def _eigen(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray]:
                     raise LinearError("the modes did not converge") from error
                 return inverse.eigenvalues(inverted), states
         values = inverse.eigenvalues(inverted)
-        is_complete = len(values) == size
-        if is_complete or np.sum(values.imag > _REAL * np.abs(values)) >= count:
+        if len(values) == size or np.sum(values.imag > _REAL * np.abs(values)) >= count:
             return values, states
         wanted *= 2
 
 
 def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) -> None:
-    """Make the two shapes of an eigenvalue that is there twice a forward and a backward circle, if
-    they can be."""
+    """Make both shapes of a double eigenvalue a forward and a backward circle, if they can be."""
     paired = -1
     for i in range(len(values) - 1):
         if i == paired or abs(values[i + 1] - values[i]) > _DEGENERATE * abs(values[i]):

@@ -6,9 +6,8 @@ with and b = conj(X - i Y) / 2 that turns against the shaft.
 
 import numpy as np
 
-AT_REST = (
-    1e-9  # of the largest orbit of a mode: nodes whose orbits are smaller rest, but for rounding
-)
+# of the largest orbit of a mode: nodes whose orbits are smaller rest, but for rounding
+AT_REST = 1e-9
 
 
 def forward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -22,14 +21,6 @@ def backward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def semi_axes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the major and minor semi-axis; the minor one is negative where the node whirls
-    backward."""
+    """Return the major and minor semi-axis; the latter is negative where the node whirls back."""
     forward, backward = np.abs(forward_part(x, y)), np.abs(backward_part(x, y))
     return forward + backward, forward - backward
-
-
-def inclination(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Return the angle of the major axis from x [rad], in (-pi / 2, pi / 2]."""
-    both = np.angle(forward_part(x, y)) + np.angle(backward_part(x, y))
-    angle = np.mod(both / 2, np.pi)
-    return np.where(angle > np.pi / 2, angle - np.pi, angle)

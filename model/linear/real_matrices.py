@@ -123,8 +123,7 @@ def differences(size: int, pairs: list[tuple[int, int]]) -> sp.csr_array:
 
 
 class Between:
-    """Numbers of the matrix of what acts between nodes and housings, X^T T X, of tangents T by
-    interface.
+    """Numbers of the matrix of what acts between nodes and housings, X^T T X, of tangents T.
 
     across: X, x and y of each interface's displacement by the unknowns; rows, columns: where other
     matrices have numbers; places: where these or any of them has one.

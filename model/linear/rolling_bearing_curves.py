@@ -10,13 +10,12 @@ from scipy.optimize import minimize
 
 from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
-from ..parts.law import Weights
+from ..parts.law import BY_D
 from ..parts.law_probe import LawProbe, cleared
 from ..parts.rolling_bearing import RollingBearing, cage_ratio
 from .static import speeds_and_loads
 from .system_at_speed import LinearError
 
-_BY_D = Weights(1.0, 0.0, 0.0)
 _ITERATIONS, _LEFT, _OPEN = 1000, 1e-10, 1e-6  # forces over the load
 _ROUNDING = 1e-14
 _SMALL = 1e-6  # of an element's preload
@@ -65,7 +64,7 @@ class RollingAlone(LawProbe):
             return np.array([-left.real, -left.imag])
 
         def curvature(x: np.ndarray) -> np.ndarray:
-            return -self.tangent(reach * complex(*x), 0j, _BY_D) * reach / size
+            return -self.tangent(reach * complex(*x), 0j, BY_D) * reach / size
 
         def newton(x: np.ndarray) -> np.ndarray:
             for _ in range(_NEWTON):

@@ -225,8 +225,7 @@ def level_2(
 
 
 def log_dec(root: complex) -> float:
-    """Return the logarithmic decrement of an eigenvalue [1/s]; minus infinity of a real one that
-    grows."""
+    """Return the logarithmic decrement of an eigenvalue [1/s]; -infinity of a real growing one."""
     return -2 * math.pi * root.real / root.imag if root.imag else -math.inf
 
 

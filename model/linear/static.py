@@ -49,8 +49,7 @@ def static(
     contacts: str | None = None,
     loads: Sequence[tuple[int, float, float]] = (),
 ) -> Static:
-    """Return the static deflection of a machine under gravity and loads while it turns at a speed
-    [rad/s].
+    """Return the static deflection of a machine under gravity and loads at a speed [rad/s].
 
     loads: (node from 1, force to the right, force upwards) [N]; contacts: `open` or `pinned`; None:
     open where the machine is held without them. Raises `LinearError` for a machine that is not held
@@ -109,8 +108,7 @@ def speeds_and_loads(
     speeds: Sequence[float] | np.ndarray,
     load: float | Sequence[float] | np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return speeds [rad/s] and the load on an interface at each [N], to the right and upwards as a
-    complex number.
+    """Return speeds [rad/s] and the load on an interface at each, complex x + i y [N].
 
     load: downwards [N], one or several; None: what the machine's weight puts on it at rest. Raises
     `LinearError` if there are several of both.

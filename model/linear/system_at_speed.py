@@ -25,8 +25,7 @@ _WITH_IT = 1e-9  # relative difference of a frequency and the speed that are one
 
 
 class LinearError(QuantityError):
-    """A linear analysis that this machine does not allow; the message names it and says what to
-    do."""
+    """A linear analysis that this machine does not allow; the message says what to do."""
 
 
 class Strain(NamedTuple):

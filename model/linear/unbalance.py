@@ -69,14 +69,8 @@ class UnbalanceResponse:
         return orbit.semi_axes(self.x, self.y)[1]
 
     @property
-    def inclination(self) -> np.ndarray:
-        """Angles of the major axes from x, shape (s, n) [rad]."""
-        return orbit.inclination(self.x, self.y)
-
-    @property
     def phase_x(self) -> np.ndarray:
-        """Angle by which x leads the shaft's mark, a lag negative whichever way it turns, shape
-        (s, n) [rad]."""
+        """Angle by which x leads the shaft's mark, a lag always negative, shape (s, n) [rad]."""
         return self._lead(self.x)
 
     @property
@@ -101,8 +95,7 @@ def unbalance_response(
     contacts: str | None = None,
     unbalances: Sequence[tuple[int, float, float]] | None = None,
 ) -> UnbalanceResponse:
-    """Return the steady response at speeds [rad/s] to the machine's unbalances, or to those given
-    instead.
+    """Return the steady response at speeds [rad/s] to the machine's unbalances, or to given ones.
 
     unbalances: (node from 1, amount [kg.m], angle from the shaft's mark [rad]); contacts: `open` or
     `pinned`; None: open where the machine is held without them. Raises `LinearError`.
@@ -160,8 +153,7 @@ class SteadyWhirl:
         return self._solved(float(speed))[1]()
 
     def _solve(self, speed: float) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
-        """Return the motion at a speed, and what computes the loads: few ask for them, and they
-        take longer."""
+        """Return the motion at a speed, and what computes the loads, which take longer."""
         check_speed(speed)
         machine = self.machine
         if speed == 0.0 and not machine.is_held:  # it turns about its centre of mass

@@ -85,8 +85,7 @@ class UnbalanceCheck:
 
     @property
     def is_met(self) -> bool:
-        """Whether all margins are there, the probes below their limit, and the clearances
-        sufficient."""
+        """Whether margins, vibration at the probes and clearances are as required."""
         return (
             all(critical.margin.is_met for critical in self.criticals if critical.margin)
             and all(probe.peak_to_peak <= self.limit for probe in self.probes)

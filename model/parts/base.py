@@ -1,5 +1,4 @@
-"""The definition of a part: a frozen data class that says which elements of the machine it consists
-of.
+"""The definition of a part: a frozen data class that says of which elements it consists.
 
 Assembly knows only the few elements below. A new kind of part combines them, and brings a `Law` of
 its own if a force is neither linear nor constant.
@@ -10,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from ..quantities import Output, check_all, remembered
+from ..quantities import SPEED, Output, check_all, remembered
 
 if TYPE_CHECKING:
     from .law import Law
@@ -138,6 +137,11 @@ PROBE_OUTPUTS = (
         Output("x_1x_phase", "rad", f"angle by which the 1x component of x {_LEADS}", nominal=1.0),
         Output("y_1x_phase", "rad", f"angle by which the 1x component of y {_LEADS}", nominal=1.0),
     ),
+)
+# The force of an interface whose friction or coefficients depend on the speed.
+FORCE_OUTPUTS = (
+    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
+    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
 )
 STEP_WORK = Output(
     "step_work", "J", "energy that entered here over the last communication step", nominal=1e-3

@@ -13,8 +13,7 @@ from .law import Law
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing(HousingQuantities, ContactQuantities, Part):
-    """A journal in the clearance of a housing that moves on springs and dampers (paper A, Fig. 2);
-    node from 1."""
+    """A journal at a node (from 1) in the clearance of a housing on springs (paper A, Fig. 2)."""
 
     KIND: ClassVar[str] = "bearing"
     TEXT: ClassVar[str] = "a journal in the clearance of a housing of its own"

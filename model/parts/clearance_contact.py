@@ -160,8 +160,7 @@ def contact_law(part: ContactQuantities) -> Law:
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceContact(ContactQuantities, Part):
-    """A clearance contact between a node (from 1) and the housing of that name, or a fixed
-    stator."""
+    """A clearance contact between a node (from 1) and a housing, or a fixed stator."""
 
     KIND: ClassVar[str] = "contact"
     TEXT: ClassVar[str] = "a journal in the clearance of a housing or of a fixed stator"

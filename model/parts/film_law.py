@@ -27,6 +27,7 @@ from ..quantities import (
     quantity,
     switch,
 )
+from .base import FORCE_OUTPUTS
 from .clearance_contact import LOSSES as CONTACT_LOSSES
 from .law import Kinematics
 from .speed_table import cubic, row_at
@@ -62,8 +63,7 @@ class FilmQuantities:
 
 
 OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
+    *FORCE_OUTPUTS,
     Output("eccentricity", "1", "of the journal, over the clearance", True, 1.0),
     Output(
         *("attitude", "rad", "angle from the direction of the film's load to the journal's"),
@@ -88,8 +88,7 @@ LOSSES = (Output("film", "J", "dissipated in oil films", nominal=10.0), *CONTACT
 
 @jit
 def film_breaks(part, tables, displacement, internal_state):
-    """Return whether the journal touches in a film without contact stiffness: `Law.breaks` of a
-    film."""
+    """Return whether the journal touches in a film without contact stiffness: `Law.breaks`."""
     return breaks(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0))
 
 

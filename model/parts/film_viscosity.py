@@ -42,8 +42,7 @@ class HeatQuantities:
 
 
 def check_viscosity(where: str, part: Any) -> None:
-    """Raise `QuantityError` for a list of viscosities without abscissae, or without what its heat
-    balance needs."""
+    """Raise `QuantityError` for a list of viscosities without all that it needs."""
     for name, unit in (("speed", "rad/s"), ("temperature", "degC")):
         values = getattr(part, name)
         if not isinstance(values, tuple):

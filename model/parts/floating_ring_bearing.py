@@ -17,9 +17,9 @@ from ..film.floating_ring import ring_response, stiffness, torque_of
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import SPEED, Output, QuantityError, check_all, places, quantity, switch
-from .base import GROUND, Element, InterfaceElement, Part, Shape
+from .base import FORCE_OUTPUTS, GROUND, Element, InterfaceElement, Part, Shape
 from .film_law import LOSSES as FILM_LOSSES
-from .film_law import POINTS, check_film, film_table, whole_circle
+from .film_law import POINTS, check_film, film_length, film_table, whole_circle
 from .floating_ring_states import (
     STATE,
     WEIGHT,
@@ -63,8 +63,7 @@ class RingQuantities:
 
 
 OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
+    *FORCE_OUTPUTS,
     Output("ring_x", "m", "displacement of the ring to the right", True, 1e-5),
     Output("ring_y", "m", "displacement of the ring upwards", True, 1e-5),
     Output("ring_speed", "rad/s", "speed at which the ring turns", True, 1000.0),
@@ -198,11 +197,6 @@ def _weigh(part, tables, gravity):
 
 
 @jit
-def _length(part):
-    return part.clearance
-
-
-@jit
 def _breaks(part, tables, displacement, internal_state):
     x = complex(internal_state[STATE.x], internal_state[STATE.y])
     inner = part.clearance - modulus(displacement - x)
@@ -217,7 +211,7 @@ FLOATING_RING_BEARING = Law(
     energy=_energy,
     dissipate=_dissipate,
     observe=_observe,
-    length=_length,
+    length=film_length,
     rates=_rates,
     breaks=_breaks,
     vibrate=_vibrate,

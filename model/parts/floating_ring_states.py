@@ -177,8 +177,7 @@ def ring_rates(part, at, out):
 
 @jit
 def _store_slopes(part, slopes, place, force, torque):
-    """Fill in how the rates change with a state, from the change of force and torque on the
-    ring."""
+    """Fill in how rates change with a state, from the change of the ring's force and torque."""
     slopes.by_states[STATE.vx, place] = force.real / part.ring_mass
     slopes.by_states[STATE.vy, place] = force.imag / part.ring_mass
     slopes.by_states[STATE.speed, place] = torque / part.ring_inertia

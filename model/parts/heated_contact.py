@@ -13,13 +13,13 @@ displacement of his seal ring). The rest is a clearance contact that may stick.
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from ..contact.rubbing import rubbing, rubbing_tangent, stretched, stretching
-from ..contact.wall import ContactQuantities, compression
+from ..contact.rubbing import rubbing, rubbing_tangent, stretching
+from ..contact.wall import ContactQuantities
 from ..kernels.functions import angle, direction, modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import NOT_NEGATIVE, SPEED, Output, places, quantity
-from .clearance_contact import CLEARANCE_CONTACT, LOSSES, ClearanceContact, observe_contact
 from .clearance_contact import OUTPUTS as CONTACT_OUTPUTS
+from .clearance_contact import STICKING_CONTACT, ClearanceContact, observe_contact
 from .law import Law
 
 
@@ -51,7 +51,8 @@ OUTPUTS = (
     Output("bow", "m", "bow of the shaft by heat, at the contact", True, 1e-5),
     Output("bow_angle", "rad", "angle of the bow from the mark of the shaft", True, 1.0),
 )
-_OUT, _LOSS = places(OUTPUTS), places(LOSSES)
+_OUT = places(OUTPUTS)
+# the first is that of a contact that sticks, of which all else but the bow is
 _STATE = places(("elongation", "bow_x", "bow_y"))
 
 
@@ -75,11 +76,6 @@ def _heating(part, kinematics, heat):
 
 
 @jit_not_inlined
-def _force(part, tables, kinematics, internal_state):
-    return _rubbing(part, kinematics, internal_state)[0].force
-
-
-@jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
     surface, b = part.journal_radius * kinematics.sliding_speed, weights.rate
     force, p, q, z = rubbing_tangent(part, kinematics, weights, surface, b, free[_STATE.elongation])
@@ -100,19 +96,6 @@ def _rates(part, tables, kinematics, internal_state, out):
     out[_STATE.bow_y] = heating.imag - part.bow_decay * internal_state[_STATE.bow_y]
 
 
-@jit
-def _energy(part, tables, displacement, internal_state):
-    return (compression(part, displacement) + stretched(part, internal_state[_STATE.elongation]),)
-
-
-@jit_not_inlined
-def _dissipate(part, tables, kinematics, internal_state, out):
-    contact, heat = _rubbing(part, kinematics, internal_state)
-    out[_LOSS.contact] = contact.damping * contact.rate
-    out[_LOSS.friction] = heat
-    return part.journal_radius * contact.friction
-
-
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
     contact, heat = _rubbing(part, kinematics, internal_state)
@@ -124,13 +107,10 @@ def _observe(part, tables, kinematics, internal_state, out):
 
 
 HEATED_CONTACT = replace(
-    CLEARANCE_CONTACT,
+    STICKING_CONTACT,
     name="heated_contact",
     kind=HeatedQuantities,
-    force=_force,
     tangent=_tangent,
-    energy=_energy,
-    dissipate=_dissipate,
     observe=_observe,
     outputs=OUTPUTS,
     rates=_rates,

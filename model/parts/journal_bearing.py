@@ -33,7 +33,7 @@ from .film_law import (
     whole_circle,
 )
 from .film_viscosity import HeatQuantities, check_viscosity
-from .law import Kinematics, Law, Weights
+from .law import BY_D, BY_V, Kinematics, Law
 from .pads_linearized import linearize_film
 from .speed_table import speed_table
 from .tilting_pads import (
@@ -59,7 +59,6 @@ RUPTURES = ("reynolds", "guembel")
 GUEMBEL = RUPTURES[1]
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 _TILTS = len(OUTPUTS)
-_BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
 
 @jit_not_inlined
@@ -149,8 +148,8 @@ def _vibrate(part, tables, kinematics, frequency, free, internal_state):
     if part.tilting > 0.0:
         bearing = bearing_at(part, tables, kinematics.speed)
         return pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_state)
-    _, p_d, q_d = _tangent(part, tables, kinematics, _BY_D, free, internal_state)
-    force, p_v, q_v = _tangent(part, tables, kinematics, _BY_V, free, internal_state)
+    _, p_d, q_d = _tangent(part, tables, kinematics, BY_D, free, internal_state)
+    force, p_v, q_v = _tangent(part, tables, kinematics, BY_V, free, internal_state)
     return force, p_d, q_d, p_v, q_v
 
 
@@ -196,8 +195,7 @@ def _per_pad(unit: str, text: str, rule: Rule, default: float) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class JournalBearing(HeatQuantities, TiltingQuantities, Part):
-    """A journal bearing with an oil film, between a node (from 1) and the housing of that name or
-    ground.
+    """A journal bearing with an oil film, between a node (from 1) and a housing or ground.
 
     Without pads it is a plain, whole circle. A pad has the angle of its middle [rad], anticlockwise
     from the right; an arc [rad]; a preload, 1 less the bearing's clearance over the pad's; and an

@@ -77,6 +77,9 @@ class Weights(NamedTuple):
     rate: float
 
 
+BY_D, BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
+
+
 class StateSlopes(NamedTuple):
     """What a law's `linearize` fills in of its s internal states: their rates, shape (s,); the
     derivatives of the force by them, complex; those of their rates by displacement and velocity, as
@@ -236,15 +239,13 @@ class Law:
 
     @property
     def dtype(self) -> np.dtype:
-        """The type of a record: the quantities of the part, by their names, and the location
-        of its table."""
+        """The type of a record: the part's quantities by their names, and its table's location."""
         places = [("table", "i8"), ("rows", "i8")] if self.table else []
         return np.dtype([*((name, "f8") for name in quantities(self.kind)), *places])
 
 
 def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
-    """Return a function that calls `function` for interfaces of the law `code`, and `rest` for the
-    others."""
+    """Return a function that calls `function` for interfaces of the law `code`, else `rest`."""
     if rest is None:
 
         def call(laws, interface, *arguments):

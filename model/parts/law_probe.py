@@ -7,10 +7,9 @@ import numpy as np
 from ..kernels.kernel import interpreted
 from ..quantities import quantities
 from .base import InterfaceElement, Part
-from .law import Kinematics, Weights
+from .law import BY_D, BY_V, Kinematics, Weights
 
 _ROUNDING = 1e-12  # of the largest
-BY_D, BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
 
 def numbers_of(kind: type, source: Any) -> tuple[float, ...]:

@@ -1,5 +1,4 @@
-"""The end of a transmission line at a node: a coupling that is stable for any communication
-step."""
+"""The end of a transmission line at a node: a coupling stable for any communication step."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -19,44 +19,25 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..kernels.jit import jit, jit_not_inlined
-from ..quantities import (
-    ANY,
-    SPEED,
-    Output,
-    QuantityError,
-    check_all,
-    places,
-    quantities,
-    quantity,
-)
-from .base import GROUND, Element, InterfaceElement, Part, ProbeElement, Shape
+from ..quantities import ANY, Output, QuantityError, check_all, places, quantities, quantity
+from .base import FORCE_OUTPUTS, GROUND, Element, InterfaceElement, Part, ProbeElement, Shape
 from .law import Law
-from .speed_table import (
-    check_ascending,
-    check_column,
-    cubic,
-    interpolant,
-    row_at,
-    speed_table,
-)
+from .speed_table import check_ascending, check_column, cubic, interpolant, row_at, speed_table
 
 
-def _stiffness(direction: str, default: Any = ...) -> Any:
-    optional = {} if default is ... else {"default": default}
+def _stiffness(direction: str, *default: float) -> Any:
     text = f"stiffness, {direction}"
-    return quantity("N/m", text, ANY, is_parameter=True, may_be_list=True, **optional)
+    return quantity("N/m", text, ANY, *default, is_parameter=True, may_be_list=True)
 
 
-def _damping(direction: str, default: Any = ...) -> Any:
-    optional = {} if default is ... else {"default": default}
+def _damping(direction: str, *default: float) -> Any:
     text = f"damping, {direction}"
-    return quantity("N.s/m", text, ANY, is_parameter=True, may_be_list=True, **optional)
+    return quantity("N.s/m", text, ANY, *default, is_parameter=True, may_be_list=True)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Coefficients:
-    """Stiffness [N/m] and damping [N.s/m]: kxy is minus the force to the right per upward
-    displacement."""
+    """Stiffness [N/m] and damping [N.s/m]: kxy is minus the force in x per displacement in y."""
 
     kxx: float | tuple[float, ...] = _stiffness("horizontal")
     kxy: float | tuple[float, ...] = _stiffness("horizontal force by vertical displacement", 0.0)
@@ -95,10 +76,6 @@ def coefficients(part, tables, speed):
     return k, l, 0.5 * complex(cxx + cyy, cyx - cxy), 0.5 * complex(cxx - cyy, cyx + cxy)
 
 
-OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
-)
 LOSSES = (
     Output("bearings", "J", "dissipated by the damping of linear bearings", nominal=1.0),
     Output(
@@ -109,7 +86,7 @@ LOSSES = (
         nominal=1.0,
     ),
 )
-_OUT, _LOSS = places(OUTPUTS), places(LOSSES)
+_OUT, _LOSS = places(FORCE_OUTPUTS), places(LOSSES)
 
 
 @jit
@@ -167,7 +144,7 @@ LINEAR_BEARING = Law(
     energy=_energy,
     dissipate=_dissipate,
     observe=_observe,
-    outputs=OUTPUTS,
+    outputs=FORCE_OUTPUTS,
     stores=(Output("bearings", "J", "elastic energy of linear bearings and seals", nominal=0.01),),
     losses=LOSSES,
     table=_table,

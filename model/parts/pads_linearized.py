@@ -13,10 +13,8 @@ from ..film.rough_contact import wall_tangent
 from ..film.tilting_pads import across_of
 from ..kernels.jit import jit, jit_not_inlined
 from .film_law import bearing_at
-from .law import Weights
+from .law import BY_D, BY_V
 from .tilting_pads import mass_of_pad, pad_motion, rate_of_return, states_of_pad
-
-_BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
 
 class _Change(NamedTuple):
@@ -86,8 +84,7 @@ def _store(slopes, place, first, rate, change, part):
 
 @jit_not_inlined
 def _linearize_pad(part, bearing, tables, i, pad, internal_state, slopes):
-    """Return p_d, q_d, p_v, q_v of a pad in its `PadMotion`, and fill in what is its own of
-    `StateSlopes`."""
+    """Return p_d, q_d, p_v, q_v of a pad in its `PadMotion`, and fill in its `StateSlopes`."""
     at, outwards = pad.at, across_of(bearing, tables, i) * -1j
     stride = states_of_pad(part)
     first, last = stride * i, stride * (i + 1) - 1
@@ -138,8 +135,8 @@ def linearize_film(part, tables, kinematics, internal_state, solved, slopes):
     bearing = bearing_at(part, tables, kinematics.speed)
     if part.tilting == 0.0:
         at = film_slopes(bearing, tables, kinematics)
-        wall, p_d, q_d = wall_tangent(bearing, tables, kinematics, _BY_D)
-        _, p_v, q_v = wall_tangent(bearing, tables, kinematics, _BY_V)
+        wall, p_d, q_d = wall_tangent(bearing, tables, kinematics, BY_D)
+        _, p_v, q_v = wall_tangent(bearing, tables, kinematics, BY_V)
         return at.force + wall, at.p_d + p_d, at.q_d + q_d, at.p_v + p_v, at.q_v + q_v
     force = p_d = q_d = p_v = q_v = 0.0j
     for i in range(pad_count(bearing, tables)):

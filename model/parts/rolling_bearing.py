@@ -33,7 +33,7 @@ from ..quantities import (
     places,
     quantity,
 )
-from .base import GROUND, Element, InterfaceElement, Part, Shape
+from .base import FORCE_OUTPUTS, GROUND, Element, InterfaceElement, Part, Shape
 from .clearance_contact import LOSSES as CONTACT_LOSSES
 from .clearance_contact import STORES
 from .law import Law
@@ -78,8 +78,7 @@ class RollingQuantities:
 
 
 OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
+    *FORCE_OUTPUTS,
     Output(
         *("largest", "N", "force of the element that carries most"), nominal=10.0, reached_by=SPEED
     ),
@@ -289,8 +288,7 @@ class RollingBearing(RollingQuantities, Part):
     housing: str = GROUND
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError` for impossible quantities, or elements that do not fit on their
-        circle."""
+        """Raise `QuantityError` for impossible quantities, or elements without room."""
         check_all(where, self)
         if float(self.count) != int(self.count):
             raise QuantityError(f"{where}.count = {self.count:g}: must be a whole number")

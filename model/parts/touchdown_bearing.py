@@ -15,16 +15,16 @@ kept between the bounds.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from ..contact.rubbing import contact_tangent, rub, rubbing, stretched, stretching
-from ..contact.wall import ContactQuantities, compression, gap, length, touch
+from ..contact.wall import ContactQuantities, compression, touch
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import NOT_NEGATIVE, SPEED, Output, places, quantity
+from .clearance_contact import CLEARANCE_CONTACT, STORES, ClearanceContact, observe_contact
 from .clearance_contact import LOSSES as CONTACT_LOSSES
 from .clearance_contact import OUTPUTS as CONTACT_OUTPUTS
-from .clearance_contact import STORES, ClearanceContact, observe_contact
 from .law import Law
 
 _ITERATIONS = 100
@@ -160,9 +160,8 @@ def _rates(part, tables, kinematics, internal_state, out):
 @jit
 def _energy(part, tables, displacement, internal_state):
     elastic = compression(part, displacement) + stretched(part, internal_state[_STATE.elongation])
-    return elastic, 0.5 * part.race_inertia * internal_state[_STATE.race] * internal_state[
-        _STATE.race
-    ]
+    w = internal_state[_STATE.race]
+    return elastic, 0.5 * part.race_inertia * w * w
 
 
 @jit_not_inlined
@@ -184,15 +183,14 @@ def _observe(part, tables, kinematics, internal_state, out):
     out[_OUT.sliding] = contact.sliding
 
 
-TOUCHDOWN_BEARING = Law(
+TOUCHDOWN_BEARING = replace(
+    CLEARANCE_CONTACT,
     name="touchdown_bearing",
     kind=TouchdownQuantities,
     force=_force,
     tangent=_tangent,
     energy=_energy,
     dissipate=_dissipate,
-    gap=gap,
-    length=length,
     rates=_rates,
     observe=_observe,
     outputs=OUTPUTS,
@@ -200,7 +198,6 @@ TOUCHDOWN_BEARING = Law(
     losses=LOSSES,
     states=tuple(0.0 for _ in _STATE),
     state_units=lambda part: ("rad/s", "m"),
-    has_wall=True,
     turns=True,
 )
 

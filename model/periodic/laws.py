@@ -13,8 +13,7 @@ from .. import backend
 from ..contact.wall import ContactQuantities
 from ..linear.real_matrices import in_plane
 from ..parts import LAWS
-from ..parts.law import never_breaks
-from ..parts.law_probe import BY_D
+from ..parts.law import BY_D, never_breaks
 from ..step.laws_along_motion import (
     Samples,
     block_of,

@@ -15,31 +15,7 @@ from ..time_loop.block import METHOD
 from ..time_loop.control import Control
 from . import settings_messages, table
 from .resolver import COUNT, encoded, resolve, warning
-from .table import (
-    DEFAULT_PRESET,
-    DEFAULTS,
-    INDICATORS,
-    METHODS,
-    MODES,
-    NAMES,
-    NORMS,
-    SETTINGS,
-    SHAPES,
-    Number,
-)
-
-__all__ = [
-    "DEFAULT_PRESET",
-    "INDICATORS",
-    "METHODS",
-    "MODES",
-    "NORMS",
-    "PRESETS",
-    "Settings",
-    "SettingsError",
-    "choose",
-    "settings_of_given",
-]
+from .table import DEFAULT_PRESET, DEFAULTS, METHODS, NAMES, SETTINGS, SHAPES, Number
 
 
 class SettingsError(InputError):
@@ -170,16 +146,10 @@ def choose(preset: str = DEFAULT_PRESET, **changes: Any) -> Settings:
     return _chosen(given, reduction)
 
 
-def settings_of_given(
-    given: np.ndarray, reduction: int, tolerance: float | None = None
-) -> tuple[Settings, list[Message]]:
+def settings_of_given(given: np.ndarray, reduction: int) -> tuple[Settings, list[Message]]:
     """Return the settings that an FMU's parameters stand for, in the form that `resolver.resolve`
-    takes, and a message for each parameter without effect; tolerance: that of the experiment [1],
-    which a value among the parameters overrides. Raises `SettingsError`."""
+    takes, and a message for each parameter without effect. Raises `SettingsError`."""
     own = given.copy()
-    at = 1 + NAMES.index("tolerance")
-    if tolerance is not None and np.isnan(given[at]):
-        given[at] = tolerance
     numbers = _resolved(given)
     return _chosen(given, reduction), _warnings(given, own, numbers, range(COUNT))
 

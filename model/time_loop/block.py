@@ -34,8 +34,7 @@ class Integrator(NamedTuple):
 
 
 class OutputArrays(NamedTuple):
-    """The observed quantities, in the order of `observe.observed`; scratch and result of
-    `derivatives`."""
+    """The quantities of `observe.observed`; scratch and result of `derivatives`."""
 
     observed: Annotated[np.ndarray, float, "outputs"]
     at: Annotated[np.ndarray, float, "outputs"]

@@ -110,8 +110,7 @@ def by_time(run, tangents):
 
 @jit_not_inlined
 def _move_work(structure, memory, tangents, spin, step):
-    """Set the work of all flows and of each load to that of the displaced motion, `step` [s] from
-    now."""
+    """Set the work of all flows and loads to that of the displaced motion, `step` [s] from now."""
     for i in range(len(memory.work)):
         change = 0.5 * step * (memory.power[i] + tangents.work.flows[i])
         memory.work[i] = tangents.work.ledger[i] + change

@@ -185,8 +185,7 @@ def next_stage_length(proposed, h, error, error_before):
 
 @jit
 def steady_length(structure, control, omega, proposed, h, error, memory):
-    """Return the proposed length of the next step of a machine that is unstable with its contacts
-    open [s].
+    """Return the proposed next step of a machine that is unstable with its contacts open [s].
 
     Steps that lengthen and shorten with a beat of the motion feed it or damp it as a slow growth
     does. So they stay constant, and lengthen only if the errors of many turns allow it.

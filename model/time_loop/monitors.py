@@ -155,8 +155,7 @@ def monitor_bounces(structure, motion, memory):
 
 @jit
 def monitor_work(structure, memory):
-    """Count the iterations of the present cycle, and record the time at which they became too
-    many."""
+    """Count the iterations of the present cycle, and record when they became too many."""
     r = memory.record[0]
     if r.t >= r.cycle_end:
         fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)

@@ -1,5 +1,4 @@
-"""The observed quantities of a run, as one flat array: their names, and the kernel that fills
-it."""
+"""The observed quantities of a run in a flat array: their names, and the kernel that fills it."""
 
 import math
 from dataclasses import replace

@@ -67,8 +67,7 @@ class Record(NamedTuple):
 
 
 def channels_of(rotor: Rotor, record: Record) -> list[int]:
-    """Return the indices in `recordable` of the signals to record; `ValueError` for an unknown
-    one."""
+    """Return the indices in `recordable` of signals; `ValueError` for an unknown one."""
     if not 0.0 <= record.angle < math.inf:
         raise ValueError(f"record: angle = {record.angle} rad: must be >= 0 and finite")
     if record.rows < 2 or record.rows % 2:

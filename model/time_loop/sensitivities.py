@@ -59,8 +59,7 @@ def difference_step(structure, spin, row, d_spin):
 
 @jit
 def torque_at(structure, spin, i, row, d_spin, step, motion, memory, work, tangents):
-    """Displace the motion along row i into tangents.moved; return the torque that it needs
-    [N.m]."""
+    """Displace the motion along row i into tangents.moved; return the torque for it [N.m]."""
     for k in range(len(memory.loads)):
         tangents.work.loads[k] = memory.loads[k] + step * load_of(i, k)
     move(motion, row, step, tangents.moved)

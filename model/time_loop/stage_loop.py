@@ -186,8 +186,7 @@ def update_monitors_within_step(structure, h, motion, trial, memory, stages):
 
 @jit
 def _back(h, x, k):
-    """Return the weight of stage k in an integral from the end of a step back to the fraction x of
-    it [s]."""
+    """Return the weight of stage k in an integral from a step's end back to its fraction x [s]."""
     return h * (weight_until(k, x) - A[STAGES - 1, k])
 
 

@@ -42,8 +42,7 @@ _SLIVER = 1e-2
 
 @jit
 def _keep_carried(motion, trial):
-    """Carry accelerations that differ from those at the end of a step by the same amount as at its
-    beginning."""
+    """Carry accelerations that differ from those at a step's end as much as at its beginning."""
     for i in range(len(motion.a)):
         trial.a[i] = trial.v_dot[i] + (motion.a[i] - motion.v_dot[i])
     for i in range(len(motion.internal_state)):
@@ -170,8 +169,7 @@ def _record(run, control, h):
 
 @jit_inlined
 def _accepted_step(run, scheme, control, t_end, parts, taken):
-    """Take one of `parts` steps until t_end [s], repeated until it is accepted; `taken` iterations
-    went before.
+    """Take one of `parts` steps until t_end [s], repeated until accepted, after `taken` iterations.
 
     Return both numbers now, end [s], length [s] and proposed length [s] of the step, whether it was
     repeated, and the last `Attempt`; a status other than DONE is that of a failure.

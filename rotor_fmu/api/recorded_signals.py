@@ -48,8 +48,7 @@ class RecordedSignals:
 
     @property
     def status(self) -> str:
-        """Status of the run: `ok`, `doubtful` and the codes of its warnings, or `failed` and the
-        reason."""
+        """Status of the run: `ok`, `doubtful` and its warnings' codes, or `failed` and why."""
         return self.recording.status
 
     @property
@@ -59,8 +58,7 @@ class RecordedSignals:
 
     @property
     def codes(self) -> tuple[str, ...]:
-        """Code of each of `messages`, for programs, such as `overdamped`; empty where it has
-        none."""
+        """Code of each of `messages`, for programs, such as `overdamped`; empty without one."""
         return tuple(self.recording.about.get("codes", ()))
 
     @property

@@ -31,8 +31,7 @@ class Vibration(NamedTuple):
 
 
 class CorrectionPlane(NamedTuple):
-    """A correction plane: its node (from 1), the trial unbalance and the correction unbalance,
-    complex [kg.m]."""
+    """A correction plane: its node (from 1), trial and correction unbalance, complex [kg.m]."""
 
     node: int
     trial: complex
@@ -92,8 +91,7 @@ class Balancing(Displayed):
         return float(np.linalg.norm(values) / np.linalg.norm(before))
 
     def table(self) -> Table:
-        """Return a table with a row for each plane, for each bearing's plane, and for each
-        measurement."""
+        """Return a table with a row for each plane, each bearing's plane, each measurement."""
         heads = (
             *("", "trial", "[deg]", "correction", "[deg]"),
             *("initial", "[deg]", "left", "expected", "API 617", "ISO 21940-11"),

@@ -27,7 +27,7 @@ COMMANDS = {
     },
     _FMU: {
         "build": "fmus:build",
-        "ssp": "systems:ssp",
+        "ssp": "fmus:ssp",
         "library": "fmus:libraries",
         "variables": "runs:variables",
         "host-env": "runs:host_env",

@@ -1,5 +1,4 @@
-"""`rotor-fmu critical-map`, `stability` and `unbalance`, what API 617 and 684 ask for, and
-`balance`."""
+"""`rotor-fmu critical-map`, `stability` and `unbalance`, by API 617 and 684, and `balance`."""
 
 import math
 from pathlib import Path

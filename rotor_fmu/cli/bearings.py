@@ -1,5 +1,4 @@
-"""`rotor-fmu bearing`: an oil film, a floating ring, a squeeze film damper or a rolling bearing by
-itself."""
+"""`rotor-fmu bearing`: a film, a floating ring, a damper or a rolling bearing by itself."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any

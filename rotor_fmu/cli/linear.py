@@ -1,5 +1,4 @@
-"""`rotor-fmu modes`, `campbell`, `static`, `show`, `frequency-response`: each with a table and a
-picture."""
+"""`rotor-fmu modes`, `campbell`, `static`, `show`, `frequency-response`: table and picture."""
 
 import math
 from collections.abc import Callable
@@ -49,7 +48,7 @@ def modes(
     from ..linear import answers
 
     check_count(count, _MOST_MODES)
-    from ..linear.mode_shapes import mode_shapes_figure
+    from ..linear.mode_answers import mode_shapes_figure
     from ..plotting.figure_style import save
 
     result = answers.modes(machine, at, count=count, contacts=contacts)

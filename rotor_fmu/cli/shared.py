@@ -38,8 +38,7 @@ Page = Annotated[Path, typer.Option(help="The page to write.")]
 
 
 def warned(machine: "Rotor", is_free: bool = False) -> list[str]:
-    """Print the warnings about a machine that is packed, and return them; is_free: whether a torque
-    drives it."""
+    """Print and return the warnings about a packed machine; is_free: whether a torque drives it."""
     from ..linear.machine_warnings import machine_warnings
 
     warnings = machine_warnings(machine, is_free)

@@ -43,8 +43,6 @@ Rated = Annotated[
         "given; default: the machine's own range."
     ),
 ]
-
-
 RatedSpeed = Annotated[
     str | None,
     typer.Option(
@@ -126,8 +124,7 @@ def operating_range(
 
 
 def rated_speed(text: str | None, machine: "Rotor") -> float:
-    """The speed [rad/s] of `--rated`, or the highest of the machine's own at which it runs
-    continuously."""
+    """The speed [rad/s] of `--rated`, or the machine's own highest continuous one."""
     if text is None:
         own = machine.operation.service_speed
         if own is None:

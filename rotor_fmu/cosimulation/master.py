@@ -31,8 +31,7 @@ class Side:
 
 
 class Point(NamedTuple):
-    """A communication point t [s], and the values read from both FMUs, in the order of their
-    `outputs`."""
+    """A communication point t [s], and the values of both FMUs in the order of `outputs`."""
 
     t: float
     one: list[float]

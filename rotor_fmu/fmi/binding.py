@@ -24,8 +24,7 @@ def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
 
 
 def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, float]) -> Rotor:
-    """Return the rotor with those of its parameters that differ from their start values, all at
-    once."""
+    """Return the rotor with all parameters that differ from their start values."""
     starts = {variable.name: variable.start for variable in table}
     return rotor.with_values({n: values[n] for n in rotor.parameters() if values[n] != starts[n]})
 

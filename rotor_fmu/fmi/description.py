@@ -69,8 +69,7 @@ _PERIODS, _POINTS = 60.0, 1000
 
 
 def default_experiment(rotor: Rotor) -> Experiment:
-    """Return about sixty periods of the machine's lowest mode, after which it has settled, at 1000
-    points."""
+    """Return about sixty periods of the machine's lowest mode, until it settles, at 1000 points."""
     lowest = float(assemble(rotor).numbers[0].lowest_omega)
     wanted = _PERIODS * 2 * math.pi / lowest
     decade = 10.0 ** math.floor(math.log10(wanted))
@@ -185,8 +184,7 @@ def _start(variable: Variable) -> dict[str, str]:
 
 
 def _limits(variable: Variable) -> dict[str, str]:
-    """Return units and limits, which FMI 2.0 has beside the start value and FMI 3.0 on the
-    variable."""
+    """Return units and limits: in FMI 2.0 beside the start value, in 3.0 on the variable."""
     attributes = {}
     if variable.kind == "Real":
         shown = unit(variable.unit)
@@ -288,8 +286,7 @@ def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
 
 
 def _model_structure(table: Sequence[Variable]) -> Element:
-    """Return the outputs with the variables that they depend on at once, and the initial
-    unknowns."""
+    """Return the outputs with what they depend on at once, and the initial unknowns."""
     structure = Element("ModelStructure")
     outputs = SubElement(structure, "Outputs")
     for index, variable in enumerate(table, 1):

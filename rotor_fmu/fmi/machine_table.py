@@ -95,8 +95,7 @@ class _Texts:
 
 
 def table_bytes(fmu_interface: FmuInterface, sources: str, guid: str) -> bytes:
-    """Return the file's content; sources: digest of the library that reads it, 16 characters; guid:
-    the FMU's.
+    """Return the file's content; sources: its library's digest, 16 characters; guid: the FMU's.
 
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """

@@ -72,8 +72,7 @@ _TOOLS = {"kernels": ("numba", "platformdirs"), "build": ("numba", "platformdirs
 
 
 def emitted_digest() -> str:
-    """Return the digest, sixteen characters, of the sources of the kernels' IR and of the
-    compilers."""
+    """Return the digest, 16 characters, of the sources of the kernels' IR and the compilers."""
     from importlib.metadata import version  # which takes as long as a first step
 
     return syntax_digest(_emitted_sources(), f"{version('numba')} {version('llvmlite')}")
@@ -272,8 +271,7 @@ def link_module(parts: list[Path], target: Path, options: Sequence[str], what: s
 
 
 def _has_cc() -> bool:
-    """Return whether this machine is a Linux with a C compiler; a Mac has a `cc` that asks to
-    install one."""
+    """Return whether this is a Linux with a C compiler; a Mac's `cc` asks to install one."""
     return sys.platform == "linux" and shutil.which("cc") is not None
 
 
@@ -283,8 +281,7 @@ def fmi_headers() -> Path:
 
 
 def runs_on_old_linux(library: bytes) -> bool:
-    """Return whether a library takes functions of the GNU C library alone, and none newer than
-    2.17's."""
+    """Return whether a library takes the GNU C library alone, and nothing newer than 2.17."""
     versions = re.findall(rb"\0GLIBC_(\d+)\.(\d+)[.\d]*(?=\0)", library)
     return bool(versions) and max((int(a), int(b)) for a, b in versions) <= _GLIBC
 

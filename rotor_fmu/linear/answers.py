@@ -51,8 +51,7 @@ class Campbell(Displayed, linear.Campbell):
     """`model.linear.Campbell`, shown."""
 
     def table(self) -> Table:
-        """Return a table with one row for each critical speed; the threshold of stability in the
-        heading."""
+        """Return a table with one row for each critical speed, headed by the stability."""
         d = current()
         heads = ("mode", "order", "speed [rad/s]", f"[{d.speed_unit}]", "log dec", "whirl")
         rows = [
@@ -183,8 +182,7 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
     def figure(
         self, nodes: Sequence[int] | None = None, operating: tuple[float, float] | None = None
     ) -> Figure:
-        """Draw semi-axes and phases of nodes (from 1) over the speed; operating: the range [rad/s],
-        which is shaded."""
+        """Draw semi-axes and phases of nodes (from 1); operating: a range [rad/s], shaded."""
         figure, panels = new_panels(6.8, 6.0, 2, share_x=True, heights=(2, 1))
         above, below = panels
         speed, scale = self.speeds * current().speed, current().amplitude
@@ -243,8 +241,7 @@ class Static(Displayed, linear.Static):
         return Table(f"At rest, {turns(self.speed, self.contacts)}", heads, rows)
 
     def figure(self) -> Figure:
-        """Draw the deflection along the shaft, with the loads on the supports beside their
-        names."""
+        """Draw the deflection along the shaft, with the loads on the named supports."""
         figure, axes = new_figure(6.8, 3.8)
         d = current()
         axes.axhline(0, color=GREY, lw=0.8)

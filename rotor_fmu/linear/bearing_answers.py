@@ -176,8 +176,7 @@ class DamperCurves(Displayed, linear.DamperCurves):
         return Table.of(title, columns)
 
     def figure(self) -> Figure:
-        """Draw the ring at rest in its clearance, and stiffness, damping and largest pressure over
-        the orbit."""
+        """Draw the ring at rest, and stiffness, damping and largest pressure over the orbit."""
         figure, (place, pressure, stiffness, damping) = new_panels(8.4, 7.4, 2, 2)
         circle = np.exp(1j * ANGLES)
         place.plot(circle.real, circle.imag, color="black", lw=1.2)

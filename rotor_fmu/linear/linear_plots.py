@@ -50,8 +50,7 @@ def dotted(nodes: int) -> np.ndarray:
 
 
 def shapes_in_grid(modes: int) -> tuple[int, int, int]:
-    """Return how many of the modes a picture of their shapes shows, and in how many rows and
-    columns."""
+    """Return how many modes a picture of shapes shows, in how many rows and columns."""
     shown = min(_MOST_SHAPES, modes)
     columns = 2 if shown > 1 else 1
     return shown, max(1, -(-shown // columns)), columns

@@ -64,8 +64,7 @@ def peaks(size: np.ndarray) -> list[int]:
 
 
 def numbers(result: Any) -> dict[str, object]:
-    """Return all numbers of a linear analysis, in SI units, for JSON: complex numbers as [real,
-    imaginary]."""
+    """Return all numbers of a linear analysis for JSON, SI units, complex as [real, imaginary]."""
     names = (*result.__dataclass_fields__, *(name for name in _DERIVED if hasattr(result, name)))
     return {name: _plain(getattr(result, name)) for name in names}
 

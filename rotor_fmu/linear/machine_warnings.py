@@ -18,8 +18,7 @@ _GROWING, _SLOW = 1e-5, 1e-3
 
 def machine_warnings(rotor: Rotor, is_free: bool = False) -> list[str]:
     """Return warnings about a machine that nothing holds, about one that is unstable at rest, about
-    hysteresis, which a run does not know, and, where is_free, about one that no torque can
-    drive."""
+    hysteresis, which a run does not know, and, if is_free, one that no torque drives."""
     result = [str(HYSTERETIC_AS_SLOWER)] if rotor.eta_h > 0.0 else []
     machine = LinearMachine(rotor)
     is_released = bool(rotor.elements_of_kind(ReleaseElement))

@@ -68,8 +68,7 @@ def _is_json(path: Path, text: str) -> bool:
 
 
 def _content(path: Path, text: str) -> dict[str, Any] | None:
-    """Return the contents of a file, None if it is neither TOML nor JSON: its reader reports
-    why."""
+    """Return a file's contents, None if it is neither TOML nor JSON: its reader reports why."""
     try:
         data = json.loads(text) if _is_json(path, text) else tomllib.loads(text)
     except (ValueError, RecursionError):

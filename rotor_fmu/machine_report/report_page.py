@@ -14,7 +14,7 @@ from ..linear import acceptance, answers, stability_answers
 from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, clean_damping, numbers
-from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
+from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.unbalance import SteadyWhirl
@@ -32,8 +32,7 @@ _ONE_PEAK = 0.03
 
 
 class Conclusion(NamedTuple):
-    """What the report says of a check in a line, and whether the check is met; None where nothing
-    was checked."""
+    """What the report says of a check, and whether it is met; None where nothing was checked."""
 
     text: str
     is_met: bool | None

@@ -131,8 +131,7 @@ class RubCheck:
 def with_unbalances(
     rotor: Rotor, unbalances: Sequence[tuple[int, float, float]] | None, scale: float
 ) -> Rotor:
-    """Return the machine with these unbalances in the place of its own, or with its own, times a
-    factor.
+    """Return the machine with these unbalances, or with its own, times a factor.
 
     unbalances: (node from 1, amount [kg.m], angle [rad]).
     """

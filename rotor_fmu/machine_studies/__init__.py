@@ -1,2 +1,1 @@
-"""A machine as the subject of a study: its excitation, the metrics of each run, and reading
-both."""
+"""A machine as the subject of a study: its excitation, metrics, and reading both."""

@@ -229,8 +229,7 @@ class MachineRuns:
         }
 
     def samples(self, in_turns: bool) -> tuple[str, ...]:
-        """Return the outputs that the metrics need, at the solver's steps or in turns at equal
-        angles."""
+        """Return the outputs that the metrics need, at the solver's steps or at equal angles."""
         chosen = [m for m in self.metrics if bool(m.kind.held) == in_turns]
         return tuple(dict.fromkeys(name for m in chosen for name in m.kind.samples(m.of)))
 

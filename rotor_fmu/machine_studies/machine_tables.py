@@ -44,8 +44,7 @@ def read_study(path: Path, *, is_quick: bool = False) -> Study:
 
 
 def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "MachineSubject":
-    """Return a machine as the subject of a study; folder: of the study's file; kinds: of runs that
-    it may have."""
+    """Return a machine as a study's subject; folder: of the study's file; kinds: of its runs."""
     machine_file = tables.get("machine")
     if machine_file is not None and not isinstance(machine_file, str):
         raise InputError(f"machine = {machine_file!r}: must be the name of a file")
@@ -64,8 +63,7 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
 
 @dataclass(frozen=True)
 class MachineSubject:
-    """A machine as the subject of a study: its runs, without what is kept, and the study's
-    tables."""
+    """A machine as the subject of a study: its runs without metrics, and the study's tables."""
 
     runs: MachineRuns
     tables: Tables
@@ -88,8 +86,7 @@ class MachineSubject:
 
 
 def _machine_path(name: str | None, folder: Path) -> Path | None:
-    """Return the machine's file, beside the study or among the examples of the package; None for
-    the rig."""
+    """Return the machine's file, beside the study or among the examples; None for the rig."""
     if name in (None, "rig"):
         return None
     path = folder / str(name)
@@ -231,8 +228,7 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
 
 
 def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
-    """Return an option of a metric, checked; abscissa_unit: of the speed, or of the parameter along
-    a curve."""
+    """Return a checked option of a metric; abscissa_unit: of the speed or a curve's parameter."""
     if key == "which":
         return value
     if key == "way":
@@ -261,8 +257,7 @@ def _radius(machine: MachineModel, part: str) -> float:
 
 
 def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
-    """Raise `InputError` for listed values that no run could have; those of distributions fail run
-    by run."""
+    """Raise `InputError` for listed values that no run could have; drawn ones fail run by run."""
     for axis, target in [(each, target) for each in axes for target in each.targets]:
         if target in runs.values:
             raise InputError(f"vary {axis.name}: {target} is also fixed in [set]")

@@ -19,8 +19,7 @@ VARIANTS = {"passing": "order with speed", "slid": "dissipated"}
 
 
 class ListAxis(NamedTuple):
-    """The dimension of a list, the coordinates along it, empty where they only count, and their
-    unit."""
+    """The dimension of a list, coordinates along it, empty where they only count, and unit."""
 
     dimension: str
     coordinate: tuple[float, ...] = ()
@@ -35,8 +34,7 @@ class MetricKind:
     window adds to it; needed, optional: names of its options, the optional ones with defaults;
     unit: of its values, empty where they have that of the quantity; axis: of its lists; check:
     raises `InputError` for options that do not suit the runs; least: returns the size in a window
-    to which differences of its values are relative at least, of a kind whose value may be 0 by its
-    nature.
+    to which differences of its values are relative at least, of a kind that may be 0.
 
     Of runs in time: outputs: those of the part that is its quantity, None where nothing is sampled;
     also: further outputs; held: kinds of runs of whose whole turns at constant speed it is made,
@@ -105,8 +103,7 @@ class Metric:
         return dict(self.options).get(name, self.kind.optional.get(name))
 
     def column(self, unit: str, axis: ListAxis | None, **shown: str) -> Column:
-        """Return its column; unit: the quantity's; axis: of a list; shown: options as its text has
-        them."""
+        """Return its column; unit: the quantity's; axis: of a list; shown: options in its text."""
         options = {**self.kind.optional, **dict(self.options), "of": self.of, **shown}
         text = self.kind.text.format(**options)
         return Column(self.name, self.kind.unit or unit, text, *(axis or ()))

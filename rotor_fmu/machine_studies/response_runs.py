@@ -148,23 +148,20 @@ class ResponseRuns(MachineRuns):
         from ..periodic.request import compute_response, response_request
 
         how, of_machine = self.split(values)
-        request = response_request(self.machine.rotor, parameters=of_machine, **_options(how))
+        n = how.numbers
+        ends = n["from"], n["to"]
+        request = response_request(
+            self.machine.rotor,
+            parameters=of_machine,
+            speed=n["speed"] if how.over else ends,
+            over=(how.over, *ends) if how.over else None,
+            period=int(n["period"]),
+            harmonics=int(n["harmonics"]),
+            share=n["share"],
+            step=n["length"],
+            branches=n["branches"] != 0,
+        )
         return compute_response(request)
-
-
-def _options(how: Excitation) -> dict[str, Any]:
-    """Return the options of `response_request` for the numbers of a response."""
-    n = how.numbers
-    ends = n["from"], n["to"]
-    return {
-        "speed": n["speed"] if how.over else ends,
-        "over": (how.over, *ends) if how.over else None,
-        "period": int(n["period"]),
-        "harmonics": int(n["harmonics"]),
-        "share": n["share"],
-        "step": n["length"],
-        "branches": n["branches"] != 0,
-    }
 
 
 @_kind("largest of the stable motions, of {of}")

@@ -30,8 +30,7 @@ class Samples(NamedTuple):
     columns: Mapping[str, np.ndarray]
 
     def quantity(self, of: str) -> np.ndarray:
-        """Return an output by its name, or of PART.r the distance of PART.x and PART.y from
-        zero."""
+        """Return an output by its name, or of PART.r the distance of PART.x, PART.y from 0."""
         if of.endswith(".r") and of not in self.columns:
             part = of.removesuffix(".r")
             return np.hypot(self.columns[f"{part}.x"], self.columns[f"{part}.y"])
@@ -170,8 +169,7 @@ class Excitation:
             )
 
     def changed(self, values: Mapping[str, float]) -> "Excitation":
-        """Return the excitation with some of its numbers replaced; `InputError` for impossible
-        ones."""
+        """Return the excitation with other numbers; `InputError` for impossible ones."""
         if not values:
             return self
         numbers = dict(self.numbers) | dict(values)

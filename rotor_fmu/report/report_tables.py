@@ -30,8 +30,7 @@ _SUMMARY = {
 
 
 def notices(run: Recording, why: str | None) -> str:
-    """Return the notices at the head of the page: how far a failed run came, why, and its
-    warnings."""
+    """Return the notices at the page's head: how far a failed run came, why, and warnings."""
     said = []
     if run.status.startswith(FAILED):
         reason = run.status.removeprefix(FAILED)
@@ -139,8 +138,7 @@ def _amplification(track: vibration.OrderTrack) -> float | str:
 
 
 def _passes(speed: np.ndarray) -> bool:
-    """Return whether a run goes one way through speeds wide apart, as the detection of a resonance
-    requires."""
+    """Return whether a run goes one way through speeds wide apart, as a resonance requires."""
     ways = np.sign(np.diff(speed[:: max(len(speed) // 50, 1)]))
     span = np.abs(speed)
     return bool(abs(ways.sum()) == len(ways) and span.max() > 1.3 * span.min())

@@ -86,8 +86,7 @@ def _head(column: Mapping[str, Any]) -> dict[str, str]:
 def _curves(
     columns: Sequence[Mapping[str, Any]], rows: "pyarrow.Table", shown: np.ndarray
 ) -> list[dict[str, Any]]:
-    """Return lists along their coordinates, or counted from 1 along what has none, as long as there
-    is room."""
+    """Return lists along their coordinates, or counted from 1, as long as there is room."""
     from ..studies.store import matrix
 
     result, room = [], _MOST_OF_CURVES

@@ -113,8 +113,7 @@ def journal_angle(recording: Recording, caption: str) -> Figure:
 
 
 def _every_step(recording: Recording, per_turn: float) -> str:
-    """Return the label for points that are the solver's steps, and for what in them is due to the
-    steps."""
+    """Return the label of points that are the solver's steps, and what in them is due to these."""
     steps = np.diff(recording.t)
     usual = float(np.median(steps))
     shortest, longest = (1e3 * float(f(steps)) for f in (np.min, np.max))
@@ -140,8 +139,7 @@ def motion(recording: Recording, place: str, caption: str) -> Figure:
 
 
 def spectra(recording: Recording, place: str, caption: str) -> Figure:
-    """Draw the spectra of both displacements of a place over the second half of a run at one
-    speed."""
+    """Draw spectra of both displacements of a place in the second half of a run at one speed."""
     figure, axes = new_figure()
     late = vibration.second_half(recording.t, recording.phi)
     d, speed = current(), float(np.abs(recording.w[late]).mean())

@@ -155,8 +155,7 @@ def angle_axis(axes: Axes, label: str) -> None:
 
 
 def displacement_axes(axes: Axes, place: MeasuringPoint) -> None:
-    """Make both axes displacements of a place on one scale, and draw its clearance if it has
-    one."""
+    """Make both axes displacements of a place on one scale, with its clearance, if any."""
     unit = current().small_unit
     if place.clearance is not None:
         radius = place.clearance * current().small

@@ -30,8 +30,7 @@ class Signals:
     values: Mapping[str, np.ndarray]
 
     def at(self, name: str, t: float) -> float:
-        """Return the value of one input at time t [s], by the interpolation that FMPy makes (bit
-        for bit)."""
+        """Return an input's value at time t [s], by FMPy's interpolation, bit for bit."""
         index = int(np.searchsorted(self.t, t))
         column = self.values[name]
         if index == 0 or len(self.t) < 2:
@@ -147,8 +146,7 @@ class Ramp:
 
 @dataclass(frozen=True)
 class RampGiven:
-    """What a user gave of a ramp: whether it goes up, and texts with units, None where nothing was
-    given."""
+    """What a user gave of a ramp: whether it goes up, and texts with units, or None."""
 
     is_up: bool = False
     first: str | None = None

@@ -147,8 +147,7 @@ def execute(job: Job, fmu: Path | None, label: str, is_silent: bool = False) -> 
 
 
 def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run, Recording]:
-    """Carry out a run directly, with a progress bar, and record the default signals at its
-    steps."""
+    """Carry out a run directly, with a progress bar, and record the usual signals."""
     with shown(label, job.stop, job.step, job.settings) as progress:
         return run_recorded(job, progress=progress, is_silent=is_silent)
 

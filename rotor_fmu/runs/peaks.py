@@ -27,8 +27,7 @@ _EDGE = 0.01  # of a run's length at its ends, where an amplitude may still be g
 
 
 def is_constant(w: np.ndarray, share: float = _CONSTANT) -> bool:
-    """Return whether a speed is one speed, but for a share of it, so that nothing can be drawn
-    against it."""
+    """Return whether a speed is constant but for a share of it: nothing is drawn against it."""
     return len(w) == 0 or float(np.ptp(w)) <= share * float(np.abs(w).max())
 
 

@@ -116,8 +116,7 @@ class Recording(ShortRepr):
 
     @property
     def losses(self) -> dict[str, np.ndarray]:
-        """Energy dissipated since the start by sink, that which took most first, shape (n,)
-        [J]."""
+        """Energy dissipated since the start by sink, the largest first, shape (n,) [J]."""
         found = {
             name.removeprefix("energy.").removesuffix("_loss"): column
             for name, column in self.columns.items()
@@ -192,8 +191,7 @@ class Recording(ShortRepr):
 
 
 def load_recording(path: Path) -> Recording:
-    """Read what `Recording.save` wrote, under the name of its folder; `InputError` for any other
-    file."""
+    """Read what `Recording.save` wrote, named after its folder; `InputError` for other files."""
     try:
         with np.load(path) as data:
             head = json.loads(str(data["head"]))

@@ -16,8 +16,7 @@ from ..units import in_si, split
 def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
     """Return the values by name from `NAME=VALUE` texts; choices may be given by number or by name.
 
-    Raises `InputError` for a name that is unknown or given twice, and for a value that the variable
-    cannot have.
+    Raises `InputError` for an unknown or repeated name, and for an impossible value.
     """
     known = {v.name: v for v in table if not v.is_observed}
     values = {}

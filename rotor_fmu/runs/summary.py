@@ -1,5 +1,4 @@
-"""The figures of a run, its peaks and what the solver did, and what it came to in three
-sentences."""
+"""The figures of a run, peaks and the solver's work, and what it came to in three sentences."""
 
 import math
 from collections.abc import Mapping
@@ -123,8 +122,7 @@ def _peak(figures: Mapping[str, Any]) -> str:
 
 
 def _speed(hz: float) -> str:
-    """Return a speed [Hz] with a tenth of a Hz and in whole rpm, or with three digits where that
-    is fewer."""
+    """Return a speed [Hz] to a tenth of a Hz and in whole rpm, or to three digits if fewer."""
     shown, rpm = (
         f"{value:.{places}f}" if abs(value) >= least else f"{value:.3g}"
         for value, places, least in ((hz, 1, 10.0), (60 * hz, 0, 100.0))

@@ -35,8 +35,7 @@ STILL = 1e-8
 
 
 class Comparison(NamedTuple):
-    """A quantity of a run and of its finer twin [m]; difference: relative to how much that part
-    moves [1]."""
+    """A quantity of a run and its finer twin [m]; difference: relative to the part's motion [1]."""
 
     name: str
     value: float
@@ -82,8 +81,7 @@ class Verification:
 
 
 def finer(settings: Settings) -> dict[str, float]:
-    """Return the settings of a finer run that differ: a tenth of the tolerance, or half of the
-    steps."""
+    """Return a finer run's settings that differ: a tenth of the tolerance, or half the steps."""
     if settings.mode == "controlled":
         changed = {"tolerance": _FINER * settings.tolerance}
     elif settings.mode == "adaptive":

@@ -154,11 +154,9 @@ def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, A
 
 
 def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, Any]:
-    """Return the indices of a column by the names of what is varied, each with its half width at 95
-    %.
+    """Return the indices of a column by varied name, each with its half width at 95 %.
 
-    Of a sample with gaps the whole blocks are used; `{}` where they are fewer than two, or do not
-    vary.
+    Of a sample with gaps whole blocks are used; `{}` of fewer than two, or none that vary.
     """
     of_runs = np.full(len(design), math.nan)
     of_runs[data.run.values] = data[name].values

@@ -52,8 +52,7 @@ def run_chunk(model: Model, chunk: Chunk) -> Done:
 
 @dataclass(frozen=True)
 class ExecutorConfig:
-    """The user's choice: processes on this machine, the scheduler at an address, or a local
-    cluster."""
+    """The user's choice: processes on this machine, a scheduler's address, or a local cluster."""
 
     jobs: int = 0
     scheduler: str = ""

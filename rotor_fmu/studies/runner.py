@@ -1,5 +1,4 @@
-"""Carry out a study, from its list of runs to its rows, continuing where an earlier call
-stopped."""
+"""Carry out a study, from its runs to its rows, continuing where an earlier call stopped."""
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
@@ -135,8 +134,7 @@ def _one_by_one(
 
 
 def _error_of(future: Future) -> BaseException | None:
-    """Return the error of a chunk, or that of its worker; raises `RunFailed` for an error that no
-    run caused."""
+    """Return the error of a chunk, or of its worker; raises `RunFailed` for one of no run."""
     try:
         error = future.exception()
     except CancelledError:

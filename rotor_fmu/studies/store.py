@@ -173,8 +173,7 @@ def schema_of(study: Study) -> "pyarrow.Schema":
 
 
 def read_rows(folder: Path) -> "pyarrow.Table":
-    """Return all rows there are, each once, in the order of the runs; `InputError` without a
-    study."""
+    """Return all rows, each once, in the order of the runs; `InputError` without a study."""
     import pyarrow as pa
 
     result = read_parts(folder)
@@ -186,8 +185,7 @@ def read_rows(folder: Path) -> "pyarrow.Table":
 
 
 def open_dataset(folder: Path) -> "xarray.Dataset":
-    """Return the rows of a study, finished or not, along the dimension `run` in the order of the
-    runs.
+    """Return the rows of a study, finished or not, along the dimension `run`, in order.
 
     Coordinates: `run`, the number; `id`; what is varied, each along `run`. Variables: `status`, and
     each column that is kept, lists along a dimension of their own; nan where a run failed.

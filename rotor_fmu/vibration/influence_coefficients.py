@@ -67,8 +67,7 @@ def correction(
 
 
 def _finite(name: str, values: Any) -> np.ndarray:
-    """Return an argument as complex numbers; `InputError` where it has others, as of a reading that
-    is missing."""
+    """Return an argument as complex numbers; `InputError` for others, as of a missing reading."""
     try:
         result = np.asarray(values, complex)
     except (TypeError, ValueError):

@@ -165,8 +165,7 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
 
 
 def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:
-    """Return the first turns of blocks, and their length: `turns`, or as many consecutive ones as
-    there are."""
+    """Return the first turns of blocks and their length, `turns` or as many on end as there are."""
     check_integer("turns", turns, 1)
     signal.needs(least)
     turns = min(turns, signal.longest)
@@ -211,8 +210,7 @@ def time_share(
     angles: int = 120,
     pieces: int = 8,
 ) -> TimeShare:
-    """Return how long a displacement z = x + i y pointed in each direction, over the speed w
-    [rad/s].
+    """Return how long z = x + i y pointed in each direction, over the speed w [rad/s].
 
     The path between two rows is a straight line, each of its `pieces` counting for the time it
     took: a quick passage is a faint trace, not the few points that happened to be recorded.

@@ -162,8 +162,7 @@ def resonances(
     """Return the peaks of an amplitude over speed, of a run that goes one way, the highest first.
 
     speed [rad/s], amplitude 0-p [m], t [s], all of shape (m,); least: share of the highest
-    amplitude that a peak, and its prominence, must reach to be reported. What is NaN is left
-    out.
+    amplitude that a peak and its prominence must reach. What is NaN is left out.
     """
     from scipy.signal import find_peaks  # which takes longer than the rest of this package
 

@@ -78,8 +78,7 @@ def full_spectrum(
     most_order: float = MOST_ORDER,
     per_turn: int | None = None,
 ) -> FullSpectrum:
-    """Return the full spectrum of the `turns` turns nearest to a speed [rad/s], under Hann's
-    window.
+    """Return the full spectrum, by Hann's window, of the turns nearest to a speed [rad/s].
 
     Orders that are multiples of 1 / turns have their full amplitude; one between two lines has up
     to 15 % less. Raises `TooFewTurns`.

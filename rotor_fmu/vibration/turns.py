@@ -308,8 +308,7 @@ def hann(turns: int, per_turn: int) -> np.ndarray:
 def summed(values: np.ndarray, weights: np.ndarray, first: np.ndarray) -> np.ndarray:
     """Return the weighted sums over blocks of turns that begin with the turns `first`.
 
-    values: shape (turns, per_turn); weights: shape (turns of a block, per_turn); result of the
-    shape of first.
+    values: shape (turns, per_turn); weights: shape (turns of a block, per_turn); result: as first.
     """
     products = values @ weights.T
     return np.sum([products[first + k, k] for k in range(len(weights))], axis=0)

@@ -25,7 +25,7 @@ from rotor_fmu.display import (
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import acceptance, answers, bearing_answers, stability_answers
 from rotor_fmu.linear.frequency_answers import frequency_response, sensitivity
-from rotor_fmu.linear.mode_shapes import mode_shapes_figure
+from rotor_fmu.linear.mode_answers import mode_shapes_figure
 from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.run_pictures import run_folder, signal_plots
 from rotor_fmu.run_pictures.signal_plots import bode, orbit

@@ -4,7 +4,7 @@ import pytest
 from matplotlib.text import Text
 
 import rotor_fmu as rf
-from rotor_fmu.linear.mode_shapes import mode_shapes_figure
+from rotor_fmu.linear.mode_answers import mode_shapes_figure
 from rotor_fmu.run_pictures.signal_plots import KINDS
 
 from ..known import EXAMPLES

@@ -8,7 +8,8 @@ from xml.etree.ElementTree import fromstring
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from rotor_fmu.model.settings import METHODS, MODES, PRESETS
+from rotor_fmu.model.settings import PRESETS
+from rotor_fmu.model.settings.table import METHODS, MODES
 
 import rotor_fmu as rf
 from rotor_fmu.cli.fmus import build

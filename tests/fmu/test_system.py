@@ -7,7 +7,7 @@ import zipfile
 import pytest
 from lxml import etree
 
-from rotor_fmu.cli.systems import ssp
+from rotor_fmu.cli.fmus import ssp
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.archive import contents_of
 

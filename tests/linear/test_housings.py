@@ -11,7 +11,7 @@ from rotor_fmu.model.linear.unbalance_placement import placed_unbalances
 from rotor_fmu.model.machine.toml import rig
 
 from rotor_fmu.linear import answers
-from rotor_fmu.linear.mode_shapes import mode_shapes_figure
+from rotor_fmu.linear.mode_answers import mode_shapes_figure
 from tests.machines import overhung
 
 

@@ -11,7 +11,7 @@ from rotor_fmu.model.structure import assembly, lowest_frequency, reduction, spa
 
 from rotor_fmu.linear.answers import modes
 from rotor_fmu.linear.linear_plots import dotted
-from rotor_fmu.linear.mode_shapes import shapes_for_page
+from rotor_fmu.linear.mode_answers import shapes_for_page
 from rotor_fmu.plotting.machine_drawing import machine_figure
 
 SHAFT = "gravity = 9.81\n[material]\nyoung = 2.1e11\ndensity = 7800.0\n[shaft]\neta_v = 1e-5\n"

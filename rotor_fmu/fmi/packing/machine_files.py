@@ -67,8 +67,7 @@ def machine_of(
 
 
 def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]:
-    """Return the files by their path in an FMU of this version of FMI; the GUID of `of` is filled
-    in."""
+    """Return the files by their path in an FMU of this version of FMI, with the GUID."""
     sources = sources_digest()
     content = f"{of.identifier} {fmi} {sources} {machine.toml}"
     of = replace(of, guid=guid(machine.table, content), step=machine.step)

@@ -1,5 +1,4 @@
-"""Building the FMU that pythonfmu wraps: a thin layer of Python over the library that it
-carries."""
+"""Building the FMU that pythonfmu wraps: a thin layer of Python over its library."""
 
 import hashlib
 import zipfile
@@ -34,8 +33,7 @@ def build(
     """Build the FMU that runs in its host's Python, and return its path; arguments and errors are
     those of `native_fmu.build_native`. Equal sources give equal bytes.
 
-    platforms: of `SYSTEMS`, by default those whose library is there, this machine's if there is
-    none.
+    platforms: of `SYSTEMS`, by default those whose library is there, or this machine's.
     """
     machine = machine_of(rotor_toml, is_free, reduction, starts=starts)
     libraries = _libraries(platforms)
@@ -83,8 +81,7 @@ def is_current(
 
 
 def package_name() -> str:
-    """Return the name of the package that `build` would put into the FMU now; it follows the
-    code."""
+    """Return the name of the package that `build` puts into the FMU; it follows the code."""
     return _package(_libraries(None))[0]
 
 
