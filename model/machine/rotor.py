@@ -129,8 +129,11 @@ class Rotor:
 
     def __post_init__(self) -> None:
         self._check_shaft()
-        if not isinstance(self.name, str) or not self.name.isprintable():
-            raise QuantityError(f"name = {self.name!r}: must be text without control characters")
+        is_text = isinstance(self.name, str) and self.name.isprintable()
+        if not is_text or not self.name.strip():
+            raise QuantityError(
+                f"name = {self.name!r}: must be text, not empty, without control characters"
+            )
         if not isinstance(self.identifier, str) or not IDENTIFIER.fullmatch(self.identifier):
             raise QuantityError(
                 f"identifier = {self.identifier!r}: must be a word of letters, digits and _ that "

@@ -50,9 +50,6 @@ def parse_rotor(text: str) -> Rotor:
     materials = Materials(data["material"])
     shaft = a_table("shaft", data.get("shaft", {}))
     refuse_unknown("shaft", shaft, _SHAFT_KEYS)
-    name = data.get("name", "rotor")
-    if not isinstance(name, str):
-        raise QuantityError(f"name = {name!r}: must be a string")
     if "section" in data:
         for key in ("nodes", "diameters"):
             if key in shaft:
@@ -75,7 +72,7 @@ def parse_rotor(text: str) -> Rotor:
         gravity=number(data.get("gravity", GRAVITY)),
         gravity_angle=number(data.get("gravity_angle", 0.0)),
         inclination=number(data.get("inclination", 0.0)),
-        name=name,
+        name=data.get("name", "rotor"),
         start=start,
         operation=make(Operation, "operation", data.get("operation", {})),
         identifier=data.get("identifier", ""),

@@ -22,6 +22,7 @@ from .plausibility import implausible_values
 from .units_in_files import in_si_units
 
 _EXTENDS = "extends"
+_OF_STUDIES = {"vary", "design", "keep"}  # tables of a study's file, and of no machine's
 _MOST = 8  # files that extend one another
 
 
@@ -32,6 +33,8 @@ def machine_text(option: str, path: Path, note: Callable[[str], None] = lambda _
     data = _content(path, text)
     if data is None:
         return text
+    if _OF_STUDIES & data.keys():
+        raise InputError(f"{option} {path}: is a study, not a machine: rotor-fmu study runs it")
     if _EXTENDS in data or is_ross(data):
         return toml_text(_tables(path, data, (), note))
     return si_text(text, f"{path}: ")

@@ -301,3 +301,16 @@ def test_a_refused_machine_leaves_nothing_half_written(tmp_path, input_error):
     for command in ("build", "run-down", "modes", "show"):
         line = input_error(command, "--rotor", "bad.toml", "--out", "out")
         assert "linear_bearing[1].kxx = nan N/m" in line
+
+
+def test_a_study_is_not_called_a_machine_of_unknown_keys(tmp_path, input_error):
+    (tmp_path / "study.toml").write_text("machine = 'rig'\n[vary]\n'run.speed' = [1.0]\n")
+    assert input_error("modes", "--rotor", "study.toml") == (
+        "rotor-fmu: --rotor study.toml: is a study, not a machine: rotor-fmu study runs it"
+    )
+
+
+@pytest.mark.parametrize("name", ["''", "' '", "7"])
+def test_a_machine_has_a_name_that_can_be_read(name):
+    with pytest.raises(QuantityError, match=r"^name = .*: must be text, not empty"):
+        parse_rotor(f"name = {name}\n{HELD}{bearing(1)}")

@@ -92,7 +92,7 @@ WRONG = [
     (r"k = 2e8", "k = [2e8]", ["bearing[1].k = [200000000.0]", "number"]),
     (r"k = 2e8", "k = 1979-05-27", ["bearing[1].k", "number"]),
     (r"gravity = 9.81", "gravity.down = 9.81", ["gravity = {'down': 9.81}", "number"]),
-    (r'name = "zigulic2003"', "name = 2003", ["name = 2003", "string"]),
+    (r'name = "zigulic2003"', "name = 2003", ["name = 2003", "must be text"]),
     (
         r"rotating_damping = false",
         "rotating_damping = 0",
