@@ -99,7 +99,7 @@ def main(out: str = str(HERE)) -> None:
     )
     print(
         f"largest force {history['touchdown_bearing[1].fn'].max():.0f} N, {lost:.1f} J lost, "
-        f"ledger open by {abs(history['energy.residual'][-1]):.1e} J"
+        f"energy balance closes within {abs(history['energy.residual'][-1]):.1e} J"
     )
 
 

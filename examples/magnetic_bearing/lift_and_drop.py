@@ -167,10 +167,10 @@ def _in_words(f: dict[str, Any], out: Path) -> str:
         f"switched off at {f['speed_at_switch_off_rad_per_s']:.0f} rad/s: first contact {fell}, "
         f"at most {f['largest_force_N']:.0f} N\n"
         f"in the end the race turns at {f['race_speed_rad_per_s']:.0f} rad/s, the rotor at "
-        f"{f['end_speed_rad_per_s']:.0f} rad/s; {f['lost_in_the_drop_J']:.1f} J lost, ledger open "
-        f"by {abs(f['ledger_open_by_J']):.1e} J\n"
-        f"between the FMUs at most {f['work_lost_between_FMUs_J']:.1e} J of "
-        f"{f['largest_work_J']:.2g} J went astray\n"
+        f"{f['end_speed_rad_per_s']:.0f} rad/s; {f['lost_in_the_drop_J']:.1f} J lost, energy "
+        f"balance closes within {abs(f['ledger_open_by_J']):.1e} J\n"
+        f"lost between the FMUs: at most {f['work_lost_between_FMUs_J']:.1e} J of "
+        f"{f['largest_work_J']:.2g} J of work\n"
         f"written to {out}"
     )
 

@@ -110,8 +110,8 @@ def main(out: str = str(HERE)) -> None:
     at_rest = bearing_curves(rotor(), [FROM])
     print(
         f"rests at {at_rest.eccentricity[0]:.3f} of the clearance at {FROM:g} rad/s; "
-        f"ledger open by {abs(history['residual'][0]):.1e} J of {history['lost'][0]:.0f} J "
-        "lost in the films"
+        f"energy balance closes within {abs(history['residual'][0]):.1e} J of "
+        f"{history['lost'][0]:.0f} J lost in the films"
     )
 
 

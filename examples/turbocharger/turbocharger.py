@@ -152,7 +152,7 @@ def main(out: str = str(HERE)) -> None:
     seen = history[f"{RING.format(1)}.ring_speed"] / history["w"]
     print(
         f"a ring in the middle turns at {ratio:.3f} of the rotor's speed, here at "
-        f"{seen.min():.3f} to {seen.max():.3f}; ledger open by "
+        f"{seen.min():.3f} to {seen.max():.3f}; energy balance closes within "
         f"{abs(history['residual'][0]):.1e} J of {history['lost'][0]:.0f} J lost in the films"
     )
 

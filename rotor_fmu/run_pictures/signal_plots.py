@@ -188,7 +188,7 @@ def cascade(view: View) -> Figure:
                 rasterized=True,
             )
     if shades is None:
-        raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; 17 are needed")
+        raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; needed: 17")
     once = np.abs(_speed(result.speed))
     limit = 3 * float(once.max())
     fastest = int(np.argmax(once))

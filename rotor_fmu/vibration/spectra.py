@@ -166,4 +166,4 @@ def second_half(t: np.ndarray, phi: np.ndarray) -> slice:
 
 def _check_rows(t: np.ndarray, least: int) -> None:
     if len(t) < least:
-        raise TooFewRows(f"the signal has {len(t)} recorded rows; at least {least} are needed")
+        raise TooFewRows(f"the signal has {len(t)} recorded rows; needed: at least {least}")

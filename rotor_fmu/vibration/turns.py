@@ -80,8 +80,7 @@ class Turns(ShortRepr):
         if self.longest < turns:
             on_end = " on end" if len(self.passage) > self.longest else ""
             raise TooFewTurns(
-                f"the signal holds {self.longest} whole turns of the shaft{on_end}; "
-                f"{turns} are needed"
+                f"the signal holds {self.longest} whole turns of the shaft{on_end}; needed: {turns}"
             )
 
     def blocks(self, turns: int) -> np.ndarray:

@@ -138,4 +138,4 @@ def test_a_run_without_a_row_has_no_turn_at_any_speed(tmp_path, kind):
 
 def test_a_run_of_less_than_a_block_of_turns_says_how_many_it_has(tmp_path):
     recorded(stop=0.05).save(tmp_path / "recording.npz")
-    assert "holds 2 whole turns of the shaft; 4 are needed" in str(plot("bode", tmp_path).exception)
+    assert "holds 2 whole turns of the shaft; needed: 4" in str(plot("bode", tmp_path).exception)

@@ -96,7 +96,9 @@ def test_a_rest_parts_turns_and_a_small_step_back_does_not():
     assert turns.speed == pytest.approx(100.0, rel=1e-6)
     shaken = vibration.turns_of(t, phi + 0.02 * np.sin(40 * phi + 300 * t * (w > 0)))
     assert len(np.unique(shaken.passage)) == 2
-    with pytest.raises(vibration.TooFewTurns, match="holds 63 whole turns of the shaft on end; 70"):
+    with pytest.raises(
+        vibration.TooFewTurns, match="holds 63 whole turns of the shaft on end; needed: 70"
+    ):
         turns.needs(70)
 
 
