@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from typing import Any, NamedTuple
 
 from ..errors import InputError, optional
@@ -103,7 +104,7 @@ class _Processes(ProcessPoolExecutor):
 
     def submit(self, *work: Any, **named: Any) -> Future:
         """Schedule a call, as `Executor.submit` does."""
-        with _interrupts_deferred():
+        with interrupts_deferred():
             return super().submit(*work, **named)
 
 
@@ -121,12 +122,14 @@ def _begin_worker() -> None:
 
 
 @contextlib.contextmanager
-def _interrupts_deferred() -> Iterator[None]:
-    """Keep Ctrl-C from processes that are started, which inherit that the signal is blocked; one
-    that comes meanwhile ends the call afterwards. Windows blocks no signals."""
+def interrupts_deferred() -> Iterator[None]:
+    """Keep Ctrl-C from processes that are started, which inherit that the signal is blocked, and
+    from a lock that would stay held; one that comes meanwhile ends the call afterwards. Windows
+    blocks no signals."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
+    resource_tracker.ensure_running()  # begun by the first process, it would unblock the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -155,7 +158,7 @@ def _dask(where: ExecutorConfig) -> Iterator[Engine]:
         address: Any = where.scheduler
         if where.cluster:
             stack.enter_context(_environment(ONE_THREAD))
-            with _interrupts_deferred():
+            with interrupts_deferred():
                 cluster = dask.LocalCluster(
                     where.cluster,
                     threads_per_worker=1,

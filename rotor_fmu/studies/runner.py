@@ -1,17 +1,18 @@
 """Carry out a study, from its runs to its rows, continuing where an earlier call stopped."""
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from concurrent.futures import CancelledError, Future
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from queue import SimpleQueue
 
 import numpy as np
 
 from ..errors import RunFailed
 from ..run_status import FAILED
-from .executors import Chunk, Done, Engine, run_chunk, worker_errors
+from .executors import Chunk, Done, Engine, interrupts_deferred, run_chunk, worker_errors
 from .store import Store
 from .study import Result, Study
 
@@ -91,14 +92,17 @@ def _results(
         return
     ahead = _Ahead(study, is_done, pool.chunk_s)
     running: dict[Future, Chunk] = {}
+    ended: SimpleQueue[Future] = SimpleQueue()
     fatal = worker_errors()
     while True:
         with suppress(*fatal):  # an engine that has just died: what is running will say so
             while len(running) < _QUEUED * pool.workers and (chunk := ahead.next()):
-                running[pool.executor.submit(run_chunk, study.model, chunk)] = chunk
+                running[_submitted(study, pool, chunk, ended)] = chunk
         if not running:
             return
-        finished, _ = wait(running, return_when=FIRST_COMPLETED)
+        finished = [ended.get()]
+        while not ended.empty():
+            finished.append(ended.get())
         results: dict[int, Result] = {}
         for future in finished:
             if isinstance(_error_of(future), fatal):
@@ -115,6 +119,15 @@ def _results(
             return
 
 
+def _submitted(study: Study, pool: Engine, chunk: Chunk, ended: SimpleQueue[Future]) -> Future:
+    """Return the future of a chunk, which is put into the queue of those that have ended. Ctrl-C
+    while futures wait for one another would leave their locks held, and the workers without end."""
+    with interrupts_deferred():
+        future = pool.executor.submit(run_chunk, study.model, chunk)
+        future.add_done_callback(ended.put)
+    return future
+
+
 def _one_by_one(
     study: Study, pool: Engine, suspects: dict[int, int]
 ) -> Iterator[dict[int, Result]]:
@@ -122,7 +135,9 @@ def _one_by_one(
     while suspects:
         number = next(iter(suspects))
         chunk = [(number, study.design.values(number))]
-        future = pool.executor.submit(run_chunk, study.model, chunk)
+        ended: SimpleQueue[Future] = SimpleQueue()
+        _submitted(study, pool, chunk, ended)
+        future = ended.get()
         if isinstance(_error_of(future), worker_errors()):
             suspects[number] += 1
             if suspects[number] >= _WORKER_DEATHS:
