@@ -261,8 +261,10 @@ def _joined(branches: Sequence[Branch], branch: Branch) -> int | None:
     pair = branch.points[-2:]
     for number, other in enumerate(branches, 1):
         is_lost = any(end.startswith(LOST) for end in other.ends)
-        if not is_lost or len(pair) < 2 or other.points[0].orbit.turns != pair[0].orbit.turns:
+        if not is_lost or len(pair) < 2:
             continue
+        if {point.orbit.turns for point in other.points} != {pair[0].orbit.turns}:
+            continue  # or it was lost at its start, without a point
         before, after = (_gap(other, point.orbit, point.value) for point in pair)
         if before is None or after is None:
             continue

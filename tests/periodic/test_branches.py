@@ -112,18 +112,20 @@ def test_a_branch_of_one_point_is_drawn_without_a_warning(isola):
 
 def test_a_branch_that_comes_to_one_that_was_lost_ends_there(curve):
     """Beyond the fold at 202.2 rad/s, before which its motions are close to those of the lost one,
-    but none of these."""
-    whole = curve.branches[0].points
+    but none of these. A branch that was lost at its start has no point to come to."""
+    whole, pointless = curve.branches[0].points, Branch(ends=("start", "lost: at once"))
     lost = Branch(points=whole[:120], ends=("start", "lost: at a corner"))
     steps = ContinuationSteps(longest=0.3)
     task = Task(60.0, 240.0, accuracy=Accuracy(has_stability=False), steps=steps)
     rotor, fast = jeffcott().rotor, whole[-1]
     machines = machines_of(rotor, task)
-    search = BranchSearch(Response(rotor, task, [lost]), machines, EventLog(), lambda *_: None)
+    search = BranchSearch(
+        Response(rotor, task, [pointless, lost]), machines, EventLog(), lambda *_: None
+    )
     equations = task.problem(machines, fast.value, fast.orbit.H)
     x = solve(equations, equations.join(fast.orbit), fast.value)
     branch = follow(search, start_at(equations, x, fast.value, -1.0))
-    assert branch.ends == ("start", "joins branch 1")
+    assert branch.ends == ("start", "joins branch 2")
     assert [b.kind for b in branch.bifurcations] == ["grazing", "fold"]
     assert branch.points[-1].value == pytest.approx(lost.points[-1].value, rel=0.01)
 
