@@ -147,7 +147,7 @@ def frequency_response(
     push, read = plant.selection([at_force]), plant.selection(places)
 
     def answer(w: float) -> np.ndarray:
-        return _blocks(plant(1j * w, push, read))[:, 0]
+        return plant(1j * w, push, read).reshape(-1, 2, 2)
 
     if peaks:
         at, receptance = with_peaks(answer, at, plant.poles(at.max()))
@@ -219,12 +219,6 @@ def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
     if len(at) < 1 or not (np.isfinite(at) & (at > 0)).all():
         raise LinearError("frequencies: must be above 0 and finite, at least one")
     return at
-
-
-def _blocks(matrix: np.ndarray) -> np.ndarray:
-    """Return a matrix of x, y in turn as shape (n, m, 2, 2)."""
-    rows, columns = (size // 2 for size in matrix.shape)
-    return matrix.reshape(rows, 2, columns, 2).transpose(0, 2, 1, 3)
 
 
 class _Plant:

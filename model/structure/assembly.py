@@ -68,7 +68,8 @@ def assemble(rotor: Rotor) -> Structure:
     )
     M_factors = M.copy()
     interpreted(factorize)(M_factors)
-    outputs = _output_places(elements)
+    # of each element's first output among those of all parts
+    outputs = [0, *np.cumsum([len(outputs_of(element)) for element in elements]).tolist()]
     housings, interfaces, laws = _mechanism(n, elements, outputs)
     bows, bow_forces, bow_stiffness = bows_of(rotor, elements, K_shaft)
     stores, losses = law_entries(rotor)
@@ -189,12 +190,6 @@ def interface_names(rotor: Rotor) -> list[str]:
 def _of_kind(kind: type, elements: list[Element]) -> list[tuple[int, Any]]:
     """Return the elements of a kind, with their indices among all."""
     return [(i, element) for i, element in enumerate(elements) if isinstance(element, kind)]
-
-
-def _output_places(elements: list[Element]) -> list[int]:
-    """Return the index of each element's first output among those of all parts."""
-    counts = [len(outputs_of(element)) for element in elements]
-    return [0, *np.cumsum(counts).tolist()]
 
 
 def _dof(element: Any) -> int:

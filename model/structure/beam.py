@@ -127,7 +127,9 @@ def _polynomial(section: Section) -> ElementMatrices:
     x = (1 + _POINTS) / 2
     weight = _WEIGHTS / 2 * length
     area, moment = _area_and_moment(*_diameters(section, x))
-    shear = _shear_stiffness(section, _middle_ratio(section))
+    # bore over outer diameter in the middle
+    ratio = (section.bore_left + section.bore_right) / (section.outer_left + section.outer_right)
+    shear = _shear_stiffness(section, ratio)
     phi = _shear_ratio(section, shear)
     one = np.ones_like(x)
     deflection = np.array(
@@ -168,12 +170,6 @@ def _diameters(section: Section, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     outer = section.outer_left + x * (section.outer_right - section.outer_left)
     bore = section.bore_left + x * (section.bore_right - section.bore_left)
     return outer, bore
-
-
-def _middle_ratio(section: Section) -> float:
-    """Return bore over outer diameter in the middle [1]."""
-    outer = section.outer_left + section.outer_right
-    return (section.bore_left + section.bore_right) / outer
 
 
 def _shear_stiffness(section: Section, ratio: Any) -> Any:
