@@ -24,10 +24,9 @@ from ..parts.base import (
     ReleaseElement,
 )
 from ..parts.bearing import Bearing
-from ..parts.disc import Coupling, Disc
+from ..parts.disc import Disc
 from ..parts.law import weighs_nothing
 from ..parts.shaft import Material, Section
-from ..parts.support import Support
 from ..quantities import (
     ANY,
     GRAVITY,
@@ -268,19 +267,9 @@ class Rotor:
         return self.of_kind(Disc)
 
     @property
-    def coupling(self) -> Coupling | None:
-        """The coupling, if there is one."""
-        return next(iter(self.of_kind(Coupling)), None)
-
-    @property
     def bearings(self) -> tuple[Bearing, ...]:
         """The bearings with a housing of their own."""
         return self.of_kind(Bearing)
-
-    @property
-    def supports(self) -> tuple[Support, ...]:
-        """The linear supports to ground."""
-        return self.of_kind(Support)
 
     @property
     def nodes(self) -> tuple[float, ...]:

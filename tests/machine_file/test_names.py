@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.parts.support import Support
 
 import rotor_fmu as rf
 from rotor_fmu.fmi.interface import interface
@@ -59,7 +60,7 @@ def test_a_part_between_two_nodes_splits_the_mesh():
     rotor = parse_rotor(SIMPLE + HUB)
     assert rotor.nodes == pytest.approx((0.0, 0.3, 0.5, 0.9))
     assert [disc.node for disc in rotor.discs] == [3]
-    assert [support.node for support in rotor.supports] == [1, 4]
+    assert [support.node for support in rotor.of_kind(Support)] == [1, 4]
     given = SIMPLE.replace("[0.0, 0.3, 0.9]", "[0.0, 0.3, 0.5, 0.9]")
     given = given.replace("diameters = [0.03,", "diameters = [0.03, 0.03,")
     same = parse_rotor(given.replace("node = 3", "node = 4") + HUB)

@@ -4,6 +4,7 @@ import itertools
 import math
 
 import numpy as np
+from rotor_fmu.model.parts.disc import Coupling
 from rotor_fmu.model.structure.beam import shear_coefficient
 
 
@@ -16,7 +17,7 @@ def pieces(rotor):
 
 def point_loads(rotor):
     """Positions [m] and weights [N] of the discs and the coupling."""
-    bodies = (*rotor.discs, rotor.coupling)
+    bodies = (*rotor.discs, *rotor.of_kind(Coupling))
     return [
         (rotor.nodes[b.node - 1], b.mass(rotor.material.density) * rotor.gravity) for b in bodies
     ]
