@@ -176,7 +176,7 @@ def test_an_operation_that_cannot_be_is_one_line(text, expected):
         ("boiler feed pump, 3rd stage", "", "BoilerFeedPump3rdStage"),
         ("2nd fan", "", "Rotor2ndFan"),
         ("Lüfter", "", "LFter"),
-        ("", "", "Rotor"),
+        ("转子", "", "Rotor"),
         ("fan", "my_fan", "my_fan"),
     ],
 )
