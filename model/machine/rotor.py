@@ -138,6 +138,8 @@ class Rotor:
                 f"identifier = {self.identifier!r}: must be a word of letters, digits and _ that "
                 "does not begin with a digit"
             )
+        if not isinstance(self.units, str):
+            raise QuantityError(f"units = {self.units!r}: must be text, such as 'rpm, mil, pp'")
         self._check_singles()
         check_names(self.parts)
         housings = {GROUND: "the ground"}

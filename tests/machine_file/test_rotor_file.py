@@ -93,6 +93,7 @@ WRONG = [
     (r"k = 2e8", "k = 1979-05-27", ["bearing[1].k", "number"]),
     (r"gravity = 9.81", "gravity.down = 9.81", ["gravity = {'down': 9.81}", "number"]),
     (r'name = "zigulic2003"', "name = 2003", ["name = 2003", "must be text"]),
+    (r'name = "zigulic2003"', "units = 5", ["units = 5", "must be text"]),
     (
         r"rotating_damping = false",
         "rotating_damping = 0",
