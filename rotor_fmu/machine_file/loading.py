@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..display import display_of
 from ..errors import InputError, read_text
 from ..model.laws_at_rest.oil import machine_with_oil
 from ..model.machine.ross import Imported, is_ross, parse_ross
@@ -135,9 +136,10 @@ def load_rotor(
     text = rig_toml() if path is None else machine_text(option, path, warnings.append)
     try:
         rotor = parse_rotor(text)
+        display_of("units =", rotor.units)
         machine_with_oil(rotor)  # a heat balance is refused here, where the file is known
         warnings += implausible_values(rotor)
-    except QuantityError as error:
+    except (QuantityError, InputError) as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from error
     for warning in warnings:
         warn(f"{path}: {warning}" if path else warning)

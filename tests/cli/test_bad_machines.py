@@ -314,3 +314,11 @@ def test_a_study_is_not_called_a_machine_of_unknown_keys(tmp_path, input_error):
 def test_a_machine_has_a_name_that_can_be_read(name):
     with pytest.raises(QuantityError, match=r"^name = .*: must be text, not empty"):
         parse_rotor(f"name = {name}\n{HELD}{bearing(1)}")
+
+
+@pytest.mark.parametrize("command", ["build", "run-down", "modes"])
+def test_units_of_a_file_that_are_none_are_refused_with_its_name(tmp_path, input_error, command):
+    (tmp_path / "units.toml").write_text(f"units = 'rmp'\n{HELD}{bearing(1)}")
+    line = input_error(command, "--rotor", "units.toml", "--out", "out")
+    assert line.startswith("rotor-fmu: units.toml: units = rmp: 'rmp' must be one of si, us, Hz,")
+    assert not (tmp_path / "out").exists()
