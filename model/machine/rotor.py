@@ -167,7 +167,7 @@ class Rotor:
     def _check_shaft(self) -> None:
         if not self.sections:
             raise QuantityError("shaft: no section given, at least 1 is needed")
-        check("shaft.nodes[1]", quantities(self)["start"], self.start)
+        check("shaft.start", quantities(self)["start"], self.start)
         for i, section in enumerate(self.sections, 1):
             where = f"shaft.element[{i}]"
             if not section.length > 0:
@@ -216,15 +216,15 @@ class Rotor:
 
     def _check_base(self) -> None:
         elements = list(self.named_elements())
-        moved = [where for where, element in elements if _is_base(element)]
+        is_moved = any(_is_base(element) for _, element in elements)
         for where, element in elements:
             if (
-                moved
+                is_moved
                 and isinstance(element, InterfaceElement)
                 and element.law.weigh is not weighs_nothing
             ):
                 raise QuantityError(
-                    f"{where}: is not compatible with [{moved[0]}]: its own mass would not be "
+                    f"{where}: is not compatible with [base]: its own mass would not be "
                     "accelerated; remove one of them"
                 )
 

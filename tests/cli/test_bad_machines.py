@@ -322,3 +322,10 @@ def test_units_of_a_file_that_are_none_are_refused_with_its_name(tmp_path, input
     line = input_error(command, "--rotor", "units.toml", "--out", "out")
     assert line.startswith("rotor-fmu: units.toml: units = rmp: 'rmp' must be one of si, us, Hz,")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_start_of_the_shaft_that_is_no_number_is_refused_by_its_own_name():
+    section = "[[section]]\nlength = 0.1\nouter = 0.01\n"
+    text = f"[material]\nyoung = 2e11\ndensity = 7800\n[shaft]\nstart = [1]\n{section}"
+    with pytest.raises(QuantityError, match=r"^shaft\.start = \[1\]: must be a number"):
+        parse_rotor(text)

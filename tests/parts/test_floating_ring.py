@@ -282,7 +282,7 @@ def test_what_a_ring_cannot_stand_on_is_refused():
         parse_rotor(rigid_in_rings(housing="pedestal"))
     refusal = r"floating_ring_bearing\[1\]: is not compatible with \[base\]: its own mass"
     with pytest.raises(QuantityError, match=refusal):
-        parse_rotor(rigid_in_rings() + "[base]\n")
+        parse_rotor(rigid_in_rings() + "[base]\nname = 'ground'\n")
 
 
 def _overload(run):
