@@ -28,6 +28,7 @@ _MEASURED = {
     "rad": ("an angle", "deg"),
     "rad/s": ("a speed of rotation", "rpm, Hz"),
     "rad/s2": ("a rate of the speed", "rpm/s, Hz/s"),
+    "1/s": ("a rate without turns", "1/min"),
     "m/s": ("a velocity", "mm/s, in/s"),
     "m/s2": ("an acceleration", "mm/s2, g"),
     "N": ("a force", "kN, lbf"),
@@ -118,6 +119,8 @@ def factor(shown: str, unit: str, si: str) -> float:
         raise InputError(f"{shown}: {_must_be(si)}") from error
     if si.startswith("rad/s") and not is_turning:
         raise InputError(f"{shown}: radians or turns a {unit!r}? {_must_be(si)}")
+    if si == "1/s" and is_turning:  # Hz would be 2 pi of it
+        raise InputError(f"{shown}: {_must_be(si)}")
     return result
 
 

@@ -97,6 +97,7 @@ def test_what_to_write_in_the_place_of_such_a_name_is_read():
             "x = 5 lb/in: must be a stiffness, in N/m or such as N/mm, MN/m, lbf",
         ),
         ("5 1/min", "rad/s", "radians or turns a '1/min'? must be a speed of rotation"),
+        ("4 Hz", "1/s", "x = 4 Hz: must be a rate without turns, in 1/s or such as 1/min"),
         ("mm", "m", "x = mm: must be a number, in m or with mm or um or inch or mil behind it"),
         ("1:2", "rad/s", "x = 1:2: must be a number, in rad/s or with rpm or Hz behind it"),
         ("1e999 mm", "m", "x = 1e999 mm: must be a number"),
