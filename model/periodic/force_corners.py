@@ -166,6 +166,8 @@ class SampledOrbit:
         turns = (-1.0) ** np.arange(3)[:, None]  # of derivatives by the way back
         limits = _LIMITS @ sides[:, 1] - turns * (_LIMITS @ sides[:, 0, ::-1])
         jumps = limits / self._near[:, None, None] ** np.arange(3)[:, None]
+        if values.ndim > 2:  # of a tangent like a root there is no second derivative
+            jumps[self._laws.is_root_like[self.owner], 2] = 0.0
         result += np.einsum("cpk,cpv->kv", self._weights(H), jumps).reshape(result.shape)
         return result
 

@@ -96,6 +96,10 @@ class LawsAlongMotion:
         ]
         damped = [j for j in self.rubbing if self._part(j).c > 0]
         self._damped = [self._part(j) for j in damped]
+        # walls whose force has a tangent like a root: at its onset it rises without bound
+        self.is_root_like = np.array(
+            [j in self.rubbing and self._part(j).exponent > 1.0 for j in range(self.count)], bool
+        )
         # of each corner of a force its interface
         self.corner_owner = np.array([*walls, *damped], int)
         self._sampled: dict[int, _SampleBlock] = {}

@@ -28,6 +28,8 @@ KINDS = {
     "sticking": f"[[contact]]{CONTACT}k_t = 2e4\nc_t = 50.0\n",
     "race": f"[[touchdown_bearing]]{CONTACT}race_inertia = 1e-3\nrace_damping = 1e-3\n",
     "worn": f"[[contact]]{CONTACT}wear = 2e-4\n",
+    # its damping acts in full at once, where the elastic force has a tangent like a root
+    "Hertz": f"[[contact]]{CONTACT}exponent = 1.5\n".replace("1e-4", "1e-6").replace("4e4", "1e6"),
 }
 
 
@@ -48,8 +50,8 @@ def rubbing(kind, is_autonomous=False):
         state_scale=np.array([50.0, 1e-3])[-machine.laws.states :] if machine.laws.states else None,
     )
     random = np.random.default_rng(7)
-    x = 0.2 * random.standard_normal(problem.size)
-    x[problem.b], x[2 * problem.b + 1] = 1.6, 1.6
+    x = 0.16 * random.standard_normal(problem.size)
+    x[problem.b], x[2 * problem.b + 1] = 1.28, 1.28
     if is_autonomous:
         x[-1] = 1.0
         problem.fix_phase(x)
