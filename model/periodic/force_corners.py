@@ -25,6 +25,7 @@ _SIDE = np.array([1.0, 2.0, 3.0])  # behind a corner, where limits are taken fro
 _SIDES = np.append(-_SIDE[::-1], _SIDE)  # on both sides
 _LIMITS = np.linalg.inv(np.vander(_SIDE, increasing=True)) * [[1.0], [1.0], [2.0]]
 _NEAR = 0.02  # in samples, or in distances to the next corner
+_NEAR_ROOT = 0.2  # where a tangent like a root begins: its derivatives grow without bound there
 _LEAST = 1e-5  # of that distance, in samples
 _NEWTON, _EXACT = 6, 5  # iterations on the interpolated gap; secants on the gap itself
 
@@ -128,7 +129,8 @@ class SampledOrbit:
         if not len(cell):
             return
         self._at = h * (cell + self._share)
-        self._near = h * _NEAR * self._apart(cell)
+        near = np.where(laws.is_root_like[self.owner], _NEAR_ROOT, _NEAR)
+        self._near = h * near * self._apart(cell)
         value, slope = basis(H, (self._at[:, None] + self._near[:, None] * _SIDES).ravel())
         self.d = np.concatenate([self.d, value @ d])
         self.v = np.concatenate([self.v, omega * (slope @ d)])

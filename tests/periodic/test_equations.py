@@ -78,6 +78,16 @@ def test_the_jacobian_is_the_derivative(kind, is_autonomous):
     assert np.abs(100 * seen / 2e-4 - by_speed).max() <= 1e-3 * np.abs(by_speed).max() + rounding
 
 
+def test_forces_that_begin_with_a_tangent_like_a_root_are_summed_as_of_many_samples():
+    problem, x = rubbing("Hertz")
+    fine = problem.modified(25 * problem.H)
+    seen, forces = (
+        p.residual(p_x, 120.0) / np.repeat(p.row_scale, p.b)
+        for p, p_x in ((problem, x), (fine, problem.converted(x, fine)))
+    )
+    assert np.abs(seen - forces[: len(seen)]).max() < 4e-7 * np.abs(forces).max()
+
+
 @pytest.mark.parametrize(("side", "force"), [(-1.0, 1.0), (1.0, 0.0)])
 def test_beside_a_corner_the_derivative_by_a_clearance_is_that_of_its_own_side(side, force):
     """Of a circle that touches the wall all around, or just does not."""
