@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
+import scipy.linalg
 
 from ..quantities import QuantityError
 
@@ -96,7 +97,8 @@ def solve_linear(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
             return result
     except np.linalg.LinAlgError:
         pass
-    return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
+    # by a complete orthogonal factorization, several times as fast as by singular values
+    return scipy.linalg.lstsq(matrix, right, 1e-12, check_finite=False, lapack_driver="gelsy")[0]
 
 
 def by_parameter(

@@ -242,6 +242,15 @@ def test_the_error_that_newtons_method_leaves_is_a_small_residual_also_of_a_free
     assert np.abs(jacobian).max() * newton.TOLERANCE < 1e-3
 
 
+def test_a_system_that_is_singular_has_its_least_squares_solution_or_none():
+    """The shortest one; of a law that is no number Newton's method then says that it fails."""
+    singular = np.diag([2.0, 1.0, 0.0])
+    singular[2, 1] = 1.0
+    right = np.array([[2.0], [1.0], [3.0]])
+    assert newton.solve_linear(singular, right) == pytest.approx(np.array([[1.0], [2.0], [0.0]]))
+    assert not np.isfinite(newton.solve_linear(np.nan * singular, right)).all()
+
+
 @pytest.mark.filterwarnings("error")
 def test_a_residual_whose_square_no_number_holds_is_no_warning_to_the_user():
     """Such as that of an oil film far beyond its wall."""
