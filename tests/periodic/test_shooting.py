@@ -143,6 +143,21 @@ def test_steps_end_in_the_corners_also_where_newtons_method_goes_to_and_fro(shot
     assert np.sort(gap)[:2].max() < 1e-6 * CLEARANCE
 
 
+def test_steps_do_not_follow_small_changes_of_the_motion_that_do_not_shrink(shot):
+    """Which are the error of the steps: Newton's method would go to and fro with them."""
+    equations, x, _ = shot
+    equations = copy(equations)
+    equations.fix_phase(x)
+    ends = []
+    for i in range(6):
+        away = x.copy()
+        away[-2:] += 2e-5 * np.array([1.0, -1.0]) * (-1) ** i
+        equations.linearized(away, SPEED)
+        ends.append(equations._integrated(away, SPEED).ends)
+    assert ends[-1] is ends[1]
+    assert ends[0] is not shot[0]._ends
+
+
 def test_beside_a_corner_no_other_step_ends_so_that_it_can_move(monkeypatch):
     """And none comes back behind it: the equations stay smooth."""
     at, tenths = np.array([0.505, 0.73]), np.linspace(0.0, 1.0, 11)
