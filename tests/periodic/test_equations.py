@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rotor_fmu.model.periodic import newton
+from rotor_fmu.model.periodic.problem import Task, machines_of
 
 import rotor_fmu as rf
 
@@ -277,9 +278,18 @@ race_drag = 1e-5
 
 
 def test_the_tangents_of_a_race_that_rolls_are_those_of_its_curve():
-    """Its surface speed, by which friction changes, is a small part of the rotor's."""
+    """Its surface speed, by which friction changes, is a small part of the rotor's, and of a wide
+    range of speeds, to which differences are relative."""
     text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + ROLLING + MORE, gravity=20.0)
     machine = rf.parse(text.replace("0.5e-3", "1e-6"))
-    (branch,) = rf.response(machine, speed=(2000.0, 2100.0), stability=False).branches
+    found = rf.response(machine, speed=(2000.0, 2100.0), stability=False, harmonics=10)
+    (branch,) = found.branches
     assert branch.ends == ("start", "end of the range")
     assert len(branch.points) < 25  # steps along tangents that are wrong are short
+    wide, last = Task(2000.0, 6500.0), branch.points[-1]
+    problem = wide.problem(machines_of(machine.rotor, wide), last.value, last.orbit.H)
+    x, step = problem.join(last.orbit), 1e-5
+    *_, by_speed = problem.linearized_with_parameter(x, last.value)
+    above, below = (problem.residual(x, last.value + side * step) for side in (1, -1))
+    exact = (above - below) / (2 * step) * problem.parameter.scale
+    assert np.linalg.norm(by_speed - exact) < 5e-4 * np.linalg.norm(exact)
