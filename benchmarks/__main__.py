@@ -14,9 +14,9 @@ from typing import Annotated  # noqa: E402
 import typer  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.progress import Progress  # noqa: E402
-from rotor_fmu.model.machine.toml import rig_toml  # noqa: E402
 
 from rotor_fmu.errors import run, writable_folder  # noqa: E402
+from rotor_fmu.fmi.packing.machine_files import machine_of  # noqa: E402
 from rotor_fmu.fmi.packing.python_fmu import build  # noqa: E402
 
 from .dissipation import dissipation  # noqa: E402
@@ -64,7 +64,7 @@ def main(
         dissipation(store, quick, report)
         scatter(store, quick, report)
         with tempfile.TemporaryDirectory() as temporary:
-            fmu = build(Path(temporary), rig_toml())
+            fmu = build(Path(temporary), machine_of())
             hosting(store, fmu, times, quick, report)
             processes(store, fmu, times, quick, report)
     for path in write_report(store, folder):

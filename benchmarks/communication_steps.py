@@ -15,6 +15,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 
 STEPS: dict[str, tuple[float, ...]] = {
@@ -51,7 +52,7 @@ def tenths(folder, description, steps, settings):
 def main(*settings):
     chosen = {name: float(value) for name, value in (s.split("=") for s in settings)}
     with tempfile.TemporaryDirectory() as place:
-        folder = fmpy.extract(str(build(Path(place))))
+        folder = fmpy.extract(str(build(Path(place), machine_of())))
     description = fmpy.read_model_description(folder)
     print("| communication step [ms] | solver's steps | x [um] | y [um] | force [N] |")
     print("| --- | --- | --- | --- | --- |")

@@ -11,6 +11,7 @@ from pathlib import Path
 import fmpy
 from rotor_fmu.model.kernels.library import here
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library.component import make
 from rotor_fmu.library.platforms import COMPONENT, PLATFORMS
@@ -31,7 +32,7 @@ def main() -> None:
         before = children_cpu()
         make(folder / "core.wasm")
         taken = children_cpu() - before
-        fmu = build_native(folder, fmi=3, platforms=[platform, COMPONENT.name])
+        fmu = build_native(folder, machine_of(), fmi=3, platforms=[platform, COMPONENT.name])
         with zipfile.ZipFile(fmu) as archive:
             entries = {entry.filename.split("/")[1]: entry for entry in archive.infolist()[:2]}
         component, library = entries[COMPONENT.name], entries[PLATFORMS[platform].fmi3]

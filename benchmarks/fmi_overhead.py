@@ -18,6 +18,7 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 
 from .native_master import CMaster, medians
@@ -122,7 +123,7 @@ def table(title, rows):
 
 def main():
     with tempfile.TemporaryDirectory() as name:
-        fmu, master = build(Path(name)), CMaster(Path(name))
+        fmu, master = build(Path(name), machine_of()), CMaster(Path(name))
         hosted, model = through_fmpy(fmu), model_alone()
         idle = through_fmpy(idle_fmu(fmu, Path(name)))
         idle_native = master.idle_fmu()

@@ -28,7 +28,7 @@ ENDED = "return document.documentElement.dataset.runs ? [now.seconds, now.n] : n
 def main() -> None:
     with tempfile.TemporaryDirectory() as name, browser() as driver:
         master, page = CMaster(Path(name)), Path(name) / "page.html"
-        write_text(solver_page(machine_of(None, False, 0)), page)
+        write_text(solver_page(machine_of()), page)
 
         def waited(script: str) -> Any:
             end = time.monotonic() + PATIENCE

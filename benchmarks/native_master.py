@@ -13,6 +13,7 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 SPEED, RATE = 400.0, -10.0
@@ -25,7 +26,7 @@ class CMaster:
     def __init__(self, folder: Path) -> None:
         platform = here()
         assert platform is not None, "there is no native library for this machine"
-        self.fmu = build_native(folder, platforms=[platform])
+        self.fmu = build_native(folder, machine_of(), platforms=[platform])
         unpacked = folder / "native"
         fmpy.extract(str(self.fmu), str(unpacked))
         described = fmpy.read_model_description(str(unpacked))

@@ -22,6 +22,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.settings.table import MODES
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from .native_master import compile_c
@@ -42,7 +43,7 @@ class Master:
         platform = here()
         assert platform is not None, "there is no native library for this machine"
         folder.mkdir()
-        fmu = build_native(folder, toml, fmi=3, platforms=[platform], step=STEP)
+        fmu = build_native(folder, machine_of(toml, step=STEP), fmi=3, platforms=[platform])
         unpacked = fmpy.extract(str(fmu), str(folder / "fmu"))
         described = fmpy.read_model_description(unpacked)
         self._reference = {v.name: v.valueReference for v in described.modelVariables}

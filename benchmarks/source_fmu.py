@@ -9,6 +9,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_source
 
 from .native_master import CMaster, children_cpu, median_ratio
@@ -21,7 +22,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         master = CMaster(folder)
-        fmu = build_source(folder)
+        fmu = build_source(folder, machine_of())
         with zipfile.ZipFile(fmu) as archive:
             archive.extractall(folder / "source")
         sources = sorted((folder / "source" / "sources").glob("*.c"))

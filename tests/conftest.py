@@ -17,6 +17,7 @@ from rotor_fmu.model.backend import waits_for_compiler
 from rotor_fmu.cli import app, main
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing import archive
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 
 from .documents.browser import driver, silent  # noqa: F401, fixtures
@@ -67,7 +68,7 @@ def pytest_configure_node(node):
     """Before pytest-xdist starts a worker: tell it where the FMU is that they all drive."""
     folder = node.config.stash[TEMPORARY] / "fmu"
     if not folder.exists():
-        build(folder)
+        build(folder, machine_of())
         _compile()
     node.workerinput["fmu"] = str(next(folder.glob("*.fmu")))
 

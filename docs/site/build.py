@@ -88,7 +88,7 @@ def add_machines(tree: Path) -> None:
     folder.mkdir(parents=True)
     for _, name, file, course in TRIED:
         toml = (ROOT / file).read_text(encoding="utf-8")
-        write_text(solver_page(machine_of(toml, False, 0), course), folder / f"{name}.html")
+        write_text(solver_page(machine_of(toml), course), folder / f"{name}.html")
     links = " or ".join(f'<a href="try/{name}.html">{title}</a>' for title, name, _, _ in TRIED)
     index = tree / "index.md"
     before, heading, after = index.read_text("utf-8").partition("\n## ")

@@ -55,7 +55,7 @@ def motor_and_rotor(out: Path, motor: Mapping[str, float]) -> System:
     start = motor["w_start"]
     one = Component("motor", source.build(out), source.variables, {**motor, "w": start})
     machine = machine_of(rig_toml(), True, 0)
-    fmu = build_native(out, rig_toml(), is_free=True, platforms=[str(here())])
+    fmu = build_native(out, machine_of(rig_toml(), is_free=True), platforms=[str(here())])
     other = Component("rotor", fmu, machine.table, {"w_start": start})
     bond = Bond("shaft", ("motor", "tau", "rotor", "tau_drive"), ("rotor", "w", "motor", "w"))
     return System("motor on a stiff shaft", (one, other), (bond,), FIRST, 1.0)

@@ -39,6 +39,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.output_options import with_output_options, write_json
 
@@ -59,7 +60,9 @@ def compare(
     if platform is None:
         raise InputError("there is no native FMU for this machine")
     stop = EVERY * math.ceil(stop / EVERY - 1e-9)
-    fmu = build_native(writable_folder(out), rig_toml(), is_free=True, platforms=[platform])
+    fmu = build_native(
+        writable_folder(out), machine_of(rig_toml(), is_free=True), platforms=[platform]
+    )
     folder = fmpy.extract(str(fmu))
     try:
         expected = reference(folder, stop)

@@ -16,14 +16,14 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 from rotor_fmu.examples import copy_system_files
-from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.fmi.packing.python_fmu import fmu_in
 from rotor_fmu.output_options import with_output_options, write_json
 from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_panels, save
-from rotor_fmu.runs.job import fmu_in
 from rotor_fmu.runs.run_down import interrupts_noted
 from rotor_fmu.runs.run_files import clear
 
@@ -76,7 +76,7 @@ def drive_train(
     if not 1e-4 <= step <= 0.02:
         raise InputError(f"--step {step:g} s: must lie between 0.0001 and 0.02")
     clear(writable_folder(out), RESULTS)
-    fmus = COUPLING.build(out), fmu_in(out, rig_toml())
+    fmus = COUPLING.build(out), fmu_in(out, machine_of())
     copy_system_files(HERE, out)
     cases = {
         "ample": RunUp(f"{ample:g} N.m", AMPLE_STOP, step, {"tau_max": ample}, {}),

@@ -26,14 +26,14 @@ from rotor_fmu.model.message_templates import Message
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.master import points
 from rotor_fmu.errors import InputError, RunFailed, optional
-from rotor_fmu.fmi.packing.python_fmu import package_name
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.fmi.packing.python_fmu import fmu_in, package_name
 from rotor_fmu.machine_studies.machine_runs import MachineRuns
 from rotor_fmu.machine_studies.machine_tables import KINDS, MachineSubject, read_machine
 from rotor_fmu.machine_studies.metric import Metric
 from rotor_fmu.machine_studies.run_excitation import Excitation, Samples, Window
 from rotor_fmu.machine_studies.run_kinds import MOTOR, NOT_NEGATIVE, POSITIVE, Number, RunKind
 from rotor_fmu.run_status import FAILED, status_of
-from rotor_fmu.runs.job import fmu_in
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import usual
 from rotor_fmu.studies.study import Result, Tables
@@ -181,7 +181,7 @@ def fmus(toml: str) -> tuple[Path, Path]:
     for folder in (user_cache(), cache, home):
         private_folder(folder)
     with optional("filelock", "study", "study").FileLock(home / "lock"):
-        built = _extracted(COUPLING.build(home)), _extracted(fmu_in(home, toml))
+        built = _extracted(COUPLING.build(home)), _extracted(fmu_in(home, machine_of(toml)))
         os.utime(home)
     by_age = sorted(cache.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_MACHINES:]:

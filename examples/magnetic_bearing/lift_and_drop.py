@@ -18,13 +18,12 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 from rotor_fmu.examples import copy_system_files
-from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
-from rotor_fmu.fmi.packing.machine_files import fmu_identifier
-from rotor_fmu.fmi.packing.python_fmu import build, is_current
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.fmi.packing.python_fmu import fmu_in
 from rotor_fmu.output_options import with_output_options, write_json
 from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, new_panels, save
 from rotor_fmu.runs.run_files import clear
@@ -99,8 +98,7 @@ def magnetic_bearing(
 def rotor_in(out: Path) -> Path:
     """The compressor's FMU in the folder `out`, built if it is not there or not up to date."""
     toml = (HERE / "compressor.toml").read_text(encoding="utf-8")
-    fmu = out / f"{fmu_identifier(parse_rotor(toml), is_free=True)}.fmu"
-    return fmu if is_current(fmu, toml, is_free=True) else build(out, toml, is_free=True)
+    return fmu_in(out, machine_of(toml, is_free=True))
 
 
 def couple(

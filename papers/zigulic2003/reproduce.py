@@ -13,10 +13,11 @@ from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.model.message_templates import Message
 
 from rotor_fmu.files import unfinished, write_text
-from rotor_fmu.fmi.packing.python_fmu import package_name
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.fmi.packing.python_fmu import fmu_in, package_name
 from rotor_fmu.output_options import write_json
 from rotor_fmu.run_status import messages_and_codes
-from rotor_fmu.runs.job import Job, execute, execute_recorded, fmu_in, prepare
+from rotor_fmu.runs.job import Job, execute, execute_recorded, prepare
 from rotor_fmu.runs.recording import Recording, load_recording
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.summary import summary
@@ -133,7 +134,7 @@ class Result:
 def run_cases(out: Path, announce: Callable[[str], None]) -> list[Result]:
     """Run all cases through the FMU, and their repetitions, which have the same numbers, without it
     and its warnings; those finished by an earlier call are read from `out`/runs."""
-    fmu = fmu_in(out, rig_toml())
+    fmu = fmu_in(out, machine_of())
     store = out / "runs" / f"{package_name()}-{sha256(rig_toml().encode()).hexdigest()[:8]}"
     store.mkdir(parents=True, exist_ok=True)
 

@@ -83,6 +83,7 @@ def build_fmu(
     'RotorBearing.fmu'
     """
     from ..fmi.packing.fmu_kinds import FmuKind
+    from ..fmi.packing.machine_files import machine_of
     from ..linear.machine_warnings import machine_warnings
 
     check_machine(machine)
@@ -103,9 +104,8 @@ def build_fmu(
         raise InputError(str(error).removeprefix("--set ")) from error
     for text in machine_warnings(machine.rotor, is_free):
         warnings.warn(RotorWarning(text), stacklevel=2)
-    return kind.build(
-        path_of("folder", folder), machine.toml, is_free, reduction, platforms, step, starts
-    )
+    chosen = machine_of(machine.toml, is_free, reduction, step, starts)
+    return kind.build(path_of("folder", folder), chosen, platforms)
 
 
 def simulate_fmu(

@@ -94,6 +94,7 @@ def build(
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
     # imported when it is called: the help needs none of it
     from ..fmi.packing.fmu_kinds import FmuKind
+    from ..fmi.packing.machine_files import machine_of
     from ..machine_file.loading import load_rotor
     from ..runs.settings_text import parse_starts
 
@@ -105,8 +106,9 @@ def build(
     step = None if realtime is None else _step(realtime)
     starts = parse_starts(machine, is_free, sets or ())
     names = _known(platforms, kind.platforms)
+    chosen = machine_of(toml, is_free, reduction, step, starts)
     folder, result = writable_folder(out), warned(machine, is_free)
-    fmu = kind.build(folder, toml, is_free, reduction, names, step, starts)
+    fmu = kind.build(folder, chosen, names)
     typer.echo(fmu)
     return {"fmu": fmu, "bytes": fmu.stat().st_size, "warnings": result}
 
@@ -156,8 +158,8 @@ def ssp(
     from ..machine_file.loading import load_rotor
     from ..operating_speeds import operating_speeds
 
-    toml, machine = load_rotor(rotor)
-    speeds = operating_speeds(machine)
+    toml, rotor_of_file = load_rotor(rotor)
+    speeds = operating_speeds(rotor_of_file)
     speed = speeds.rated if target is None else one_speed(target, "--target")
     if not abs(speed) <= 1e6:
         raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
@@ -178,18 +180,19 @@ def ssp(
     platform = here()
     if is_native and platform is None:
         raise InputError("--native: there is no library for this machine")
-    folder, warnings = writable_folder(out), warned(machine)
+    machine = machine_of(toml)
+    folder, warnings = writable_folder(out), warned(machine.rotor)
     coupling = Coupling(example_folder("drive_train") / "drive_train.py")
     fmu = (
-        build_native(folder, toml, platforms=[str(platform)])
+        build_native(folder, machine, platforms=[str(platform)])
         if is_native
-        else build_python(folder, toml)
+        else build_python(folder, machine)
     )
     values = {"tau_max": torque, "w_target": speed, "w_start": 0.0, "ramp": speeds.run_up_rate}
     if algorithm == "ecco":  # whose longer steps need a load that goes on
         values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)
-    system = drive_system(machine_of(toml, False, 0), drive, fmu, interval, end)
+    system = drive_system(machine, drive, fmu, interval, end)
     package, structure = replace(system, algorithm=algorithm).write(folder)
     typer.echo(f"{package}\n{structure}")
     return {

@@ -260,6 +260,6 @@ def page(
     choose(units, machine.units, rotor or "")
     check_page(out)
     warnings = warned(machine)
-    write_text(solver_page(machine_of(toml, False, 0)), out)
+    write_text(solver_page(machine_of(toml)), out)
     typer.echo(out)
     return {"out": out, "bytes": out.stat().st_size, "warnings": warnings}

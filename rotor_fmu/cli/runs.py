@@ -111,6 +111,8 @@ def _run(
     ] = None,
 ) -> dict[str, Any]:
     """Make a run, write its results and return its figures."""
+    from ..fmi.packing.machine_files import machine_of
+    from ..fmi.packing.python_fmu import fmu_in
     from ..runs import job as jobs
     from ..runs.input_signals import RampGiven
     from ..runs.run_files import clear
@@ -130,7 +132,8 @@ def _run(
         finer_job(job)  # refused before anything is run
     refuse_other(out, STUDY)
     writable_folder(out)
-    fmu = None if direct else jobs.fmu_in(out, job.toml, job.settings.reduction)
+    machine = machine_of(job.toml, reduction=job.settings.reduction)
+    fmu = None if direct else fmu_in(out, machine)
     outcome = _carry_out(job, fmu, f"{kind}, {preset or 'default'}", verify)
     clear(out)  # the results of an earlier run stay until there are others
     report = _write(outcome, preset, out, name)

@@ -189,7 +189,7 @@ def machine_of_run(run: Recording) -> Machine:
     if run.rotor is None:
         raise InputError(f"{run.name}: its recording holds no machine")
     parameters = run.about.get("parameters", {})
-    return machine_of(str(run.about["toml"]), False, int(parameters.get(REDUCTION.name, 0)))
+    return machine_of(str(run.about["toml"]), reduction=int(parameters.get(REDUCTION.name, 0)))
 
 
 def settings_of_run(run: Recording, machine: Machine) -> dict[str, float]:

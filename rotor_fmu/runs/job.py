@@ -13,7 +13,6 @@ from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
 from ..machine_file.loading import load_rotor
 from ..model.machine.rotor import Rotor
-from ..model.machine.toml import parse_rotor
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..operating_speeds import operating_speeds
@@ -164,16 +163,3 @@ def difference(one: Run, other: Run) -> float:
         if len(column)
     ]
     return max(apart, default=0.0)
-
-
-def fmu_in(out: Path, toml: str, reduction: int = 0) -> Path:
-    """Return the FMU of this rotor in the folder `out`, built if it is not there or not up to date;
-    reduction: component modes kept of the shaft."""
-    # no run without an FMU needs what builds one
-    from ..fmi.packing.machine_files import fmu_identifier
-    from ..fmi.packing.python_fmu import build, is_current
-
-    fmu = out / f"{fmu_identifier(parse_rotor(toml))}.fmu"
-    if is_current(fmu, toml, reduction=reduction):
-        return fmu
-    return build(out, toml, reduction=reduction)

@@ -12,7 +12,7 @@ from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.cli.speeds import rated_speed
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.interface import interface
-from rotor_fmu.fmi.packing.machine_files import NATIVE, fmu_identifier
+from rotor_fmu.fmi.packing.machine_files import NATIVE, machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.operating_speeds import operating_speeds
 from rotor_fmu.runs.input_signals import RampGiven
@@ -181,9 +181,9 @@ def test_an_operation_that_cannot_be_is_one_line(text, expected):
     ],
 )
 def test_an_fmu_is_called_after_its_machine(name, identifier, expected):
-    rotor = parse_rotor(operated("", name, identifier))
-    assert fmu_identifier(rotor) == expected
-    assert fmu_identifier(rotor, is_free=True, kind=NATIVE) == f"{expected}FreeNative"
+    toml = operated("", name, identifier)
+    assert machine_of(toml).identifier() == expected
+    assert machine_of(toml, is_free=True).identifier(NATIVE) == f"{expected}FreeNative"
 
 
 def test_an_identifier_that_is_none_is_refused():
@@ -192,7 +192,7 @@ def test_an_identifier_that_is_none_is_refused():
 
 
 def test_an_fmu_has_the_names_and_the_start_of_its_machine(tmp_path):
-    fmu = build(tmp_path, operated("rated_speed = 250.0", "test fan"))
+    fmu = build(tmp_path, machine_of(operated("rated_speed = 250.0", "test fan")))
     assert fmu.name == "TestFan.fmu"
     with zipfile.ZipFile(fmu) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))

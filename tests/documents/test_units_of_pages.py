@@ -105,7 +105,7 @@ def _page_of_study(command, folder, *given):
 
 
 def test_the_page_on_which_a_machine_runs_is_in_the_units_that_were_chosen():
-    machine = machine_of(rig_toml(), False, 0)
+    machine = machine_of()
     with restored():
         choose("us, pp")
         us = page_data(machine)

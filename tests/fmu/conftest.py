@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from rotor_fmu.model.settings import PRESETS
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 
@@ -17,13 +18,13 @@ from .skins import SKINS, Extracted
 def fmu(request, tmp_path_factory) -> Path:
     """Built once for all workers where there are several (tests/conftest.py)."""
     shared = getattr(request.config, "workerinput", {}).get("fmu")
-    return Path(shared) if shared else build(tmp_path_factory.mktemp("fmu"))
+    return Path(shared) if shared else build(tmp_path_factory.mktemp("fmu"), machine_of())
 
 
 @pytest.fixture(scope="session")
 def free_fmu(tmp_path_factory) -> Path:
     """The FMU that a torque drives."""
-    return build(tmp_path_factory.mktemp("free"), is_free=True)
+    return build(tmp_path_factory.mktemp("free"), machine_of(is_free=True))
 
 
 @pytest.fixture(scope="session")
@@ -50,7 +51,7 @@ def master(request, fmu):
 @pytest.fixture(scope="session")
 def native_fmu(tmp_path_factory) -> Path:
     """The FMU that needs no Python, of this machine's platform."""
-    return build_native(tmp_path_factory.mktemp("native"), platforms=["linux64"])
+    return build_native(tmp_path_factory.mktemp("native"), machine_of(), platforms=["linux64"])
 
 
 @pytest.fixture(scope="session")

@@ -11,6 +11,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.fmi.packing.archive import contents_of
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..parts.machines import FLEXIBLE
@@ -149,9 +150,14 @@ def can_interpolate(fmu):
 def test_the_description_says_who_takes_them(fmu, native_fmu, tmp_path):
     """The wrapper of pythonfmu refuses them before it asks the slave; FMI 3.0 has none."""
     assert can_interpolate(native_fmu) == "true"
-    assert can_interpolate(build_native(tmp_path, is_free=True, platforms=["linux64"])) == "true"
+    assert (
+        can_interpolate(build_native(tmp_path, machine_of(is_free=True), platforms=["linux64"]))
+        == "true"
+    )
     assert can_interpolate(fmu) == "false"
-    assert can_interpolate(build_native(tmp_path, fmi=3, platforms=["linux64"])) is None
+    assert (
+        can_interpolate(build_native(tmp_path, machine_of(), fmi=3, platforms=["linux64"])) is None
+    )
     folder = fmpy.extract(str(fmu))
     described = fmpy.read_model_description(folder)
     instance = fmpy.instantiate_fmu(folder, described, "CoSimulation")
@@ -163,7 +169,7 @@ def test_the_description_says_who_takes_them(fmu, native_fmu, tmp_path):
 @pytest.mark.parametrize("is_free", [False, True])
 def test_a_base_and_a_torque_take_them_too(tmp_path, is_free):
     toml = FLEXIBLE + "[base]\n"
-    fmu = build_native(tmp_path, toml, is_free, platforms=["linux64"])
+    fmu = build_native(tmp_path, machine_of(toml, is_free), platforms=["linux64"])
     extracted = Extracted(fmu)
     instance = Native(extracted)
     drive = "tau_drive" if is_free else "speed"

@@ -15,6 +15,7 @@ from rotor_fmu.about import __version__
 from rotor_fmu.fmi.description import default_experiment, summary
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.archive import contents_of
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.fmi.terminals import terminals_of
@@ -139,9 +140,9 @@ def test_each_page_tells_its_own_drive_and_what_it_carries(fmu, free_fmu):
 def test_an_fmu_speaks_of_its_own_machine(tmp_path, kind):
     toml = machine_text("", EXAMPLES / "drop" / "compressor.toml")
     if kind == "python":
-        fmu = build(tmp_path, toml, False)
+        fmu = build(tmp_path, machine_of(toml, False))
     else:
-        fmu = build_native(tmp_path, toml, False, kind, ["linux64"])
+        fmu = build_native(tmp_path, machine_of(toml, False), kind, ["linux64"])
     description = fmpy.read_model_description(str(fmu))
     assert description.modelName == "dropping compressor"
     assert description.description == (

@@ -17,6 +17,7 @@ from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError, RunFailed
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..processes import interrupted
@@ -115,7 +116,7 @@ def test_an_impossible_drive_train_is_refused(drive_fmu, fmu, parameters, messag
 
 
 def test_what_cannot_be_coupled_is_named(drive_fmu, native_fmu, tmp_path):
-    of_fmi_3 = build_native(tmp_path, fmi=3, platforms=["linux64"])
+    of_fmi_3 = build_native(tmp_path, machine_of(), fmi=3, platforms=["linux64"])
     for fmu, parameters, recorded, message in (
         (of_fmi_3, {}, "tau", r"RotorBearingNative.fmu: is of FMI 3.0; must be of FMI 2.0"),
         (native_fmu, {"tol": 1.0}, "tau", r"RotorBearingNative.fmu: tol: unknown name"),

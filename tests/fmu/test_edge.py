@@ -12,6 +12,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
 from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..processes import run_python
@@ -158,7 +159,9 @@ def test_its_date_is_the_hosts(extracted):
 def test_a_state_of_another_machine_is_refused_as_it_is_too(extracted, tmp_path):
     """Not the serialized one alone."""
     other = build_native(
-        tmp_path, rig_toml().replace("diameter = 0.12", "diameter = 0.11"), platforms=["linux64"]
+        tmp_path,
+        machine_of(rig_toml().replace("diameter = 0.12", "diameter = 0.11")),
+        platforms=["linux64"],
     )
     mine, theirs = Native(extracted["native"]).initialize(), Native(Extracted(other)).initialize()
     state = ctypes.c_void_p()

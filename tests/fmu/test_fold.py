@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rotor_fmu.cosimulation.member import Member
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 
 MACHINE = Path(__file__).parents[2] / "examples" / "jeffcott_rub" / "jeffcott.toml"
@@ -19,7 +20,7 @@ HELD = 1.0  # 100 over the natural frequency [s]
 @pytest.fixture(scope="module")
 def radii(tmp_path_factory):
     """Radius in clearances after each of a list of speeds [rad/s] has been held."""
-    fmu = build(tmp_path_factory.mktemp("fold"), MACHINE.read_text(encoding="utf-8"))
+    fmu = build(tmp_path_factory.mktemp("fold"), machine_of(MACHINE.read_text(encoding="utf-8")))
 
     def result(speeds):
         seen = []

@@ -11,6 +11,7 @@ from rotor_fmu.model.time_loop.observe import observed_names
 
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import is_current
 
 LOSSES = [name for name in observed_names(rig()) if name.endswith("_loss")]
@@ -37,10 +38,10 @@ def test_both_fmus_have_the_same_variables_beside_the_drive():
 
 
 def test_each_is_current_as_itself_only(fmu, free_fmu):
-    assert is_current(free_fmu, is_free=True)
-    assert is_current(fmu)
-    assert not is_current(free_fmu)
-    assert not is_current(fmu, is_free=True)
+    assert is_current(free_fmu, machine_of(is_free=True))
+    assert is_current(fmu, machine_of())
+    assert not is_current(free_fmu, machine_of())
+    assert not is_current(fmu, machine_of(is_free=True))
 
 
 def simulate(fmu, stop, step, output, **options):

@@ -14,6 +14,7 @@ import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.fmi.packing.archive import contents_of
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build, package_name
 
 from ..processes import run_anew, run_python
@@ -154,7 +155,7 @@ show(results=results, first=first, after=instance.getReal([refs["disc[3].x"]]))
 
 
 def test_two_rotors_in_one_process_do_not_meet(fmu, tmp_path):
-    other = build(tmp_path, rig_toml().replace("diameter = 0.12", "diameter = 0.11"))
+    other = build(tmp_path, machine_of(rig_toml().replace("diameter = 0.12", "diameter = 0.11")))
     seen = in_a_process(
         fmu,
         f"""
@@ -238,8 +239,9 @@ def test_an_fmu_that_is_built_where_another_has_run_is_the_same(fmu, tmp_path):
 fmpy.simulate_fmu(path, stop_time=0.01)
 wrapper = sys.modules["pythonfmu"].__file__
 from pathlib import Path
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
-build(Path(sys.argv[2]))
+build(Path(sys.argv[2]), machine_of())
 show(wrapper=wrapper)
 """,
         arguments=[str(tmp_path)],

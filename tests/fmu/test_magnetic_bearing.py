@@ -16,6 +16,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import RunFailed
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 
 from .coupled import through_libcosim
@@ -176,7 +177,7 @@ def whirling_up(result):
 
 def seen(control, folder, toml, step, stop):
     """Rate [1/s] and frequency [rad/s] of the bending that a start beside the middle leaves."""
-    fmu = build(folder, f"{toml}\n[start]\nx = 2e-5\n", is_free=True)
+    fmu = build(folder, machine_of(f"{toml}\n[start]\nx = 2e-5\n", is_free=True))
     values = {"t_lift": 0.0, "t_off": 10.0, "t_run": 10.0}
     settings = {"gravity": 0.0, "solver.preset": 0, "solver.h": 2e-5}
     rotor = couple(control, fmu, stop, step, values, settings).rotor

@@ -13,6 +13,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.fmi.packing.archive import contents_of
 from rotor_fmu.fmi.packing.documents import FOLDER
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.fmi.packing.reference import default_experiment
 
@@ -63,7 +64,9 @@ def test_the_manifest_is_as_the_standard_asks_and_its_files_exist(fmu):
 
 
 def test_another_rotor_does_not_carry_the_rigs_result(tmp_path):
-    other = build(tmp_path, rig_toml().replace("clearance = 50e-6", "clearance = 60e-6"))
+    other = build(
+        tmp_path, machine_of(rig_toml().replace("clearance = 50e-6", "clearance = 60e-6"))
+    )
     with zipfile.ZipFile(other) as archive:
         assert not [name for name in archive.namelist() if name.startswith("extra/")]
         assert "fmi-ls-ref" not in archive.read("documentation/index.html").decode()

@@ -11,6 +11,7 @@ from rotor_fmu.examples import example_folder
 from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.cosimulation.coupling import Coupling
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.loading import machine_text
@@ -77,9 +78,9 @@ def xml_of(fmu):
 def test_all_of_an_fmu_is_valid(tmp_path, kind, machine, is_free):
     toml = machine_text("", machine) if machine else rig_toml()
     if kind == "python":
-        fmu = build(tmp_path, toml, is_free)
+        fmu = build(tmp_path, machine_of(toml, is_free))
     else:
-        fmu = build_native(tmp_path, toml, is_free, kind, ["linux64"])
+        fmu = build_native(tmp_path, machine_of(toml, is_free), kind, ["linux64"])
     result = xml_of(fmu)
     description = FMI3 / "fmi3ModelDescription.xsd" if kind == 3 else FMI2
     assert mistakes(result.pop("modelDescription.xml"), description) == []

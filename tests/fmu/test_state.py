@@ -4,6 +4,7 @@ import fmpy
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 
 from ..processes import run_python
@@ -36,7 +37,7 @@ def instance(fmu):
 @pytest.fixture
 def other(tmp_path):
     """The FMU of another machine."""
-    return build(tmp_path, OTHER)
+    return build(tmp_path, machine_of(OTHER))
 
 
 def test_it_says_that_it_can(fmu):

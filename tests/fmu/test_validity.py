@@ -21,6 +21,7 @@ from rotor_fmu.model.quantities import SPEED
 from rotor_fmu.fmi.description import reached_by
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.archive import contents_of
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build, is_current
 from rotor_fmu.fmi.variables import Variable, unit
 from rotor_fmu.library.build import LibraryError
@@ -36,12 +37,13 @@ def test_fmpy_finds_no_problem(fmu):
 
 
 def test_building_twice_gives_equal_bytes(fmu, tmp_path):
-    assert build(tmp_path).read_bytes() == fmu.read_bytes()
+    assert build(tmp_path, machine_of()).read_bytes() == fmu.read_bytes()
 
 
 def test_an_fmu_is_current_only_for_its_own_rotor(fmu):
-    assert is_current(fmu)
-    assert not is_current(fmu, rig_toml().replace("clearance = 50e-6", "clearance = 60e-6"))
+    assert is_current(fmu, machine_of())
+    other = rig_toml().replace("clearance = 50e-6", "clearance = 60e-6")
+    assert not is_current(fmu, machine_of(other))
 
 
 def remade(fmu, target, **changes):
@@ -55,27 +57,27 @@ def remade(fmu, target, **changes):
 
 
 def test_an_fmu_is_current_only_with_all_that_it_would_hold_now(fmu, tmp_path):
-    contents = contents_of(fmu)
-    assert is_current(remade(fmu, tmp_path / "same.fmu"))
+    contents, machine = contents_of(fmu), machine_of()
+    assert is_current(remade(fmu, tmp_path / "same.fmu"), machine)
     ours = [n for n in contents if not n.startswith(("binaries/", "resources/pythonfmu/"))]
     # of each folder one, since they are treated alike
     ours = {name.rpartition("/")[0]: name for name in ours if "slavemodule" not in name}.values()
     for name in {*ours, "model.png", "resources/rotor.toml", "modelDescription.xml"}:
-        assert not is_current(remade(fmu, tmp_path / "old.fmu", **{name: b"old"})), name
-        assert not is_current(remade(fmu, tmp_path / "less.fmu", **{name: None})), name
+        assert not is_current(remade(fmu, tmp_path / "old.fmu", **{name: b"old"}), machine), name
+        assert not is_current(remade(fmu, tmp_path / "less.fmu", **{name: None}), machine), name
     for folder in ("binaries/linux64/", "binaries/win64/", "resources/pythonfmu/"):
         without = dict.fromkeys(name for name in contents if name.startswith(folder))
         assert without
-        assert not is_current(remade(fmu, tmp_path / "less.fmu", **without)), folder
+        assert not is_current(remade(fmu, tmp_path / "less.fmu", **without), machine), folder
     for name in ("documentation/more.txt", "resources/more.py"):
-        assert not is_current(remade(fmu, tmp_path / "more.fmu", **{name: b""})), name
+        assert not is_current(remade(fmu, tmp_path / "more.fmu", **{name: b""}), machine), name
 
 
 def test_an_fmu_of_another_version_of_pythonfmu_is_not_current(fmu, tmp_path):
     description = contents_of(fmu)["modelDescription.xml"]
     by_another = description.replace(b"PythonFMU ", b"PythonFMU 1")
     older = remade(fmu, tmp_path / "tool.fmu", **{"modelDescription.xml": by_another})
-    assert not is_current(older)
+    assert not is_current(older, machine_of())
 
 
 def test_it_holds_its_skin_its_libraries_its_machine_and_nothing_else(fmu):
@@ -125,7 +127,9 @@ def test_its_documents_name_what_it_requires(fmu):
 
 
 def test_another_rotor_gives_another_guid(fmu, tmp_path):
-    other = build(tmp_path, rig_toml().replace("clearance = 50e-6", "clearance = 60e-6"))
+    other = build(
+        tmp_path, machine_of(rig_toml().replace("clearance = 50e-6", "clearance = 60e-6"))
+    )
     first, second = (fmpy.read_model_description(str(path)) for path in (fmu, other))
     assert first.guid != second.guid
     clearance = next(v for v in second.modelVariables if v.name == "bearing[1].clearance")
@@ -233,7 +237,7 @@ def test_outputs_depend_on_the_inputs_that_reach_them_within_an_instant(fmu, fre
 
 def test_a_wave_depends_on_the_force_of_its_own_line(tmp_path):
     line = '[[line]]\nnode = 2\nimpedance = 50.0\nname = "joint"\n'
-    of = dependencies(build(tmp_path, rig_toml() + line))
+    of = dependencies(build(tmp_path, machine_of(rig_toml() + line)))
     assert (of["joint.wave_x"], of["joint.wave_y"]) == ({"joint.fx"}, {"joint.fy"})
 
 
@@ -287,15 +291,15 @@ def test_it_carries_no_caches_and_says_what_it_needs(fmu):
 @pytest.mark.parametrize("is_free", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_reduction_is_built_in_and_named(tmp_path, is_free):
     """The host sees it among the start values, and cannot change it."""
-    reduced = build(tmp_path, is_free=is_free, reduction=4)
-    assert is_current(reduced, is_free=is_free, reduction=4)
-    assert not is_current(reduced, is_free=is_free)
+    reduced = build(tmp_path, machine_of(is_free=is_free, reduction=4))
+    assert is_current(reduced, machine_of(is_free=is_free, reduction=4))
+    assert not is_current(reduced, machine_of(is_free=is_free))
     description = fmpy.read_model_description(str(reduced))
     output = {v.name: v for v in description.modelVariables}
     assert output["solver.reduction"].start == "4"
     sizes = [
         len(zipfile.ZipFile(f).read("resources/machine.table"))
-        for f in (reduced, build(tmp_path / "whole", is_free=is_free))
+        for f in (reduced, build(tmp_path / "whole", machine_of(is_free=is_free)))
     ]
     assert sizes[0] < sizes[1]
 
@@ -309,10 +313,10 @@ def test_without_a_library_an_fmu_is_not_built_and_a_sentence_says_what_makes_on
     with pytest.raises(
         LibraryError, match=r"no library .* for linux64.*pip install 'rotor-fmu\[(kernels|build)\]'"
     ):
-        build(tmp_path)
+        build(tmp_path, machine_of())
     monkeypatch.setattr("rotor_fmu.fmi.packing.python_fmu.here", lambda: "aarch64-darwin")
     with pytest.raises(
         LibraryError, match=r"no library .* rotor-fmu library --platform linux64 makes"
     ):
-        build(tmp_path)
+        build(tmp_path, machine_of())
     assert list(tmp_path.iterdir()) == []

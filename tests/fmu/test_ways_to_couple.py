@@ -10,6 +10,7 @@ from rotor_fmu.examples.drive_train import by_energy, compare, ways
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from .test_hosts import needs
@@ -20,7 +21,9 @@ STOP, RUN_UP, LONG, SHORT = 0.3, 4.2, 1.5e-2, 1e-4
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    fmu = build_native(tmp_path_factory.mktemp("free"), is_free=True, platforms=["linux64"])
+    fmu = build_native(
+        tmp_path_factory.mktemp("free"), machine_of(is_free=True), platforms=["linux64"]
+    )
     return fmpy.extract(str(fmu))
 
 
@@ -90,7 +93,7 @@ def test_the_monolithic_run_is_the_closed_form_where_nothing_rubs_and_nothing_is
     """To second order in its step."""
     toml = re.sub(r"mu = [0-9.]+", "mu = 0.0", rig_toml())
     toml = re.sub(r"\be = [0-9.e-]+", "e = 0.0", toml)
-    fmu = build_native(tmp_path, toml, is_free=True, platforms=["linux64"])
+    fmu = build_native(tmp_path, machine_of(toml, is_free=True), platforms=["linux64"])
     folder = fmpy.extract(str(fmu))
     stop, every = 0.03, 1e-3
     t = every * np.arange(1, 1 + round(stop / every))

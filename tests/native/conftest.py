@@ -29,8 +29,9 @@ def make(tmp_path_factory):
     if here() != HERE:
         pytest.skip(f"these tests load the library of {HERE}, and this platform is {here()}")
 
-    def build(**options) -> Path:
-        return build_native(tmp_path_factory.mktemp("native"), platforms=[HERE], **options)
+    def build(*machine, fmi=2, **options) -> Path:
+        folder = tmp_path_factory.mktemp("native")
+        return build_native(folder, machine_of(*machine, **options), fmi, platforms=[HERE])
 
     return build
 
@@ -54,5 +55,5 @@ def c_host(fmu, tmp_path_factory):
 def rig(tmp_path_factory):
     """The page on which the rig runs."""
     file = tmp_path_factory.mktemp("live") / "rig.html"
-    write_text(solver_page(machine_of(None, False, 0)), file)
+    write_text(solver_page(machine_of()), file)
     return file

@@ -10,6 +10,7 @@ import fmpy
 import numpy as np
 import pytest
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library import component as making
 from rotor_fmu.library.platforms import COMPONENT
@@ -28,7 +29,7 @@ TYPES = (
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
     folder = tmp_path_factory.mktemp("component")
-    return build_native(folder, fmi=3, platforms=["linux64", COMPONENT.name])
+    return build_native(folder, machine_of(), fmi=3, platforms=["linux64", COMPONENT.name])
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +96,7 @@ def test_another_machine_needs_no_tool_and_has_its_own_numbers(tmp_path, monkeyp
     """What a machine is lies in the component's memory, not in its code."""
     monkeypatch.setattr(making, "_tools", lambda: pytest.fail("the component is made again"))
     toml = (Path(__file__).parents[2] / "examples" / "drop" / "compressor.toml").read_text()
-    fmu = build_native(tmp_path, toml, fmi=3, platforms=[COMPONENT.name])
+    fmu = build_native(tmp_path, machine_of(toml), fmi=3, platforms=[COMPONENT.name])
     machine = Component(fmu)
     described = fmpy.read_model_description(str(fmu)).modelVariables
     record = [

@@ -14,6 +14,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library import build
 from rotor_fmu.library import component as making
@@ -33,7 +34,7 @@ INTERFACES = Path(making.__file__).parents[1] / "fmi" / "c_component" / "fmi3.wi
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
     folder = tmp_path_factory.mktemp("component")
-    return build_native(folder, fmi=3, platforms=["linux64", COMPONENT.name])
+    return build_native(folder, machine_of(), fmi=3, platforms=["linux64", COMPONENT.name])
 
 
 @pytest.fixture(scope="module")

@@ -212,7 +212,7 @@ DROPPED = rig_toml() + "[start]\nx = 0.0\ny = 0.0\n"
 
 
 def test_fmi_3_returns_early_where_a_contact_closes(make):
-    instance = Machine(make(fmi=3, rotor_toml=DROPPED))
+    instance = Machine(make(fmi=3, toml=DROPPED))
     instance.close()
     instance.fmu = fmpy.fmi3.FMU3Slave(
         guid=instance.description.guid,

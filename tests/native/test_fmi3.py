@@ -265,7 +265,7 @@ def test_a_state_made_of_bytes_is_written_wherever_the_host_points(library):
 
 
 def test_a_step_that_may_return_early_does_so_without_a_warning(library, make):
-    folder = Path(fmpy.extract(str(make(fmi=3, rotor_toml=rig_toml() + "[start]\nx = 0.0\n"))))
+    folder = Path(fmpy.extract(str(make(fmi=3, toml=rig_toml() + "[start]\nx = 0.0\n"))))
     description = fmpy.read_model_description(str(folder))
     refs = {v.name: v.valueReference for v in description.modelVariables}
     dropped = Library(folder)

@@ -7,6 +7,7 @@ import pytest
 from rotor_fmu.model.settings import METHODS, choose
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.loading import load_rotor
 
@@ -20,7 +21,7 @@ SPEED, H = 130.0, 0.02
 def archive(request, make, tmp_path):
     """The FMU of the example, that needs no Python and that in Python."""
     toml, _ = load_rotor(NEWKIRK)
-    return make(rotor_toml=toml) if request.param == "native" else build(tmp_path, rotor_toml=toml)
+    return make(toml=toml) if request.param == "native" else build(tmp_path, machine_of(toml))
 
 
 @pytest.mark.parametrize("method", ["chung-hulbert", "radau5"])

@@ -122,7 +122,7 @@ def test_null_is_refused_wherever_it_is_given(library):
 @pytest.mark.parametrize("speed", [300.0, -300.0])
 @pytest.mark.parametrize("table", [TABLE, FILM_TABLE], ids=["linear", "film"])
 def test_a_speed_beyond_a_bearings_table_is_said_once_as_in_python(make, capfd, table, speed):
-    fmu = make(rotor_toml=FLEXIBLE + table)
+    fmu = make(toml=FLEXIBLE + table)
     machine = Machine(fmu).start(speed=speed)
     machine.step(1e-4)
     before = capfd.readouterr().err.splitlines()

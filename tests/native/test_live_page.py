@@ -51,7 +51,7 @@ def test_the_page_is_small_and_silent_and_fits_its_width(silent, rig, width, dar
 def test_its_numbers_are_the_native_librarys_bit_for_bit(silent, rig):
     page = LivePage(silent, rig).ended()
     lines = list(csv.reader(page.run("return csv(now)").splitlines()))
-    native = rows_of(Native(solver_table(machine_of(None, False, 0))), page.run("return now.plan"))
+    native = rows_of(Native(solver_table(machine_of())), page.run("return now.plan"))
     names = [head.partition(" [")[0] for head in lines[0]]
     assert names == ["time", *page.run("return data.recorded.map((each) => each.name)")]
     assert {"time [s]", "w [rad/s]", "disc[1].x [m]", "bearing[1].fn [N]"} <= set(lines[0])
@@ -183,7 +183,7 @@ def test_a_machines_name_is_shown_and_runs_nothing(silent, tmp_path):
     nasty = f'</script></title>{NASTY} " onload=x'
     toml = re.sub(r'(?m)^name = ".*"$', lambda _: f"name = '{nasty}'", rig_toml())
     assert nasty in toml
-    write_text(solver_page(machine_of(toml, False, 0)), tmp_path / "nasty.html")
+    write_text(solver_page(machine_of(toml)), tmp_path / "nasty.html")
     page = LivePage(silent, tmp_path / "nasty.html").ended()
     assert page.run("return document.querySelector('h1').textContent") == nasty
     assert page.run("return document.title") == nasty

@@ -21,7 +21,7 @@ from .wasm import Native, rows_of
 def test_the_value_shown_of_the_machine_file_is_that_of_the_machine_file(silent, tmp_path):
     text = rig_toml().replace("clearance = 50e-6", "clearance = 33.3333333333e-6")
     file = tmp_path / "thirds.html"
-    write_text(solver_page(machine_of(text, False, 0)), file)
+    write_text(solver_page(machine_of(text)), file)
     page = LivePage(silent, file).ended()
     page.run("byName.get('bearing[1].clearance').input.id = 'typed'")
     shown = page.find("typed").get_property("value")
@@ -61,7 +61,7 @@ def test_every_kind_of_control_reaches_the_fmu(silent, rig):
         **{"shaft.eta_h": 0.001, "shaft.eta_v": 1e-6, "shaft.rotating_damping": 1},
         **{"disc[1].fy": -5, "solver.preset": 3},
     }
-    native = rows_of(Native(solver_table(machine_of(None, False, 0))), page.run("return now.plan"))
+    native = rows_of(Native(solver_table(machine_of())), page.run("return now.plan"))
     lines = list(csv.reader(page.run("return csv(now)").splitlines()))
     assert np.array(lines[1:], float).tobytes() == native.tobytes()
 
@@ -89,7 +89,7 @@ def test_a_link_to_the_machine_files_settings_holds_against_those_of_a_recorded_
     silent, tmp_path
 ):
     given = {"bearing[2].mu": 0.02, "course.to": 395.0}
-    write_text(solver_page(machine_of(None, False, 0), given), tmp_path / "live.html")
+    write_text(solver_page(machine_of(), given), tmp_path / "live.html")
     page = LivePage(silent, tmp_path / "live.html", "").ended()
     assert page.run("return values") == given
     page.run("field('auto').checked = false")

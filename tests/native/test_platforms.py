@@ -7,6 +7,7 @@ import zipfile
 import fmpy
 import pytest
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library.build import kernels, library
 from rotor_fmu.library.platforms import PLATFORMS
@@ -111,7 +112,7 @@ def test_all_five_platforms_fit_into_three_megabytes_and_equal_sources_give_equa
     libraries, tmp_path, monkeypatch
 ):
     monkeypatch.setattr("rotor_fmu.fmi.packing.archive._LEVEL", 6)  # as users build it
-    one, other = (build_native(tmp_path / name) for name in ("one", "other"))
+    one, other = (build_native(tmp_path / name, machine_of()) for name in ("one", "other"))
     assert one.stat().st_size < 3e6
     assert one.read_bytes() == other.read_bytes()
     with zipfile.ZipFile(one) as archive:
@@ -133,7 +134,7 @@ EMULATORS = {"win64": ["wine"], "aarch64-linux": QEMU}
 def test_another_system_or_processor_computes_the_same_bits(libraries, tmp_path, name):
     """The outputs of a run, where every contact angle is among them, as the processor has them."""
     need(EMULATORS[name])
-    fmu = build_native(tmp_path, platforms=["linux64", name])
+    fmu = build_native(tmp_path, machine_of(), platforms=["linux64", name])
     folder = fmpy.extract(str(fmu), str(tmp_path / "fmu"))
     here, there = (
         bits_of(

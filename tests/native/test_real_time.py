@@ -18,6 +18,7 @@ from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.archive import contents_of
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..fmu.masters import COMPILER, NO_COMPILER
@@ -152,7 +153,7 @@ def test_a_step_that_cannot_be_is_one_sentence(tmp_path, options, said):
 
 def test_an_impossible_step_of_the_interface_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"h = 2 s: must be"):
-        build_native(tmp_path, step=2.0)
+        build_native(tmp_path, machine_of(step=2.0))
     import rotor_fmu as rf
 
     with pytest.raises(InputError, match=r"step = 0.0001 s: only with is_native or is_source"):

@@ -12,6 +12,7 @@ from rotor_fmu.model.settings import METHODS, choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
 from rotor_fmu.fmi.log import with_code
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.runs.job import prepare
@@ -87,7 +88,7 @@ EXAMPLES = [
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: f"{file.parent.name}/{file.name}")
 def test_every_example_runs_as_the_simulation_bit_for_bit(make, file):
     toml, rotor = load_rotor(file)
-    machine = Machine(make(rotor_toml=toml)).start(speed=400.0)
+    machine = Machine(make(toml=toml)).start(speed=400.0)
     simulation = Simulation(rotor, speed=400.0)
     before = observed(simulation, machine.computed)
     for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(30)]):
@@ -103,7 +104,7 @@ STICKING = OTHER.replace("mu = 0.0", "mu = 0.2\nk_t = 1e7\nc_t = 50.0")
     "toml", [rig_toml(), OTHER, STICKING], ids=["rig", "on supports", "sticking"]
 )
 def test_it_starts_and_runs_as_the_simulation_bit_for_bit(make, toml):
-    machine = Machine(make(rotor_toml=toml)).start(speed=400.0)
+    machine = Machine(make(toml=toml)).start(speed=400.0)
     simulation = Simulation(parse_rotor(toml), speed=400.0)
     assert (machine.read() == observed(simulation, machine.computed)).all()
     for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(60)]):
@@ -129,7 +130,7 @@ RADAU = {"solver.method": 1 + list(METHODS).index("radau5")}
 )
 def test_so_it_does_in_stages(make, file):
     toml, rotor = load_rotor(file)
-    machine = Machine(make(rotor_toml=toml)).start(RADAU, speed=400.0)
+    machine = Machine(make(toml=toml)).start(RADAU, speed=400.0)
     simulation = Simulation(rotor, choose(method="radau5"), speed=400.0)
     for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(30)]):
         assert (seen == expected).all()
@@ -226,7 +227,7 @@ def test_of_both_versions_of_fmi_python_hears_the_same_warnings_and_failures(mak
 def test_its_variables_are_those_of_the_fmu_in_python(make, tmp_path, is_free):
     described = [
         fromstring(ZipFile(fmu).read("modelDescription.xml"))
-        for fmu in (make(is_free=is_free), build(tmp_path, is_free=is_free))
+        for fmu in (make(is_free=is_free), build(tmp_path, machine_of(is_free=is_free)))
     ]
     one, other = (
         [(e.attrib, e[0].tag, _numbers(e[0].attrib)) for e in root.find("ModelVariables")]

@@ -15,6 +15,7 @@ from fmpy.validation import validate_fmu
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.machine_table import FILE
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_source
 from rotor_fmu.library import build, c_source
 from rotor_fmu.library.platforms import PLATFORMS
@@ -31,7 +32,7 @@ COMPILE = ("-O1", "-shared", "-fPIC")
 
 def unpacked(folder, fmi):
     """The folder of an FMU of the rig, of FMI 2.0 or 3.0."""
-    with zipfile.ZipFile(build_source(folder, fmi=fmi)) as archive:
+    with zipfile.ZipFile(build_source(folder, machine_of(), fmi=fmi)) as archive:
         archive.extractall(folder / "fmu")
     return folder / "fmu"
 
@@ -117,7 +118,7 @@ def test_a_bare_cc_makes_a_library_with_the_same_bits(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_fmpy_compiles_it_and_runs_it_as_the_native_one(make, tmp_path, fmi):
-    fmu = build_source(tmp_path, fmi=fmi)
+    fmu = build_source(tmp_path, machine_of(), fmi=fmi)
     folder = fmpy.extract(str(fmu), unzipdir=str(tmp_path / "fmu"))
     build_platform_binary(folder)
     options = {"stop_time": 0.2, "output_interval": 1e-3, "start_values": {"speed": 400.0}}

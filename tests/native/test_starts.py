@@ -25,7 +25,7 @@ def test_a_start_without_a_rest_is_refused_as_the_simulation_refuses_it(make, ca
     with pytest.raises(EquilibriumError) as refused:
         Simulation(parse_rotor(toml))
     assert reason in str(refused.value)
-    machine = Machine(make(rotor_toml=toml))
+    machine = Machine(make(toml=toml))
     capfd.readouterr()
     with pytest.raises(fmpy.fmi1.FMICallException):
         machine.start()

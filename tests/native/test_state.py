@@ -19,4 +19,4 @@ from ..fmu.test_state import (  # noqa: F401
 @pytest.fixture
 def other(make):
     """The FMU of another machine."""
-    return make(rotor_toml=OTHER)
+    return make(toml=OTHER)

@@ -21,12 +21,12 @@ BALANCED = re.sub(r"\be = [0-9.e-]+", "e = 0.0", re.sub(r"mu = [0-9.]+", "mu = 0
 
 @pytest.fixture(scope="module")
 def oil(make):
-    return Extracted(make(rotor_toml=OIL))
+    return Extracted(make(toml=OIL))
 
 
 @pytest.fixture(scope="module")
 def rolling(make):
-    return Extracted(make(rotor_toml=ROLLING))
+    return Extracted(make(toml=ROLLING))
 
 
 def far(host, steps, h=H):
@@ -129,7 +129,7 @@ def test_a_line_without_an_impedance_is_refused(impedance):
 
 def test_a_rotor_that_a_torque_drives_starts_at_rest(make):
     """With nothing that brakes it: w = tau t / J, phi = tau t^2 / 2 J."""
-    extracted = Extracted(make(rotor_toml=BALANCED, is_free=True))
+    extracted = Extracted(make(toml=BALANCED, is_free=True))
     host = Host(extracted, {"w_start": 0.0, "tau_drive": 0.1})
     assert host.get("w", "phi") == [0.0, 0.0]
     far(host, 50)
@@ -158,7 +158,7 @@ def test_a_step_made_again_is_bit_for_bit_the_same_with_all_that_masters_may_ask
     steps that end at contacts and at a limit."""
     toml = rig_toml() + '[[line]]\nnode = 2\nimpedance = 20.0\nname = "joint"\n'
     toml += "[start]\nx = 0.0\ny = 0.0\n"
-    extracted = Extracted(make(rotor_toml=toml, is_free=True))
+    extracted = Extracted(make(toml=toml, is_free=True))
     asked = {"w_start": 100.0, "tau_drive": 40.0, "tau_impedance": 0.4, "limit.force": 60.0}
     asked |= {"limit.contact": True, "solver.sensitivities": True, "joint.fx": 5.0}
     host, ended = Host(extracted, asked), 0

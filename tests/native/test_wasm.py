@@ -51,7 +51,7 @@ def changed(machine):
 
 @pytest.fixture(params=MACHINES, ids=lambda file: f"{file.parent.name}-{file.stem}")
 def machine(request):
-    return machine_of(load_rotor(request.param)[0], False, 0)
+    return machine_of(load_rotor(request.param)[0])
 
 
 @pytest.mark.skipif(NODE is None, reason="node is not installed")
@@ -70,9 +70,7 @@ def test_v8_wasmtime_and_the_processor_agree_in_every_bit(machine, tmp_path):
 
 @pytest.mark.skipif(NODE is None, reason="node is not installed")
 def test_what_the_machine_cannot_be_is_said_in_the_fmus_words(tmp_path):
-    rows, _, failure = run_in_node(
-        machine_of(None, False, 0), {"bearing[1].clearance": -1e-5}, tmp_path
-    )
+    rows, _, failure = run_in_node(machine_of(), {"bearing[1].clearance": -1e-5}, tmp_path)
     assert len(rows) == 0
     assert failure == "bearing[1].clearance = -1e-05 m: must be > 0 and finite"
 
@@ -90,7 +88,7 @@ def test_what_the_machine_cannot_be_is_said_in_the_fmus_words(tmp_path):
 )
 def test_a_course_of_the_speed_that_cannot_be_is_refused(tmp_path, values, said):
     with pytest.raises(subprocess.CalledProcessError) as error:
-        run_in_node(machine_of(None, False, 0), values, tmp_path)
+        run_in_node(machine_of(), values, tmp_path)
     assert said in error.value.stderr
 
 
@@ -98,7 +96,7 @@ def test_a_course_of_the_speed_that_cannot_be_is_refused(tmp_path, values, said)
 def test_a_run_at_rest_has_the_points_of_one_at_the_machines_own_speed(tmp_path):
     """No turn tells how fine: a fall into a bearing has none either."""
     at_rest = {"course.from": 0.0, "course.to": 0.0, "course.hold": 0.5}
-    rows, plan, _ = run_in_node(machine_of(None, False, 0), at_rest, tmp_path)
+    rows, plan, _ = run_in_node(machine_of(), at_rest, tmp_path)
     assert len(rows) == plan["rows"] == 501
 
 

@@ -50,7 +50,7 @@ TURNING = FLEXIBLE.replace("[shaft]", "[shaft]\neta_v = 1e-3\nrotating_damping =
 
 @pytest.fixture(scope="module")
 def overhung(make):
-    return make(rotor_toml=OVERHUNG.read_text(encoding="utf-8"))
+    return make(toml=OVERHUNG.read_text(encoding="utf-8"))
 
 
 def output(capfd):
@@ -92,7 +92,7 @@ def test_it_names_the_whirl_that_took_the_machine_apart(overhung, capfd):
 
 def test_it_warns_of_a_machine_that_is_unstable_at_rest(make, capfd):
     toml = FLEXIBLE + HELD.format(across=2e5)
-    machine = Machine(make(rotor_toml=toml)).start(speed=300.0)
+    machine = Machine(make(toml=toml)).start(speed=300.0)
     said = []
     Simulation(parse_rotor(toml), speed=300.0, warn=said.append)
     assert any("unstable at rest" in text for text in said)
@@ -104,7 +104,7 @@ def test_a_speed_that_passes_the_surveyed_ones_is_looked_at_anew(make, capfd):
     """Internal damping makes a shaft whirl above its critical speed alone."""
     toml = TURNING + HELD.format(across=0.0)
     settings = {"solver.preset": 0}, {"solver.h": 0.01}
-    machine = Machine(make(rotor_toml=toml)).start(settings[0], speed=0.0, **settings[1])
+    machine = Machine(make(toml=toml)).start(settings[0], speed=0.0, **settings[1])
     said = []
     simulation = Simulation(
         parse_rotor(toml), choose("robust", h=0.01), speed=0.0, warn=said.append
@@ -138,7 +138,7 @@ def test_a_state_from_before_goes_on_with_the_steps_that_it_had(overhung):
 def test_a_state_knows_by_which_contacts_the_machine_lay_at_rest(make):
     """Of a machine that lies in its touchdown bearings: at speeds not surveyed before, an instance
     that was never at this rest takes the steps of the one that was."""
-    fmu = make(rotor_toml=machine_text("", example_folder("magnetic_bearing") / "compressor.toml"))
+    fmu = make(toml=machine_text("", example_folder("magnetic_bearing") / "compressor.toml"))
 
     def run_up(machine):
         for k in range(20):
@@ -222,7 +222,7 @@ def test_a_long_shaft_is_surveyed_by_its_modes(make, monkeypatch):
     native FMU."""
     toml = finer(OVERHUNG.read_text(encoding="utf-8"), 8)
     coarse = Simulation(parse_rotor(toml), speed=400.0)
-    machine = Machine(make(rotor_toml=toml)).start(speed=400.0)
+    machine = Machine(make(toml=toml)).start(speed=400.0)
     for _ in range(3):
         machine.step(H)
         coarse.advance(machine.t, 400.0)

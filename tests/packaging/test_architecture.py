@@ -3,6 +3,7 @@
 import re
 import sys
 
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 from tools import architecture
 
@@ -46,7 +47,7 @@ def test_a_build_goes_the_way_that_the_picture_shows(tmp_path):
 
     sys.setprofile(note)
     try:
-        build(tmp_path)
+        build(tmp_path, machine_of())
     finally:
         sys.setprofile(None)
     assert ended == steps

@@ -116,10 +116,11 @@ def test_a_model_of_the_users_beside_a_script_is_not_met(wheel, tmp_path):
         "import model, rotor_fmu, rotor_fmu.cli\n"
         "from pathlib import Path\n"
         "from rotor_fmu.model.machine.toml import rig\n"
+        "from rotor_fmu.fmi.packing.machine_files import machine_of\n"
         "from rotor_fmu.fmi.packing.python_fmu import build\n"
         "assert model.GAIN == 7.0\n"
         "assert Path(rotor_fmu.__file__).parents[1] == Path(r'" + str(wheel) + "')\n"
-        "print(len(rig().bearings), build(Path('fmu')).name)\n"
+        "print(len(rig().bearings), build(Path('fmu'), machine_of()).name)\n"
     )
     done = subprocess.run(
         [sys.executable, script],

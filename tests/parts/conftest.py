@@ -3,6 +3,7 @@
 import pytest
 from rotor_fmu.model.kernels.library import here
 
+from rotor_fmu.fmi.packing import machine_files
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 
@@ -21,10 +22,11 @@ def machine_of(request, tmp_path_factory):
     def machine(toml, is_free=False):
         if (toml, is_free) not in built:
             folder = tmp_path_factory.mktemp("machine")
+            of = machine_files.machine_of(toml, is_free)
             if request.param == "native":
-                fmu = build_native(folder, toml, is_free, platforms=["linux64"])
+                fmu = build_native(folder, of, platforms=["linux64"])
             else:
-                fmu = build(folder, toml, is_free)
+                fmu = build(folder, of)
             built[toml, is_free] = Machine(fmu)
         return built[toml, is_free]
 

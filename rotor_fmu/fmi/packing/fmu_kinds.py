@@ -1,11 +1,12 @@
 """Which FMU is built of a machine: in Python, of libraries or of C source."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import InputError, is_one_of
 from ...library.platforms import COMPONENT, PLATFORMS
+from .machine_files import Machine
 from .native_fmu import build_native, build_source
 from .python_fmu import SYSTEMS, build
 
@@ -47,24 +48,11 @@ class FmuKind:
         if self.is_native and self.fmi == 2 and COMPONENT.name in chosen:
             raise InputError(f"{platforms} {COMPONENT.name}: needs FMI 3.0, not {fmi}")
 
-    def build(
-        self,
-        folder: Path,
-        toml: str | None,
-        is_free: bool,
-        reduction: int,
-        platforms: Sequence[str] | None,
-        step: float | None,
-        starts: Mapping[str, float],
-    ) -> Path:
-        """Build it of a machine file's text (None: the paper's rig), and return its path.
-
-        Parameters are those of `rotor_fmu.build_fmu`, whose errors are raised; starts: start values
-        of solver parameters and choices by name, as numbers.
-        """
+    def build(self, folder: Path, machine: Machine, platforms: Sequence[str] | None) -> Path:
+        """Build it of a machine in a folder and return its path; platforms and errors are those of
+        `rotor_fmu.build_fmu`."""
         if self.is_source:
-            return build_source(folder, toml, is_free, self.fmi, reduction, step, starts)
+            return build_source(folder, machine, self.fmi)
         if self.is_native:
-            chosen = platforms or tuple(PLATFORMS)
-            return build_native(folder, toml, is_free, self.fmi, chosen, reduction, step, starts)
-        return build(folder, toml, is_free, reduction, platforms or None, starts)
+            return build_native(folder, machine, self.fmi, platforms or tuple(PLATFORMS))
+        return build(folder, machine, platforms or None)

@@ -33,31 +33,29 @@ class Machine:
     step: float | None = None
 
     def identifier(self, kind: str = "") -> str:
-        """Return the FMU's identifier, after which its file is named too."""
-        return fmu_identifier(self.rotor, self.is_free, kind)
-
-
-def fmu_identifier(rotor: Rotor, is_free: bool = False, kind: str = "") -> str:
-    """Return what a machine's FMU is called: what its file says, else its name in one word; `Free`
-    behind it where a torque drives it, and its kind, `NATIVE` or `SOURCE`, where it needs no
-    Python."""
-    words = re.findall(r"[A-Za-z0-9]+", rotor.name)
-    name = "".join(word[0].upper() + word[1:] for word in words)[:_LONGEST]
-    name = rotor.identifier or (name if name and not name[0].isdecimal() else f"Rotor{name}")
-    return f"{name}{'Free' * is_free}{kind}"
+        """Return what the FMU and its file are called: what the machine's file says, else its name
+        in one word; `Free` behind it where a torque drives it, and its kind, `NATIVE` or `SOURCE`,
+        where it needs no Python."""
+        words = re.findall(r"[A-Za-z0-9]+", self.rotor.name)
+        name = "".join(word[0].upper() + word[1:] for word in words)[:_LONGEST]
+        name = name if name and not name[0].isdecimal() else f"Rotor{name}"
+        return f"{self.rotor.identifier or name}{'Free' * self.is_free}{kind}"
 
 
 def machine_of(
-    toml: str | None,
-    is_free: bool,
-    reduction: int,
+    toml: str | None = None,
+    is_free: bool = False,
+    reduction: int = 0,
     step: float | None = None,
     starts: Mapping[str, float] = NO_STARTS,
 ) -> Machine:
-    """Return the machine of a TOML text, by default the paper's rig; reduction: component modes
-    kept of the shaft, 0 for all of it; step: of an FMU for real time [s]; starts: start values of
-    solver parameters by name. Raises `QuantityError` for an impossible rotor and `SettingsError`
-    for an impossible step or start value."""
+    """Return the machine of a TOML text, by default the paper's rig, driven by its speed or, where
+    is_free, by a torque.
+
+    reduction: component modes kept of the shaft, 0 for all of it; step: fixed step length of an
+    FMU for real time [s]; starts: start values of solver parameters and choices by name, as
+    numbers. Raises `QuantityError` for an impossible rotor and `SettingsError` for an impossible
+    reduction, step or start value."""
     if step is not None:
         choose(REALTIME, h=step)
     toml = rig_toml() if toml is None else toml

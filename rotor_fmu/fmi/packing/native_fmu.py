@@ -2,7 +2,7 @@
 of C source, for platforms that no library is made for."""
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
@@ -11,10 +11,9 @@ from ...library.c_source import source_files
 from ...library.component import component
 from ...library.platforms import COMPONENT, DRAFT, PLATFORMS, Platform
 from ..description import Described
-from ..solver_parameters import NO_STARTS
 from .archive import write_archive, xml_bytes
 from .documents import MANIFEST, manifest
-from .machine_files import NATIVE, SOURCE, TABLE, machine_files, machine_of
+from .machine_files import NATIVE, SOURCE, TABLE, Machine, machine_files
 
 _COMPONENTS = "org.modelica.fmi-ls-wasm"  # the layered standard, a draft
 _MAGIC = 0xCAFEBABE  # of a macOS library for several processors
@@ -23,27 +22,15 @@ _X86_64, _ARM64 = (0x01000007, 3, 14), (0x0100000C, 0, 14)
 
 
 def build_native(
-    out: Path,
-    rotor_toml: str | None = None,
-    is_free: bool = False,
-    fmi: int = 2,
-    platforms: Sequence[str] = tuple(PLATFORMS),
-    reduction: int = 0,
-    step: float | None = None,
-    starts: Mapping[str, float] = NO_STARTS,
+    out: Path, machine: Machine, fmi: int = 2, platforms: Sequence[str] = tuple(PLATFORMS)
 ) -> Path:
-    """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
-    `out` and return its path, which `machine_files.fmu_identifier` names.
+    """Build a machine's FMU in the folder `out` and return its path.
 
-    rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
-    standard; platforms: of `library.platforms.PLATFORMS`, and of FMI 3.0 that of a WebAssembly
-    component; reduction: component modes kept of the shaft, 0 for all of it; step: fixed step
-    length of an FMU for real time [s]; starts: start values of solver parameters by name. Raises
-    `QuantityError` for an impossible rotor, `SettingsError` for an impossible step or start value,
-    `LibraryError` where a library is missing and cannot be made, `InputError` where a tool that
-    makes components is missing, and `OSError` if `out` cannot be written.
+    fmi: 2 or 3, the version of the standard; platforms: of `library.platforms.PLATFORMS`, and of
+    FMI 3.0 that of a WebAssembly component. Raises `LibraryError` where a library is missing and
+    cannot be made, `InputError` where a tool that makes components is missing, and `OSError` if
+    `out` cannot be written.
     """
-    machine = machine_of(rotor_toml, is_free, reduction, step, starts)
     name = machine.identifier(NATIVE)
     contents = machine_files(machine, Described(machine.rotor, name), fmi)
     libraries = [PLATFORMS[platform] for platform in platforms if platform in PLATFORMS]
@@ -90,19 +77,10 @@ def _component_manifest() -> dict[str, bytes]:
     return {f"extra/{_COMPONENTS}/manifest.xml": xml_bytes(root)}
 
 
-def build_source(
-    out: Path,
-    rotor_toml: str | None = None,
-    is_free: bool = False,
-    fmi: int = 2,
-    reduction: int = 0,
-    step: float | None = None,
-    starts: Mapping[str, float] = NO_STARTS,
-) -> Path:
+def build_source(out: Path, machine: Machine, fmi: int = 2) -> Path:
     """Build the FMU of C source, which its host compiles, and return its path; arguments and errors
     are those of `build_native`, `InputError` where a tool that makes C of the kernels is missing.
     """
-    machine = machine_of(rotor_toml, is_free, reduction, step, starts)
     name = machine.identifier(SOURCE)
     sources = source_files(fmi)
     compiled = tuple(sorted(file for file in sources if file.endswith(".c")))

@@ -2,7 +2,7 @@
 
 import hashlib
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from ...files import scratch_folder
@@ -10,9 +10,8 @@ from ...library.build import LibraryError, library, sources_digest
 from ...library.platforms import PLATFORMS
 from ...model.kernels.library import find, here
 from ..description import Described
-from ..solver_parameters import NO_STARTS
 from .archive import contents_of, wrap, write_archive
-from .machine_files import Machine, machine_files, machine_of
+from .machine_files import Machine, machine_files
 
 SYSTEMS = ("linux64", "win64")  # of pythonfmu's wrapper
 _SKIN = Path(__file__).parents[1] / "python"
@@ -22,20 +21,12 @@ _PYTHONFMUS = ("binaries/", "resources/pythonfmu/", "resources/slavemodule.txt")
 _WRAPPED: dict[str, dict[str, bytes]] = {}  # by package
 
 
-def build(
-    out: Path,
-    rotor_toml: str | None = None,
-    is_free: bool = False,
-    reduction: int = 0,
-    platforms: Sequence[str] | None = None,
-    starts: Mapping[str, float] = NO_STARTS,
-) -> Path:
+def build(out: Path, machine: Machine, platforms: Sequence[str] | None = None) -> Path:
     """Build the FMU that runs in its host's Python, and return its path; arguments and errors are
     those of `native_fmu.build_native`. Equal sources give equal bytes.
 
     platforms: of `SYSTEMS`, by default those whose library is there, or this machine's.
     """
-    machine = machine_of(rotor_toml, is_free, reduction, starts=starts)
     libraries = _libraries(platforms)
     contents = _contents(machine, libraries)
     name = machine.identifier()
@@ -60,13 +51,11 @@ def _wrapped(package: str, sources: dict[str, bytes]) -> dict[str, bytes]:
     return _WRAPPED[package]
 
 
-def is_current(
-    fmu: Path, rotor_toml: str | None = None, is_free: bool = False, reduction: int = 0
-) -> bool:
+def is_current(fmu: Path, machine: Machine) -> bool:
     """Return whether `fmu` is what `build` would make now.
 
     Compares all files of this project; those of pythonfmu are compared by its version only. Raises
-    `QuantityError` for an impossible rotor, and `LibraryError` as `build` does.
+    `LibraryError` as `build` does.
     """
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False
@@ -74,10 +63,16 @@ def is_current(
         names = {name for name in archive.namelist() if not name.startswith(_PYTHONFMUS)}
         if not _has_pythonfmu(archive):
             return False
-        expected = _contents(machine_of(rotor_toml, is_free, reduction), _libraries(None))
+        expected = _contents(machine, _libraries(None))
         return names == {*expected} and all(
             archive.read(name) == data for name, data in expected.items()
         )
+
+
+def fmu_in(out: Path, machine: Machine) -> Path:
+    """Return the machine's FMU in the folder `out`, built if it is not there or not up to date."""
+    fmu = out / f"{machine.identifier()}.fmu"
+    return fmu if is_current(fmu, machine) else build(out, machine)
 
 
 def package_name() -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 import fmpy
 
 from .documents import stored
+from .machine_files import machine_of
 from .python_fmu import build
 
 
@@ -26,7 +27,7 @@ def default_experiment(fmu: Path) -> bytes:
 def main() -> None:
     """Run the default experiment and store its result."""
     with tempfile.TemporaryDirectory() as folder:
-        fmu = build(Path(folder))
+        fmu = build(Path(folder), machine_of())
         target = stored(fmu.stem)
         target.write_bytes(default_experiment(fmu))
     print(target)
