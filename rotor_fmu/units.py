@@ -6,6 +6,7 @@ one is written.
 
 import math
 import re
+import sys
 from functools import cache
 from typing import Any
 
@@ -90,6 +91,20 @@ def in_si(shown: str, text: str, si: str) -> float:
     if _NO_UNIT.search(re.sub(r"^1\s*/|\s*(\^|\*\*)\s*", r"\1", unit)):
         raise InputError(f"{shown} {text}: the unit {unit!r} is unknown; {_must_be(si)}")
     return number * factor(f"{shown} {text}", unit, si) if unit else number
+
+
+def number(where: str, value: object, unit: str = "") -> float:
+    """Return the finite number of a file or a text; unit: the SI unit in which it is, if it may be
+    given in another, such as `3000 rpm`. Raises `InputError`, which begins with `where`."""
+    if unit and isinstance(value, str):
+        return in_si(f"{where} =", value, unit)
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, (int, float))
+        or not abs(value) <= sys.float_info.max
+    ):
+        raise InputError(f"{where} = {value!r}: must be a finite number")
+    return float(value)
 
 
 def factor(shown: str, unit: str, si: str) -> float:

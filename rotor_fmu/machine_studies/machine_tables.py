@@ -1,6 +1,5 @@
 """A machine's runs from the tables of a study's file: machine, parameters, run and metrics."""
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
@@ -13,14 +12,15 @@ import numpy as np
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.binding import load_names
 from ..fmi.solver_parameters import OTHER_NAMES, PREFIX, settings_of
-from ..fmi.variables import Variable
 from ..machine_file.loading import load_rotor
 from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
-from ..studies.design import MOST, Axis, Distribution, number, whole
+from ..runs.settings_text import value_of
+from ..studies.design import MOST, Axis, Distribution, whole
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
+from ..units import number
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
 from .metric import VARIANTS, Metric
 from .response_runs import RESPONSE, ResponseRuns
@@ -57,7 +57,7 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     values = {}
     for target, value in table_of(tables, "set").items():
         variable = runs.settable[known_name("set", target, runs.settable, OTHER_NAMES)]
-        values[target] = _value(f"set {target}", variable, value)
+        values[target] = value_of(f"set {target}", variable, value)
     return MachineSubject(replace(runs, values=values), tables)
 
 
@@ -92,25 +92,6 @@ def _machine_path(name: str | None, folder: Path) -> Path | None:
     path = folder / str(name)
     packaged = Path(str(files("rotor_fmu.examples"))) / str(name)
     return packaged if packaged.is_file() and not path.is_file() else path
-
-
-def _value(where: str, variable: Variable, value: object) -> float:
-    if variable.kind == "Boolean" and isinstance(value, bool):
-        return float(value)
-    if variable.choices and isinstance(value, str):
-        check_one_of(f"{where} = {value}", value, variable.choices)
-        return variable.choices.index(value)
-    given = number(where, value, variable.unit or "1")
-    if variable.kind != "Real" and given != int(given):
-        raise InputError(f"{where} = {given:g}: must be an integer")
-    low = -math.inf if variable.low is None else variable.low
-    high = math.inf if variable.high is None else variable.high
-    if variable.kind == "Boolean":
-        low, high = 0.0, 1.0
-    if not low <= given <= high:
-        bound = f">= {low:g}" if high == math.inf else f"from {low:g} to {high:g}"
-        raise InputError(f"{where} = {given:g}: must be {bound}")
-    return given
 
 
 def _excitation(
@@ -266,7 +247,7 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
         else:
             is_whole = runs.settable[target].kind != "Real"
             for value in axis.values:
-                _value(f"vary {axis.name}", runs.settable[target], value)
+                value_of(f"vary {axis.name}", runs.settable[target], value)
         if axis.distribution is not None and is_whole:
             raise InputError(f"vary {axis.name}: is an integer; list its values")
     # numbers of a run suit one another, or not

@@ -10,7 +10,9 @@ from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.near_names import suggestion
 from ..model.settings import SettingsError
-from ..units import in_si, split
+from ..units import number
+
+_TRUTHS = {"true": True, "false": False, "1": True, "0": False}
 
 
 def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
@@ -30,7 +32,7 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
         variable = known[known_name("--set", name, known, OTHER_NAMES)]
         if name in values:
             raise InputError(f"--set {name}: is given twice")
-        values[name] = _parse_value(variable, value)
+        values[name] = value_of(f"--set {name}", variable, value)
         if variable.is_unset_at_start and values[name] == variable.start:
             raise InputError(
                 f"--set {name} = {value}: means {AS_PRESET} and changes nothing; leave it out"
@@ -62,12 +64,15 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
     return values
 
 
-def _parse_value(variable: Variable, text: str) -> float:
+def value_of(where: str, variable: Variable, given: object) -> float:
+    """Return a variable's value from a number, with or without a unit, the name or number of a
+    choice, or a truth; given: a text, or what a file has. Raises `InputError`, which begins with
+    `where`."""
+    text = f"{given:.12g}" if isinstance(given, float) else str(given)
     if variable.kind == "Boolean":
-        allowed = {"true": True, "false": False, "1": True, "0": False}
-        if text.lower() not in allowed:
-            raise InputError(f"--set {variable.name} = {text}: must be true or false")
-        return allowed[text.lower()]
+        if text.lower() not in _TRUTHS:
+            raise InputError(f"{where} = {text}: must be true or false")
+        return _TRUTHS[text.lower()]
     if variable.choices:
         if text in variable.choices:
             return variable.choices.index(text)
@@ -75,23 +80,14 @@ def _parse_value(variable: Variable, text: str) -> float:
             return int(text)
         listed = ", ".join(f"{i} {name}" for i, name in enumerate(variable.choices))
         hint = suggestion(text, variable.choices)
-        raise InputError(f"--set {variable.name} = {text}: must be one of {listed}{hint}")
-    parts = split(text)
-    if parts and parts[1]:
-        value = in_si(f"--set {variable.name} =", text, variable.unit)
-        text = f"{value:g}"
-    else:
-        try:
-            value = float(text)
-        except ValueError:
-            raise InputError(f"--set {variable.name} = {text}: must be a number") from None
-    low = float("-inf") if variable.low is None else variable.low
-    high = float("inf") if variable.high is None else variable.high
+        raise InputError(f"{where} = {text}: must be one of {listed}{hint}")
+    value = number(where, given, variable.unit or "1")
+    low = -math.inf if variable.low is None else variable.low
+    high = math.inf if variable.high is None else variable.high
     is_whole = variable.kind == "Integer"
-    if not low <= value <= high or math.isinf(value) or (is_whole and value % 1):
-        unit = "" if variable.unit == "1" else f" {variable.unit}"
-        limit = f" from {low:g} to {high:g}{unit}" if variable.high is not None else f" >= {low:g}"
-        number = "an integer" if is_whole else "a finite number"
-        bound = "finite" if variable.low is None else f"{number}{limit}"
-        raise InputError(f"--set {variable.name} = {text}{unit}: must be {bound}")
+    if not low <= value <= high or (is_whole and value % 1):
+        unit = f" {variable.unit}".removesuffix(" 1")
+        limit = f">= {low:g}" if high == math.inf else f"from {low:g} to {high:g}"
+        kind = "an integer" if is_whole else "a finite number"
+        raise InputError(f"{where} = {text}: must be {kind} {limit}{unit}")
     return value

@@ -5,7 +5,6 @@ design serves every distribution. Run i takes the grid's point i mod g and the s
 """
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, check_one_of
-from ..units import in_si, split
+from ..units import number
 
 GRID = "grid"
 SAMPLED = ("random", "latin-hypercube", "sobol")
@@ -326,20 +325,6 @@ def _numbers(where: str, key: str, values: object, unit: str) -> tuple[float, ..
     if not isinstance(values, list) or not values:
         raise InputError(f"{where}: {key} = {values!r}: must be a list of numbers")
     return tuple(number(f"{where}: {key}", value, unit) for value in values)
-
-
-def number(where: str, value: object, unit: str = "") -> float:
-    """Return a finite number, or `InputError`; unit: in which it is, if it may be given in another,
-    such as `3000 rpm`."""
-    if unit and isinstance(value, str) and split(value):
-        return in_si(f"{where} =", value, unit)
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, (int, float))
-        or not abs(value) <= sys.float_info.max
-    ):
-        raise InputError(f"{where} = {value!r}: must be a finite number")
-    return float(value)
 
 
 def whole(where: str, value: object, least: int = 1, most: float = math.inf) -> int:

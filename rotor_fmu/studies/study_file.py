@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from ..errors import InputError, check_one_of, known_name, meant, read_text
-from .design import DESIGNS, GRID, Axis, Design, axis_of, number, whole
+from ..units import number
+from .design import DESIGNS, GRID, Axis, Design, axis_of, whole
 from .study import Column, Model, Study, Tables, table_of
 
 _GENERAL = ("name", "module", "vary", "design", "limits", "quick")

@@ -25,7 +25,10 @@ NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
         ({"stop": 1.0, "preset": NAMES}, r"^preset = array\(.*\): must be one of robust"),
         ({"stop": 1.0, "loads": {"disc[2].fz": 1.0}}, r"'disc\[2\].fz' is unknown; .* disc\[2\].f"),
         ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
-        ({"stop": 1.0, "parameters": {"gravity": -1}}, r"^gravity = -1 m/s2: must be"),
+        (
+            {"stop": 1.0, "parameters": {"gravity": -1}},
+            r"^gravity = -1: must be a finite number >= 0 m/s2",
+        ),
         ({"stop": 1.0, "parameters": {"speed": 1}}, "speed is an input"),
         (
             {"stop": 1.0, "tolerance": 1e-2, "parameters": {"solver.tolerance": 1e-4}},
