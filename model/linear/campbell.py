@@ -18,7 +18,6 @@ from .modes import DEFAULT_COUNT, LEAST_GROWTH, Modes, Spectrum, check_count, ma
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _UNLIKE = 0.3  # shapes less alike than this are not of the same mode
 _OF_ITSELF = 0.01  # weight of a shape's own likeness beside that of the space it is any one of
-_PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
 _PRECISION = 1e-12
 _LOST = complex(np.nan, np.nan)  # a frequency of 0 would be one
 
@@ -218,7 +217,7 @@ def _critical(
         if before != 0.0 and before * after <= 0:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             # what nothing holds has a frequency of rounding, in which it meets a speed of rounding
-            if at >= 0 and there.is_held[at] and there.damping_ratio[at] < _PEAKING:
+            if at >= 0 and there.is_held[at] and there.has_peak[at]:
                 log_dec = float(there.log_dec[at])
                 whirl = there.whirl[at]
                 result.append(CriticalSpeed(int(mode), there.speed, whirl, log_dec, harmonic))

@@ -33,6 +33,7 @@ _REAL = 1e-5
 _FREE = 1e-6
 LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
 DEFAULT_COUNT = 8
+_PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
 DOUBTFUL = 1e-6  # a residual that is said
 
 
@@ -55,6 +56,11 @@ class Spectrum:
     def damping_ratio(self) -> np.ndarray:
         """zeta [1]; negative: the mode grows."""
         return -self.eigenvalues.real / self.natural
+
+    @property
+    def has_peak(self) -> np.ndarray:
+        """Whether a mode answers a force of its frequency with a peak: zeta below 1 / sqrt(2)."""
+        return self.damping_ratio < _PEAKING
 
     @property
     def log_dec(self) -> np.ndarray:

@@ -38,7 +38,7 @@ from ..plotting.figure_style import (
 )
 from ..plotting.labels import write_labels
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
-from .linear_plots import WHIRL_COLORS, curve, dotted, draw_whirling, shade, titled
+from .linear_plots import FAINT, WHIRL_COLORS, curve, dotted, draw_whirling, shade, titled
 from .linear_tables import Table, clean_damping, peaks, turns, without_rounding
 from .mode_answers import Modes
 
@@ -87,7 +87,7 @@ class Campbell(Displayed, linear.Campbell):
         shade(panels, operating)
         for mode, whirl in enumerate(zip(*self.whirl, strict=True)):
             for axes, values in ((above, frequency), (below, self.log_dec)):
-                draw_whirling(axes, speed, values[:, mode], whirl)
+                draw_whirling(axes, speed, values[:, mode], whirl, self.has_peak[:, mode])
         for order in self.harmonics:
             above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=LIMIT)
         places = [(_speed(c.speed), c.harmonic * abs(_speed(c.speed))) for c in self.critical]
@@ -107,11 +107,15 @@ class Campbell(Displayed, linear.Campbell):
         handles = [
             Line2D([], [], color=c, lw=1.6, label=w) for w, c in WHIRL_COLORS.items() if w in seen
         ]
+        if (np.isfinite(frequency) & ~self.has_peak).any():
+            label = "damping ratio above 0.71: no peak"
+            handles.append(Line2D([], [], color=GREY, lw=1.6, alpha=FAINT, label=label))
         label = "1x, the speed" if self.harmonics == (1.0,) else f"{self._orders} times the speed"
         handles.append(Line2D([], [], color="black", lw=1.0, ls=LIMIT, label=label))
+        columns = 5 if len(handles) < 6 else 3
         # lines run all over the axes
         figure.legend(
-            handles=handles, loc="outside lower center", ncols=5, fontsize=8, frameon=False
+            handles=handles, loc="outside lower center", ncols=columns, fontsize=8, frameon=False
         )
         highest = 1.05 * np.nanmax(frequency, initial=0.0)
         # not so far that the line of the speed, and what it meets, becomes flat

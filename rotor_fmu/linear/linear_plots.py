@@ -14,6 +14,7 @@ from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, SKY
 
 WHIRL_COLORS = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
+FAINT = 0.3  # opacity
 _FINE = 12  # points an element of a curve through the nodes
 _MOST_SHAPES = 6  # of modes in a picture
 _MOST_DOTS = 60  # along a shaft: of more nodes dots and orbits are a solid area
@@ -56,12 +57,17 @@ def shapes_in_grid(modes: int) -> tuple[int, int, int]:
     return shown, max(1, -(-shown // columns)), columns
 
 
-def draw_whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
-    """Draw a line in pieces of the colour of its whirl."""
+def draw_whirling(
+    axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str], is_clear: np.ndarray
+) -> None:
+    """Draw a line in pieces of the colour of its whirl, faint where it is not clear."""
     for i in range(len(speed) - 1):
         # a mode at rest whirls neither way: its first piece has the colour of what it becomes
         word = whirl[i + 1] if whirl[i] in ("", PLANAR) else whirl[i]
-        axes.plot(speed[i : i + 2], values[i : i + 2], color=WHIRL_COLORS.get(word, GREY), lw=1.6)
+        alpha = 1.0 if is_clear[i : i + 2].any() else FAINT
+        color = WHIRL_COLORS.get(word, GREY)
+        piece = speed[i : i + 2], values[i : i + 2]
+        axes.plot(*piece, color=color, lw=1.6, alpha=alpha, solid_capstyle="butt")
 
 
 def titled(name: str, text: str) -> str:

@@ -17,6 +17,7 @@ from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.display import speed_with_unit
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
+from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.machine_file.loading import load_rotor, machine_text
 
 from ..known import EXAMPLES
@@ -318,6 +319,18 @@ def test_the_legend_of_a_campbell_diagram_covers_no_line():
     figure.draw_without_rendering()
     (legend,) = figure.legends
     assert not legend.get_window_extent().count_overlaps([axes.bbox for axes in figure.axes])
+
+
+def test_modes_too_damped_to_peak_are_faint_in_a_campbell_diagram():
+    """Since they meet the line of the speed at no critical speed."""
+    result = answers.campbell(load_rotor(TURBOCHARGER)[1], [100.0, 1000.0])
+    figure = result.figure()
+    is_faint = [line.get_alpha() == FAINT for line in figure.axes[0].lines[: len(result.log_dec.T)]]
+    np.testing.assert_array_equal(is_faint, (result.damping_ratio > 0.5**0.5).all(axis=0))
+    assert sum(is_faint) == 1
+    assert "damping ratio above 0.71: no peak" in [
+        text.get_text() for text in figure.legends[0].texts
+    ]
 
 
 def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_nor_nodes(tmp_path):
