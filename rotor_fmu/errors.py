@@ -178,9 +178,15 @@ def known_name(
     return name
 
 
+_FILES = (".csv", ".fmu", ".html", ".json", ".pdf", ".png", ".svg", ".toml")
+
+
 def writable_folder(path: Path, option: str = "--out") -> Path:
     """Return the folder, made if need be; `InputError` with the option that gave it if it cannot be
-    written to. A command that fails removes what it made so, if nothing was written there."""
+    written to, or is new and called like a file. A command that fails removes what it made so, if
+    nothing was written there."""
+    if path.suffix.lower() in _FILES and not path.exists():
+        raise InputError(f"{option} {path}: is a folder for files, and is called like one of them")
     try:
         _made.extend(folder for folder in (path, *path.parents) if not folder.exists())
         path.mkdir(parents=True, exist_ok=True)

@@ -58,6 +58,10 @@ from ..processes import run_anew
         (["--input", "none.csv"], "rotor-fmu: none.csv: cannot be read: No such file"),
         (["--input", "/dev/zero"], "/dev/zero: cannot be read: is not a file"),
         (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
+        (
+            ["--out", "run_down.CSV"],
+            "--out run_down.CSV: is a folder for files, and is called like",
+        ),
     ],
 )
 def test_bad_options_are_refused_in_one_line(input_error, arguments, expected):
