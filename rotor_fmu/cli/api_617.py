@@ -203,7 +203,7 @@ def unbalance(
     for sentence in where_not_reached(machine, highest, contacts):
         typer.echo(sentence)
     if ends is None:
-        top = float(np.abs(speeds).max())
+        top = float(max(speeds, key=lambda speed: (abs(speed), speed)))
         checked: Any = acceptance.critical_peaks(machine, top, nodes, **acting)
     else:
         checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)

@@ -224,7 +224,8 @@ class CriticalPeaks(Displayed):
         for critical in self.criticals:
             _mark(axes, critical, BLUE)
         axes.update_datalim([(0.0, DAMPED)])
-        axes.set_xlim(left=0)
+        is_backward = any(critical.peak.speed < 0.0 for critical in self.criticals)
+        axes.set_xlim(*((None, 0.0) if is_backward else (0.0, None)))
         plain_ticks(axes.yaxis)
         return figure
 
