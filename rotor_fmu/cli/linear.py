@@ -109,10 +109,11 @@ def static(
     """Compute the deflection under gravity and the load on each bearing."""
     at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
-    from ..linear.where_linearized import where_not_at_rest
+    from ..linear.where_linearized import where_beyond_tables, where_not_at_rest
 
     result = answers.static(machine, at, contacts=contacts)
-    for sentence in where_not_at_rest(machine, result.speed, contacts):
+    beyond = where_beyond_tables(machine, [result.speed])
+    for sentence in [*beyond, *where_not_at_rest(machine, result.speed, contacts)]:
         typer.echo(sentence)
     return print_answer(result, out, "static")
 

@@ -19,9 +19,7 @@ def where_linearized(
     """Return a sentence for each table outside of which some of these speeds [rad/s] lie, for a
     machine that nothing holds under its weight, and for oil films; follows_force: whether what
     follows a vibration has the frequency of a force."""
-    ends = sorted({min(speeds), max(speeds)})
-    tables = speed_ranges(machine)
-    result = [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
+    result = where_beyond_tables(machine, speeds)
     linear = LinearMachine(machine)
     if linear.weight.any() and not linear.is_held:
         where = "linearized in the middle of all clearances, as if it had no weight"
@@ -42,6 +40,13 @@ def where_linearized(
                 f"another damping, which a run shows: {', '.join(named)}"
             )
     return result
+
+
+def where_beyond_tables(machine: Rotor, speeds: Collection[float]) -> list[str]:
+    """Return a sentence for each table of a machine outside of which the lowest or the highest of
+    some speeds [rad/s] lies."""
+    tables, ends = speed_ranges(machine), sorted({min(speeds), max(speeds)} if len(speeds) else ())
+    return [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
 
 
 def where_not_reached(
