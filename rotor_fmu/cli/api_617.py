@@ -107,7 +107,7 @@ def stability(
     from ..linear import stability_answers
     from ..model.linear.undamped import without_seals
 
-    say_where_linearized(without_seals(machine) if level == 1 else machine, [speed])
+    say_where_linearized(without_seals(machine) if level == 1 else machine, [speed], contacts)
 
     result: stability_answers.StabilityLevel1 | stability_answers.StabilityLevel2
     if level == 1:
@@ -205,7 +205,7 @@ def unbalance(
     else:
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
-    say_where_linearized(machine, [*speeds, *(ends or ())])
+    say_where_linearized(machine, [*speeds, *(ends or ())], contacts)
     highest = dict.fromkeys((float(max(speeds, key=abs)), *(ends or ())[1:]))
     for sentence in where_not_reached(machine, highest, contacts):
         typer.echo(sentence)
