@@ -214,6 +214,8 @@ class CriticalPeaks(Displayed):
         critical = f"critical [{d.speed_unit}]"
         heads = ("node", "axis", critical, d.amplitude_words, *_half_power_heads(), "AF")
         title = "Critical speeds with their amplification factors (API 684)"
+        if not self.criticals:
+            title = "No critical speed: the response of these nodes has no peak there"
         return Table(title, heads, [_peak(c) for c in self.criticals])
 
     def figure(self) -> Figure:

@@ -92,6 +92,11 @@ def test_critical_speeds_that_are_all_but_the_same_are_marked_within_their_pictu
     assert within == 4 * [True]
 
 
+def test_where_nothing_peaks_the_table_says_so():
+    table = acceptance.critical_peaks(parse_rotor(LIGHT), 100.0, [2, 4]).table()
+    assert table.text() == "No critical speed: the response of these nodes has no peak there"
+
+
 def test_an_operating_range_of_one_speed_is_seen():
     figure = acceptance.unbalance_check(parse_rotor(LIGHT), 300.0, 300.0, [4]).figure()
     (span,) = figure.axes[0].patches
