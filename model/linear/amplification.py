@@ -59,7 +59,8 @@ class Peak:
             width = 2 * (self.above - self.speed)
         elif math.isnan(self.above):
             width = 2 * (self.speed - self.below)
-        return math.inf if width < _UNDAMPED * self.speed else self.speed / width
+        speed = abs(self.speed)
+        return math.inf if width < _UNDAMPED * speed else speed / width
 
     @property
     def is_one_sided(self) -> bool:
@@ -192,7 +193,7 @@ def _peak(
             if values[k] > largest:  # the flank of a higher peak
                 return math.nan
             if values[k] <= HALF_POWER * largest:
-                return float(brentq(excess, inside, at[k], xtol=_PRECISE * speed))
+                return float(brentq(excess, inside, at[k], xtol=_PRECISE * abs(speed)))
             inside = at[k]
         return math.nan
 

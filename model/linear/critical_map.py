@@ -207,6 +207,7 @@ def _meetings(
     found = [
         brentq(excess, a, b, rtol=1e-12)
         for a, b, before, after in zip(stiffness, stiffness[1:], values, values[1:], strict=False)
-        if before * after <= 0 and before != 0
+        # one at a stiffness of the map is that of the interval that it ends, or begins the map with
+        if before * after <= 0 and (before != 0 or a == stiffness[0])
     ]
     return [k for k in found if math.isfinite(excess(k))]

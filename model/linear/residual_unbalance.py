@@ -24,6 +24,7 @@ from .undamped import bearings_of, without_seals
 # Of what the whole rotor is permitted, the least and the most that a plane is: of a rotor with its
 # centre of mass between its bearings, and of one beyond them (ISO 21940-11, clause 7)
 _INBOARD, _OUTBOARD = (0.3, 0.7), (0.3, 1.3)
+_ROUNDING = 1e-12  # of an unbalance that is all that a grade permits
 GRADES = (0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0)  # [mm/s]
 
 
@@ -40,8 +41,8 @@ class TolerancePlane(NamedTuple):
 def balance_quality_grade(unbalance: float, mass: float, speed: float) -> float:
     """Return the finest grade G [mm/s] that an unbalance [kg.m] of a mass [kg] meets at a service
     speed [rad/s], infinite where it meets none."""
-    met = (grade for grade in GRADES if abs(unbalance) * speed <= 1e-3 * grade * mass)
-    return next(met, math.inf)
+    size = (1.0 - _ROUNDING) * abs(unbalance) * speed
+    return next((grade for grade in GRADES if size <= 1e-3 * grade * mass), math.inf)
 
 
 def tolerance_planes(rotor: Rotor) -> tuple[TolerancePlane, ...]:

@@ -132,8 +132,8 @@ def check_node(machine: LinearMachine | Rotor, node: int) -> int:
 
 
 def lowest_speed(rotor: Rotor, top: float, contacts: str | None = None) -> float:
-    """Return the lowest speed up to `top` [rad/s] from which on the machine has linear answers: 0,
-    or where its oil films begin to carry it, to some percent."""
+    """Return the lowest speed up to `top` [rad/s], of either sign, from which on the machine has
+    linear answers: 0, or where its oil films begin to carry it, to some percent."""
     machine = LinearMachine(rotor, contacts)
 
     def is_carried(speed: float) -> bool:
@@ -147,6 +147,6 @@ def lowest_speed(rotor: Rotor, top: float, contacts: str | None = None) -> float
     if is_carried(low) or not is_carried(high):
         return 0.0
     for _ in range(_HALVINGS):
-        middle = math.sqrt(low * high)
+        middle = math.copysign(math.sqrt(low * high), top)
         low, high = (low, middle) if is_carried(middle) else (middle, high)
     return high

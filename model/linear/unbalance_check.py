@@ -149,9 +149,10 @@ def critical_peaks(
     unbalances: Sequence[tuple[int, float, float]] | None = None,
     contacts: str | None = None,
 ) -> tuple[ProbeCritical, ...]:
-    """Return the peaks of x and y of nodes (from 1) up to the speed `top` [rad/s], by ascending
-    speed, with their amplification factors; see `unbalance_check` for the rest."""
-    check_positive("highest speed", top, "rad/s", LinearError)
+    """Return the peaks of x and y of nodes (from 1) up to the speed `top` [rad/s], negative where
+    the shaft turns backward, by ascending speed, with their amplification factors; see
+    `unbalance_check` for the rest."""
+    check_positive("highest speed", abs(number("highest speed", top)), "rad/s", LinearError)
     response = _Response(rotor, contacts, unbalances, {})
     nodes = listed("nodes", nodes, "nodes")
     return tuple(_criticals(response, nodes, _speeds(rotor, top, contacts)))
@@ -170,11 +171,11 @@ def _criticals(
 
 
 def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
-    """Return speeds up to `top` so close together that no peak lies between them: those of a grid,
-    and more of them about the damped critical speeds."""
+    """Return speeds from 0 to `top` so close together that no peak lies between them: those of a
+    grid, and more of them about the damped critical speeds."""
     first = lowest_speed(rotor, top, contacts)
     close = with_criticals(rotor, np.linspace(first, top, _POINTS + 1), contacts)
-    return close[close > 0.0]
+    return close[close != 0.0]
 
 
 def _level(response: "_Response", node: int, speeds: np.ndarray) -> ProbeLevel:

@@ -61,6 +61,8 @@ def critical_map(
     machine = machine_in_units(rotor, units)
     check_count(count, 100)
     from ..linear import acceptance
+    from ..linear.where_linearized import where_beyond_tables
+    from ..model.linear.undamped import without_seals
 
     result = acceptance.critical_map(
         machine,
@@ -70,6 +72,9 @@ def critical_map(
         rigid_pedestals=rigid_pedestals,
         contacts=contacts,
     )
+    speeds = [crossing.speed for crossing in result.crossings]
+    for sentence in where_beyond_tables(without_seals(machine), speeds):
+        typer.echo(sentence)
     return print_answer(result, out, "critical_map")
 
 
@@ -99,8 +104,10 @@ def stability(
     machine = machine_in_units(rotor, units)
     speed = rated_speed(rated, machine)
     couplings = cross_couplings(machine, speed, stage, cross_coupling)
-    say_where_linearized(machine, [speed])
     from ..linear import stability_answers
+    from ..model.linear.undamped import without_seals
+
+    say_where_linearized(without_seals(machine) if level == 1 else machine, [speed], contacts)
 
     result: stability_answers.StabilityLevel1 | stability_answers.StabilityLevel2
     if level == 1:
@@ -198,12 +205,12 @@ def unbalance(
     else:
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
-    say_where_linearized(machine, speeds)
+    say_where_linearized(machine, [*speeds, *(ends or ())], contacts)
     highest = dict.fromkeys((float(max(speeds, key=abs)), *(ends or ())[1:]))
     for sentence in where_not_reached(machine, highest, contacts):
         typer.echo(sentence)
     if ends is None:
-        top = float(np.abs(speeds).max())
+        top = float(max(speeds, key=lambda speed: (abs(speed), speed)))
         checked: Any = acceptance.critical_peaks(machine, top, nodes, **acting)
     else:
         checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)

@@ -52,7 +52,7 @@ def modes(
     from ..plotting.figure_style import save
 
     result = answers.modes(machine, at, count=count, contacts=contacts)
-    say_where_linearized(machine, [at])
+    say_where_linearized(machine, [at], contacts)
     data = print_answer(result, out, "modes")
     save(mode_shapes_figure(result), out / "modes_3d.png")
     return data
@@ -88,7 +88,7 @@ def campbell(
     result = answers.campbell(
         machine, speeds, count=count, contacts=contacts, harmonic=harmonic or 1.0
     )
-    say_where_linearized(machine, speeds)
+    say_where_linearized(machine, speeds, contacts)
     return print_answer(result, out, "campbell", figure=result.figure(ends))
 
 
@@ -109,10 +109,11 @@ def static(
     """Compute the deflection under gravity and the load on each bearing."""
     at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
-    from ..linear.where_linearized import where_not_at_rest
+    from ..linear.where_linearized import where_beyond_tables, where_not_at_rest
 
     result = answers.static(machine, at, contacts=contacts)
-    for sentence in where_not_at_rest(machine, result.speed, contacts):
+    beyond = where_beyond_tables(machine, [result.speed])
+    for sentence in [*beyond, *where_not_at_rest(machine, result.speed, contacts)]:
         typer.echo(sentence)
     return print_answer(result, out, "static")
 
@@ -192,7 +193,7 @@ def frequency_response(
     points = np.geomspace(ends[0], ends[-1], len(ends))
     result = compute(machine, points, speed=at, contacts=contacts)
     if loop is None:  # loops hold a machine, and their answer says whether they do
-        say_where_linearized(machine, [at], follows_force=True)
+        say_where_linearized(machine, [at], contacts, follows_force=True)
         for sentence in where_not_reached(machine, [at], contacts):
             typer.echo(sentence)
     return print_answer(result, out, "frequency_response")

@@ -26,12 +26,16 @@ def machine_in_units(file: Path | None, units: str | None, option: str = "--roto
 
 
 def say_where_linearized(
-    machine: Rotor, speeds: Collection[float], *, follows_force: bool = False
+    machine: Rotor,
+    speeds: Collection[float],
+    contacts: str | None = None,
+    *,
+    follows_force: bool = False,
 ) -> None:
     """Say what a linear answer at speeds [rad/s] takes for granted; see `where_linearized`."""
     from ..linear.where_linearized import where_linearized
 
-    for sentence in where_linearized(machine, speeds, follows_force=follows_force):
+    for sentence in where_linearized(machine, speeds, contacts, follows_force=follows_force):
         typer.echo(sentence)
 
 

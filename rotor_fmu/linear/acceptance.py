@@ -214,6 +214,8 @@ class CriticalPeaks(Displayed):
         critical = f"critical [{d.speed_unit}]"
         heads = ("node", "axis", critical, d.amplitude_words, *_half_power_heads(), "AF")
         title = "Critical speeds with their amplification factors (API 684)"
+        if not self.criticals:
+            title = "No critical speed: the response of these nodes has no peak there"
         return Table(title, heads, [_peak(c) for c in self.criticals])
 
     def figure(self) -> Figure:
@@ -224,7 +226,8 @@ class CriticalPeaks(Displayed):
         for critical in self.criticals:
             _mark(axes, critical, BLUE)
         axes.update_datalim([(0.0, DAMPED)])
-        axes.set_xlim(left=0)
+        is_backward = any(critical.peak.speed < 0.0 for critical in self.criticals)
+        axes.set_xlim(*((None, 0.0) if is_backward else (0.0, None)))
         plain_ticks(axes.yaxis)
         return figure
 

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from ..display import speed_with_unit
 from ..model.linear.linear_machine import LinearMachine
 from ..model.linear.modes import LEAST_GROWTH, modes
+from ..model.linear.own_frequency import OwnWhirl, own_whirl
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
 from ..model.parts.floating_ring_bearing import FloatingRingBearing
@@ -14,14 +15,16 @@ from ..model.parts.journal_bearing import JournalBearing
 
 
 def where_linearized(
-    machine: Rotor, speeds: Collection[float], *, follows_force: bool = False
+    machine: Rotor,
+    speeds: Collection[float],
+    contacts: str | None = None,
+    *,
+    follows_force: bool = False,
 ) -> list[str]:
     """Return a sentence for each table outside of which some of these speeds [rad/s] lie, for a
-    machine that nothing holds under its weight, and for oil films; follows_force: whether what
-    follows a vibration has the frequency of a force."""
-    ends = sorted({min(speeds), max(speeds)})
-    tables = speed_ranges(machine)
-    result = [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
+    machine that nothing holds under its weight, and for oil films; contacts: `open` or `pinned`;
+    follows_force: whether what follows a vibration has the frequency of a force."""
+    result = where_beyond_tables(machine, speeds)
     linear = LinearMachine(machine)
     if linear.weight.any() and not linear.is_held:
         where = "linearized in the middle of all clearances, as if it had no weight"
@@ -33,15 +36,31 @@ def where_linearized(
         if not any(speeds) and not linear.holds_at(0.0):
             where = "in the middle of its clearance, since at standstill it carries nothing"
         result.append(f"oil films, each linearized {where}: {names}")
+    if follows_force:
+        return result
     pads = [name for name, part in films.items() if getattr(part, "tilting", False)]
     rings = [name for name, part in films.items() if isinstance(part, FloatingRingBearing)]
     for what, named in (("pads that tilt", pads), ("rings", rings)):
-        if named and not follows_force:
+        if named:
             result.append(
                 f"their {what} follow a vibration at the frequency of rotation; slower whirls have "
                 f"another damping, which a run shows: {', '.join(named)}"
             )
+    fastest = max(speeds, key=abs)
+    if whirl := _in_pads(machine, fastest, contacts):
+        result.append(
+            f"at {speed_with_unit(fastest)} the least log dec of slower whirls is "
+            f"{whirl.log_dec:.3g}, of {speed_with_unit(whirl.frequency)}, where pads follow each "
+            f"at its own frequency; here it is {whirl.synchronous:.3g}"
+        )
     return result
+
+
+def where_beyond_tables(machine: Rotor, speeds: Collection[float]) -> list[str]:
+    """Return a sentence for each table of a machine outside of which the lowest or the highest of
+    some speeds [rad/s] lies."""
+    tables, ends = speed_ranges(machine), sorted({min(speeds), max(speeds)} if len(speeds) else ())
+    return [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
 
 
 def where_not_reached(
@@ -49,12 +68,24 @@ def where_not_reached(
 ) -> list[str]:
     """Return a sentence for each of some speeds [rad/s] at which the machine is unstable, so that
     it does not come to its steady response there."""
-    return [
-        f"unstable at {speed_with_unit(speed)}, where its steady response is not reached; "
-        "`rotor-fmu campbell` has the threshold"
-        for speed in speeds
-        if modes(machine, speed, contacts=contacts).growth > LEAST_GROWTH
-    ]
+    result = []
+    for speed in speeds:
+        why = "`rotor-fmu campbell` has the threshold"
+        if modes(machine, speed, contacts=contacts).growth <= LEAST_GROWTH:
+            whirl = _in_pads(machine, speed, contacts)
+            if whirl is None or whirl.log_dec >= -LEAST_GROWTH:
+                continue
+            why = f"a whirl of {speed_with_unit(whirl.frequency)} grows, which its pads follow"
+        where = f"unstable at {speed_with_unit(speed)}, where its steady response is not reached"
+        result.append(f"{where}; {why}")
+    return result
+
+
+def _in_pads(machine: Rotor, speed: float, contacts: str | None) -> OwnWhirl | None:
+    """Return the least damped slower whirl of a machine on tilting pads at a speed [rad/s]; None
+    of others, and of one with rings, whose own whirls are slow."""
+    has_rings = any(isinstance(part, FloatingRingBearing) for part in machine.parts)
+    return None if has_rings or speed == 0.0 else own_whirl(machine, speed, contacts)
 
 
 def where_not_at_rest(machine: Rotor, speed: float, contacts: str | None = None) -> list[str]:

@@ -17,7 +17,8 @@ _LEAST = 0.02  # of the highest speed: below lie rigid-body motions
 
 
 class Criticals(NamedTuple):
-    """Critical speeds [Hz], ascending; contacts: how the clearances were taken, empty without."""
+    """Critical speeds [Hz], ascending, negative where the shaft turned backward; contacts: how the
+    clearances were taken, empty without."""
 
     hz: tuple[float, ...]
     contacts: str
@@ -47,20 +48,30 @@ class Criticals(NamedTuple):
 def criticals_of(run: Recording) -> Criticals:
     """Return the critical speeds within a run's range of speeds; none of a machine that was not
     recorded, or that cannot be linearized."""
-    finite = np.abs(run.w[np.isfinite(run.w)])
-    highest = float(finite.max(initial=0.0))
+    speeds = run.w[np.isfinite(run.w)]
+    sizes = np.abs(speeds)
+    highest = float(sizes.max(initial=0.0))
     rotor = _as_run(run)
-    if rotor is None or highest == 0.0 or np.ptp(finite) < 0.05 * highest:
+    if rotor is None or highest == 0.0 or np.ptp(sizes) < 0.05 * highest:
         return Criticals((), "")
+    lowest = max(float(sizes.min()), _LEAST * highest)
+    ways = [way for way in (-1.0, 1.0) if (way * speeds).max() >= lowest]
     try:
+        found = [speed for way in ways for speed in _within(rotor, way * lowest, way * highest)]
         machine = LinearMachine(rotor)
-        top = 1.05 * highest
-        found = campbell(rotor, np.linspace(lowest_speed(rotor, top), top, _SPEEDS), count=_MODES)
     except (LinearError, np.linalg.LinAlgError):
         return Criticals((), "")
-    lowest = max(float(finite.min()), _LEAST * highest)
-    hz = [c.speed / TURN for c in found.critical if lowest <= c.speed <= highest]
-    return Criticals(tuple(sorted(hz))[:_MOST], found.contacts if machine.has_contacts else "")
+    nearest = sorted(found, key=abs)[:_MOST]
+    hz = tuple(sorted(speed / TURN for speed in nearest))
+    return Criticals(hz, machine.contacts if machine.has_contacts else "")
+
+
+def _within(rotor: Rotor, lowest: float, highest: float) -> list[float]:
+    """Return the critical speeds between two speeds of one sense of rotation [rad/s]."""
+    top = 1.05 * highest
+    at = np.sort(np.linspace(lowest_speed(rotor, top), top, _SPEEDS))
+    critical = campbell(rotor, at, count=_MODES).critical
+    return [c.speed for c in critical if abs(lowest) <= abs(c.speed) <= abs(highest)]
 
 
 def _as_run(run: Recording) -> Rotor | None:

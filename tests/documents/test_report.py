@@ -323,6 +323,12 @@ def test_the_linear_critical_speeds_of_the_rig_are_said_beside_its_run():
     assert criticals_of(changed.named("rig")).hz[0] > found.hz[0]
 
 
+def test_critical_speeds_of_a_shaft_that_turned_backward_stand_at_its_speeds():
+    """Of one that was braked through rest they are those of both ways."""
+    braked = recorded(speed=-400.0, rate=133.0, toml=rig_toml()).named("rig")
+    assert criticals_of(braked).hz == pytest.approx([-32.5, -29.4, 29.4, 32.5], rel=0.02)
+
+
 def test_a_run_without_its_machine_has_no_critical_speeds():
     assert criticals_of(recorded().named("one")).hz == ()
     assert criticals_of(recorded(rate=0.0, toml=rig_toml()).named("one")).hz == ()

@@ -83,6 +83,12 @@ def test_a_balance_quality_grade_permits_what_the_standard_does(rpm, grade, micr
     assert balance_quality_grade(80 * 50.0, 80, rpm * RPM) == np.inf
 
 
+@pytest.mark.parametrize(("rpm", "grade"), [(3600, 6.3), (9000, 1.0)])
+def test_an_unbalance_of_all_that_a_grade_permits_has_that_grade(rpm, grade):
+    """Rounding of the product with the speed makes no worse grade of it."""
+    assert balance_quality_grade(30 * (1e-3 * grade / (rpm * RPM)), 30, rpm * RPM) == grade
+
+
 def test_the_unbalance_of_a_rotor_is_divided_between_its_bearings_as_a_force_is():
     """An overhung one, whose body has its centre of mass beside its node."""
     supports = support(2, 1e9) + support(5, 1e9)

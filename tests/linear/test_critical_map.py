@@ -50,6 +50,13 @@ def test_on_the_stiffness_of_its_bearings_the_map_has_the_undamped_critical_spee
     assert all(c.stiffness == pytest.approx(3e6) for c in crossings)
 
 
+@pytest.mark.parametrize("stiffness", [(3e6, 1e7), (1e6, 3e6)])
+def test_a_stiffness_at_either_end_of_the_map_meets_its_lines(stiffness):
+    rotor = parse_rotor(SHAFT + support(1, 3e6, 10.0) + support(7, 3e6, 10.0))
+    result = critical_map(rotor, stiffness, count=1)
+    assert [c.stiffness for c in result.crossings] == [3e6, 3e6]
+
+
 def test_a_bearing_over_the_speed_meets_a_line_where_it_has_that_stiffness():
     result = critical_map(machine("compressor.toml"), np.geomspace(1e7, 1e9, 9), count=2)
     bearing = machine("compressor.toml").of_kind(LinearBearing)[0]

@@ -92,6 +92,11 @@ def test_critical_speeds_that_are_all_but_the_same_are_marked_within_their_pictu
     assert within == 4 * [True]
 
 
+def test_where_nothing_peaks_the_table_says_so():
+    table = acceptance.critical_peaks(parse_rotor(LIGHT), 100.0, [2, 4]).table()
+    assert table.text() == "No critical speed: the response of these nodes has no peak there"
+
+
 def test_an_operating_range_of_one_speed_is_seen():
     figure = acceptance.unbalance_check(parse_rotor(LIGHT), 300.0, 300.0, [4]).figure()
     (span,) = figure.axes[0].patches
@@ -103,6 +108,23 @@ def test_of_a_rotor_that_turns_backward_too():
     found = response_with_peaks(rotor, np.linspace(-400.0, 0.0, 401), nodes=[4])
     mirrored = response_with_peaks(rotor, np.linspace(0.0, 400.0, 401), nodes=[4])
     assert found.major[:, 3].max() == pytest.approx(mirrored.major[:, 3].max(), rel=1e-6)
+
+
+def test_critical_speeds_of_a_rotor_that_turns_backward_are_those_of_its_response():
+    """Cross coupling that drives a forward whirl damps one when it turns backward."""
+    seal = "[[seal]]\nnode = 4\nkxx = 0.0\nkyy = 0.0\nkxy = 1e4\nkyx = -1e4\ncxx = 0.0\ncyy = 0.0\n"
+    rotor = parse_rotor(LIGHT + seal)
+    seen = acceptance.critical_peaks(rotor, -400.0, [4])
+    (peak,) = response_with_peaks(rotor, np.linspace(-400.0, 0.0, 41), nodes=[4]).peaks[4]
+    of_response = abs(unbalance_response(rotor, [peak]).x[0, 3])
+    for critical in seen.criticals:
+        found = critical.peak
+        assert found.speed == pytest.approx(peak, rel=1e-7)
+        assert found.amplitude == pytest.approx(of_response, rel=1e-6)
+        assert found.below < found.speed < found.above
+        assert found.amplification == pytest.approx(-peak / (found.above - found.below))
+    (axes,) = seen.figure().axes
+    assert axes.get_xlim()[0] < peak / (2 * math.pi) < axes.get_xlim()[1] == 0.0
 
 
 def test_the_command_shows_one_peak_in_its_table_its_file_and_its_check(tmp_path, command):

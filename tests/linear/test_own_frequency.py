@@ -1,0 +1,63 @@
+"""Whirls on tilting pads that follow each at its own frequency."""
+
+import math
+
+import pytest
+from rotor_fmu.model.linear import modes
+from rotor_fmu.model.linear.frequency_response import frequency_response
+from rotor_fmu.model.linear.own_frequency import own_whirl
+from rotor_fmu.model.machine.toml import parse_rotor
+
+from rotor_fmu.linear.where_linearized import where_linearized, where_not_reached
+
+from ..toml_text import table
+
+SPEED = 1000.0
+
+
+def on_pads(q):
+    """Text of a disc between tilting pads, with a cross coupling [N/m]."""
+    pads = {"pads": [math.radians(54 + 72 * i) for i in range(5)], "arc": 0.9, "preload": 0.3}
+    film = {"journal_radius": 0.04, "length": 0.04, "clearance": 6e-5, "viscosity": 0.015}
+    text = table("material", young=2.1e11, density=7850.0)
+    text += table("shaft", nodes=[0.0, 0.5, 1.0], diameters=[0.08, 0.08])
+    text += table("[disc]", node=2, diameter=0.5, width=0.08, e=1e-6)
+    text += table("[seal]", node=2, kxx=0.0, kyy=0.0, kxy=q, kyx=-q, cxx=0.0, cyy=0.0)
+    for node in (1, 3):
+        text += table("[journal_bearing]", node=node, **film, **pads, tilting=True, points=8)
+    return text
+
+
+def test_its_decrement_is_the_width_of_the_peak_of_the_frequency_response():
+    """In which pads follow the force: it is several times as narrow as with pads that follow the
+    rotation."""
+    rotor = parse_rotor(on_pads(5.5e5))
+    whirl = own_whirl(rotor, SPEED)
+    half = whirl.log_dec / (2 * math.pi)
+    at = [whirl.frequency * (1 + share * half) for share in (-1, 0, 1)]
+    found = frequency_response(rotor, at, 2, [2], speed=SPEED)
+    below, peak, above = abs(found.receptance[:, 0, 1, 1])
+    assert (peak / below) ** 2 + (peak / above) ** 2 == pytest.approx(4.0, rel=0.02)
+    slower = modes(rotor, SPEED).damped < SPEED
+    assert whirl.synchronous == modes(rotor, SPEED).log_dec[slower].min() > 5 * whirl.log_dec
+
+
+@pytest.mark.parametrize(("q", "is_unstable"), [(3e5, False), (8e5, True)])
+def test_answers_say_what_it_is_and_where_it_grows(q, is_unstable):
+    """Though with synchronous coefficients neither machine is unstable."""
+    rotor = parse_rotor(on_pads(q))
+    (least,) = [s for s in where_linearized(rotor, [100.0, SPEED]) if "least log dec" in s]
+    assert least.startswith("at 159.15 Hz the least log dec of slower whirls is")
+    assert where_linearized(rotor, [SPEED], follows_force=True) == [
+        "oil films, each linearized where its journal rests at that speed: "
+        "journal_bearing[1], journal_bearing[2]"
+    ]
+    said = where_not_reached(rotor, [SPEED])
+    assert len(said) == is_unstable
+    assert all("Hz grows, which its pads follow" in sentence for sentence in said)
+
+
+def test_there_is_none_of_a_machine_slower_than_its_modes_or_without_pads():
+    rotor = parse_rotor(on_pads(0.0))
+    assert own_whirl(rotor, 100.0) is None
+    assert own_whirl(parse_rotor(on_pads(0.0).replace("tilting = true", "")), SPEED) is None
