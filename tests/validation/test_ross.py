@@ -92,10 +92,11 @@ def test_bearings_that_ross_computed_are_imported_by_their_coefficients_and_that
         assert any(
             note.startswith(f"{name}: imported by its coefficients") for note in result.notes
         )
-    with pytest.raises(
-        QuantityError, match="a BallBearingElement of ROSS is not supported; remove"
-    ):
-        parse_ross(text.replace("kxx = ", "key = "))
+    seal = parse_ross(text.replace("CylindricalBearing", "LabyrinthSeal")).tables
+    assert seal == result.tables | {"linear_bearing": [ball], "seal": [film]}
+    for key in ("kxx = ", "cxx = "):
+        with pytest.raises(QuantityError, match=r"Element of ROSS is not .* remove it, or save"):
+            parse_ross(text.replace(key, "key = "))
 
 
 @pytest.mark.parametrize(
@@ -183,6 +184,17 @@ def test_a_pedestal_may_have_another_mass_in_y():
     assert {(h["mass"], h["mass_ratio"]) for h in housings} == {(10.0, 1.4)}
 
 
+def test_a_point_mass_of_the_shaft_is_one_at_its_node():
+    saved = json.loads(text_of("on_pedestals.json"))
+    on_shaft = saved | {"PointMass_of the shaft": {"n": 4, "mx": 3.0, "my": 3.0}}
+    result = parse_ross(json.dumps(on_shaft), is_json=True)
+    assert result.tables["point_mass"] == [{"node": 5, "mass": 3.0}]
+    assert result.elements["point_mass[1]"] == "PointMass_of the shaft"
+    on_shaft["PointMass_of the shaft"]["my"] = 4.0
+    with pytest.raises(QuantityError, match=r"shaft: mx = 3 kg and my = 4 kg: must be the same"):
+        parse_ross(json.dumps(on_shaft), is_json=True)
+
+
 def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
     two = parse_ross(text_of("compressor.toml"))
     text = text_of("compressor.toml").replace('"2.3.0"', '"3.1.0"')
@@ -245,8 +257,12 @@ def test_damping_of_the_whole_rotor_is_in_the_place_of_the_elements():
     text = text_of("under_tension.toml").replace("[parameters]", "[parameters]\nbeta = 2e-5")
     result = parse_ross(text)
     assert result.tables["shaft"]["eta_v"] == 2e-5
-    assert parse_ross(text.replace("beta = 0.0", "beta = 1e-3")).tables == result.tables
+    for own in ("alpha", "beta"):
+        assert parse_ross(text.replace(f"\n{own} = 0.0", f"\n{own} = 1e-3")).tables == result.tables
     assert "axial_force" in result.notes[0]
+    assert not parse_ross(text_of("under_tension.toml")).notes
+    free = text_of("compressor.toml").replace("[parameters]", "[parameters]\nbeta = 2e-5")
+    assert parse_ross(free).notes == parse_ross(text_of("compressor.toml")).notes
 
 
 def test_operating_speeds_are_carried_over():
