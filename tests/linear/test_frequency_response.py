@@ -145,12 +145,13 @@ delay = 1.5e-4
 force_per_current = 264.0
 negative_stiffness = 1.584e6
 """
+BOTH = LOOPS + LOOPS.replace("left", "right")
 
 
 @pytest.fixture
 def loops(tmp_path):
     file = tmp_path / "loops.toml"
-    file.write_text(LOOPS + LOOPS.replace("left", "right"))
+    file.write_text(BOTH)
     return file
 
 
@@ -240,10 +241,15 @@ def test_impossible_wishes_are_refused(refusal, loops, arguments, expected):
         ("kp =", "kpp =", "loop[1].kpp: unknown; the nearest is kp"),
         ("kd = 16.0\n", "", "loop[1].kd: must be given"),
         ("delay = 1.5e-4", "delay = -1", "loop[1].delay = -1: must be a number >= 0"),
+        ("delay = 1.5e-4", "delay = inf", "loop[1].delay = inf: must be a number >= 0"),
+        ("delay = 1.5e-4", "delay = true", "loop[1].delay = True: must be a number >= 0"),
+        ("delay = 1.5e-4", 'delay = "1"', "loop[1].delay = '1': must be a number >= 0"),
         ('sensor = "left_sensor"\n', "", "loop[1].sensor: must be given"),
         ('"left_sensor"', '"left_sensr"', "the nearest name is left_sensor"),
         ("[[loop]]", "[[lop]]", "lop: unknown"),
         ("[[loop]]", "[[loop", "loops.toml"),
+        (BOTH, "loop = []", "no [[loop]] is there; at least one is needed"),
+        (BOTH, "loop = [5]", "no [[loop]] is there; at least one is needed"),
     ],
 )
 def test_a_bad_file_of_loops_is_refused(refusal, loops, before, after, expected):
