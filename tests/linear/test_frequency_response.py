@@ -98,6 +98,13 @@ def test_the_largest_sensitivity_is_that_between_the_frequencies_too(amplifier_t
     assert at == pytest.approx(fine[size.argmax()], rel=1e-4)
 
 
+@pytest.mark.parametrize("idle", [{"kp": 0.0, "kd": 0.0, "ki": 0.0}, {"force_per_current": 0.0}])
+def test_a_loop_without_force_has_the_sensitivity_of_an_open_one(idle):
+    result = sensitivity(JEFFCOTT, [50.0], [replace(LOOP, **idle)])
+    assert (result.sensitivity == 1.0).all()
+    assert result.is_stable
+
+
 def test_the_closed_loop_is_stable_as_routh_says():
     """m T s^3 + (m + c T) s^2 + (c + k T + kd) s + k + kp is stable where the product of its inner
     coefficients exceeds that of its outer ones."""
