@@ -270,6 +270,8 @@ def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
     whole, read, push = [rotor], [], []
     for loop in loops:
         numerator, denominator = loop.rational()
+        if not len(numerator):  # all gains are 0
+            continue
         if loop.delay:
             late, early = _pade(loop.delay)
             numerator, denominator = np.polymul(numerator, late), np.polymul(denominator, early)

@@ -69,8 +69,6 @@ def reduction_offer(rotor: Rotor, structure: Structure, speed: float) -> Reducti
         return None
     n = len(structure.weight)
     retained, T = component_modes(structure, _MODES[-1])
-    if work_share(structure, len(retained) + _MODES[0]) > _PAYS:
-        return None
     held = soft_stiffness(n, structure.springs, machine_elements(rotor))
     K = structure.K_shaft + structure.K_axial
     K[:, 0] += held

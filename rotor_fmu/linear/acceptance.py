@@ -50,8 +50,8 @@ class CriticalMap(Displayed, linear.CriticalMap):
         if not self.synchronous:
             what = "Natural frequencies at standstill"
         title = (
-            f"{what} where a bearing has the stiffness that all have; first one on rigid supports "
-            f"{speed_with_unit(self.rigid)}"
+            f"{what} where a bearing has the stiffness that all have; first critical speed on "
+            f"rigid supports {speed_with_unit(self.rigid)}"
         )
         if not self.crossings:
             title += "; no bearing's own stiffness meets a line within the map"

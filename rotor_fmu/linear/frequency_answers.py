@@ -3,7 +3,7 @@
 import math
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -187,7 +187,7 @@ def read_loops(option: str, path: Path, rotor: Rotor) -> list[model.ControlLoop]
     for key in tables.keys() - {"loop"}:
         raise InputError(f"{option} {path}: {key}: unknown; only [[loop]] may be there")
     listed = tables.get("loop")
-    if not isinstance(listed, list) or not listed:
+    if not isinstance(listed, list) or not listed or not all(isinstance(t, dict) for t in listed):
         raise InputError(f"{option} {path}: no [[loop]] is there; at least one is needed")
     return [_loop(f"{option} {path}: loop[{i}]", of, rotor) for i, of in enumerate(listed, 1)]
 
@@ -203,11 +203,9 @@ def _loop(where: str, table: dict[str, Any], rotor: Rotor) -> model.ControlLoop:
             raise InputError(f"{where}.{key}: must be given, a node or a part's name")
         values[key] = place_of(rotor, str(table[key]), f"{where}.{key} =")
     for key in known.keys() - values.keys():
-        if key not in table:
-            if key in ("kp", "kd", "force_per_current"):
-                raise InputError(f"{where}.{key}: must be given")
-            continue
-        value = table[key]
+        value = table.get(key, known[key].default)
+        if value is MISSING:
+            raise InputError(f"{where}.{key}: must be given")
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not is_number or not math.isfinite(value) or value < 0:
             raise InputError(f"{where}.{key} = {value!r}: must be a number >= 0")

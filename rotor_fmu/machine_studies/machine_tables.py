@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from importlib.resources import files
 from itertools import product
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -122,7 +123,7 @@ def _excitation(
     kind.check(given)
     if kind is RESPONSE and (over is None) != (given["speed"] == 0):
         raise InputError("run response: speed is given with over, and only then")
-    if (kind is SIGNALS) != isinstance(file, str):
+    if not isinstance(file, str if kind is SIGNALS else NoneType):
         raise InputError(f"run {kind.name}: file: only of signals, which need it")
     loads = load_names(machine.rotor)
     signals = read_signals(folder / file, machine.table) if isinstance(file, str) else None
@@ -157,8 +158,9 @@ def _with_metrics(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> 
     table = table_of(tables, "keep")
     if not table:
         raise InputError("[keep] is empty: at least one result must be kept")
-    if varied & {f"{RUN}turns", f"{RUN}count", f"{RUN}back", f"{RUN}measure"}:
-        raise InputError("vary: parameters that change the number of results cannot be varied")
+    for name in ("turns", "count", "back", "measure"):
+        if f"{RUN}{name}" in varied:
+            raise InputError(f"vary {RUN}{name}: changes the number of results; cannot be varied")
     metrics = tuple(_metric(name, given, runs) for name, given in table.items())
     columns = [runs.column_of(metric, varied) for metric in metrics]
     is_verified = tables.get("verify", False)

@@ -271,7 +271,7 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
 def _column(path: Path, text: str, known: Mapping[str, str]) -> tuple[str, float]:
     """Return the name of an input, and what its unit is in SI, of `speed` or `speed [rpm]`."""
     name, unit = text, None
-    if name not in known and name.endswith("]"):
+    if name.endswith("]"):
         name, _, unit = (part.strip() for part in text[:-1].rpartition("["))
     if name not in known:
         near = near_names(text.partition(" ")[0], known, 3)
@@ -280,7 +280,7 @@ def _column(path: Path, text: str, known: Mapping[str, str]) -> tuple[str, float
     units = units_for(known[name])
     if unit is not None and unit not in units:
         raise InputError(f"{path}: column {name!r} in {unit!r}: must be in {' or '.join(units)}")
-    return name, units.get(unit or known[name], 1.0)
+    return name, units[unit] if unit else 1.0
 
 
 def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[float]:

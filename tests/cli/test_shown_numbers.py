@@ -122,6 +122,23 @@ def test_coefficients_that_are_rounding_are_shown_as_0(upright):
     assert all(shown["kyx"])
 
 
+def test_a_critical_map_says_whether_its_lines_are_speeds_or_frequencies():
+    speeds, frequencies = (
+        acceptance.critical_map(rig(), [1e5, 2e5], count=1, synchronous=is_synchronous)
+        for is_synchronous in (True, False)
+    )
+    assert speeds.table().title.startswith("Undamped forward critical speeds where a bearing has")
+    title = frequencies.table().title
+    assert title.startswith("Natural frequencies at standstill where a bearing has the stiffness")
+    rigid = f"first critical speed on rigid supports {speed_with_unit(speeds.rigid)}"
+    assert title.endswith(f"{rigid}; no bearing's own stiffness meets a line within the map")
+    labels = [each.figure().axes[0].get_ylabel() for each in (speeds, frequencies)]
+    assert labels == [
+        "Undamped critical speed [Hz]",
+        "Undamped natural frequency at standstill [Hz]",
+    ]
+
+
 def test_what_is_rounding_is_not_drawn_beside_other_curves(upright):
     assert not acceptance.critical_map(upright).figure().legends
     found = frequency_answers.frequency_response(upright, [1.0, 10.0], 2, [2], speed=400.0)

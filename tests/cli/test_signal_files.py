@@ -19,6 +19,8 @@ from rotor_fmu.runs.input_signals import read_signals
         ("speed\n400\n", "column 'time' is missing"),
         ("time,spede\n0,400\n", "column 'spede' is unknown; did you mean speed"),
         ("t,speed\n0,400\n", "column 't' is unknown; known are time, speed, disc[1].fx, "),
+        ("time,bearing[1].mu\n0,1\n", "column 'bearing[1].mu' is unknown; known are"),
+        ("time,speed [rpm\n0,1\n", "column 'speed [rpm' is unknown; did you mean speed"),
         ("time,speed [mph]\n0,4\n", "column 'speed' in 'mph': must be in rad/s or rpm or Hz"),
         ("# by hand\ntime,speed\n\n0,4\n1,x\n", "line 5: speed = x: must be a finite number"),
         ("time,speed,speed\n0,1,2\n", "column 'speed' is given twice"),
@@ -33,6 +35,19 @@ from rotor_fmu.runs.input_signals import read_signals
 def test_bad_signals_are_refused_in_one_line(input_error, tmp_path, text, expected):
     (tmp_path / "signals.csv").write_text(text)
     assert expected in input_error("run-down", "--input", "signals.csv")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--input", "signals.csv", "--set", "speed=5"], "--set speed: signals.csv gives it too"),
+        (["--input", "signals.csv", "--from", "9"], "--from: --input signals.csv gives the speed"),
+        (["--set", "speed=5", "--rate", "9"], "--rate: --set speed gives the speed too"),
+    ],
+)
+def test_a_speed_is_given_in_one_way(input_error, tmp_path, arguments, expected):
+    (tmp_path / "signals.csv").write_text("time,speed\n0,400\n1,390\n")
+    assert expected in input_error("run-down", *arguments)
 
 
 def test_signals_from_a_file_drive_the_run(process, tmp_path):

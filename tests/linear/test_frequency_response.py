@@ -98,6 +98,13 @@ def test_the_largest_sensitivity_is_that_between_the_frequencies_too(amplifier_t
     assert at == pytest.approx(fine[size.argmax()], rel=1e-4)
 
 
+@pytest.mark.parametrize("idle", [{"kp": 0.0, "kd": 0.0, "ki": 0.0}, {"force_per_current": 0.0}])
+def test_a_loop_without_force_has_the_sensitivity_of_an_open_one(idle):
+    result = sensitivity(JEFFCOTT, [50.0], [replace(LOOP, **idle)])
+    assert (result.sensitivity == 1.0).all()
+    assert result.is_stable
+
+
 def test_the_closed_loop_is_stable_as_routh_says():
     """m T s^3 + (m + c T) s^2 + (c + k T + kd) s + k + kp is stable where the product of its inner
     coefficients exceeds that of its outer ones."""
@@ -145,12 +152,13 @@ delay = 1.5e-4
 force_per_current = 264.0
 negative_stiffness = 1.584e6
 """
+BOTH = LOOPS + LOOPS.replace("left", "right")
 
 
 @pytest.fixture
 def loops(tmp_path):
     file = tmp_path / "loops.toml"
-    file.write_text(LOOPS + LOOPS.replace("left", "right"))
+    file.write_text(BOTH)
     return file
 
 
@@ -240,10 +248,15 @@ def test_impossible_wishes_are_refused(refusal, loops, arguments, expected):
         ("kp =", "kpp =", "loop[1].kpp: unknown; the nearest is kp"),
         ("kd = 16.0\n", "", "loop[1].kd: must be given"),
         ("delay = 1.5e-4", "delay = -1", "loop[1].delay = -1: must be a number >= 0"),
+        ("delay = 1.5e-4", "delay = inf", "loop[1].delay = inf: must be a number >= 0"),
+        ("delay = 1.5e-4", "delay = true", "loop[1].delay = True: must be a number >= 0"),
+        ("delay = 1.5e-4", 'delay = "1"', "loop[1].delay = '1': must be a number >= 0"),
         ('sensor = "left_sensor"\n', "", "loop[1].sensor: must be given"),
         ('"left_sensor"', '"left_sensr"', "the nearest name is left_sensor"),
         ("[[loop]]", "[[lop]]", "lop: unknown"),
         ("[[loop]]", "[[loop", "loops.toml"),
+        (BOTH, "loop = []", "no [[loop]] is there; at least one is needed"),
+        (BOTH, "loop = [5]", "no [[loop]] is there; at least one is needed"),
     ],
 )
 def test_a_bad_file_of_loops_is_refused(refusal, loops, before, after, expected):

@@ -123,6 +123,22 @@ def test_a_taper_goes_over_into_a_cylinder(outer):
         np.testing.assert_allclose(own, output, rtol=1e-7, atol=1e-9 * np.abs(output).max())
 
 
+def test_a_cylinder_without_shear_is_the_element_of_rayleigh():
+    cylinder = Section.cylinder(0.3, 0.05, STEEL)
+    moment, area = np.pi * 0.05**4 / 64, np.pi * 0.05**2 / 4
+    scale = np.diag([1.0, 0.3, 1.0, 0.3])
+    element = shaft_element(replace(cylinder, shear="rigid"))
+    bent = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])
+    moved = np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
+    tilted = np.array([[36, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]])
+    for own, factor, shape in (
+        (element.stiffness, STEEL.young * moment / 0.3**3, bent),
+        (element.translation, STEEL.density * area * 0.3 / 420, moved),
+        (element.tilting, STEEL.density * moment / (30 * 0.3), tilted),
+    ):
+        np.testing.assert_allclose(own, factor * scale @ shape @ scale, rtol=1e-12)
+
+
 def test_a_cone_with_a_sleeve_of_the_same_metal_is_the_thicker_cone():
     """Layers bend as one; without shear, whose coefficient knows of bores."""
     whole = replace(CONE, shear="rigid")

@@ -217,6 +217,75 @@ def test_a_study_misread_is_refused_in_one_line_and_writes_nothing(
 
 
 @pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("rate = 40", "rate = 40\nfile = 5", "run run-down: file: only of signals, which need it"),
+        ("rate = 40", "rate = 40\nkick = 5", "run kick: must be { port, force, rate, duration }"),
+        (
+            "rate = 40",
+            'rate = 40\nkick = { port = "disc[1]", force = 1, rate = 1, duration = 0 }',
+            "run kick duration = 0 s: must be > 0",
+        ),
+        ("rate = 40", "rate = 40\nover = 5", "run run-down: over = 5: the name of a quantity"),
+        ("[run]", "machine = 5\n[run]", "machine = 5: must be the name of a file"),
+        ("[vary]", '"solver.method" = "x"\n[vary]', "set solver.method = x: must be one of as the"),
+        ("[vary]", "[vary]\nq = 5", "vary q = 5: must be a table with values, grid or"),
+        ('"bearing[*].clearance"', "5", "vary clearance: names = 5: must be names"),
+        (VALUES, "values = 5", "vary clearance: values = 5: must be a list of numbers"),
+        (VALUES, f"{VALUES}, low = 1", "vary clearance: low is unknown beside values"),
+        (VALUES, "grid = 5", "vary clearance: grid must be { from, to, count }"),
+        ("count = 3", 'count = 3, spacing = "x"', "grid spacing = 'x': must be linear or log"),
+        (
+            "from = 10e-6, to",
+            'spacing = "log", from = 0, to',
+            "grid from 0 to 9e-05: must be > 0 with spacing log",
+        ),
+        (
+            VALUES,
+            'distribution = "uniform", low = 1, high = 2, mean = 3',
+            "vary clearance: a uniform distribution has no mean",
+        ),
+        (
+            VALUES,
+            'distribution = "log-uniform", low = 0, high = 2',
+            "vary clearance: low = 0: must be > 0",
+        ),
+        (VALUES, 'distribution = "normal", mean = 1, std = 0', "vary clearance: std = 0: must be"),
+        ("[limits]", '[design]\nkind = "random"\nsize = 3\n[limits]', "is distributed"),
+        ('X = { peak = "disc[3].x_amp" }', "", "[keep] is empty: at least one result must be kept"),
+        ('{ peak = "disc[3].x_amp" }', "5", "keep X = 5: must be a table such as { peak ="),
+        ('{ peak = "disc[3].x_amp" }', "{}", "keep X: must have one of poincare, order"),
+        ('"disc[3].x_amp"', "5", "keep X: of = 5: must be the name of an output"),
+        ("peak =", "bins = 5, amplitude =", "keep X: bins must be { from, to, count }"),
+        (
+            "peak =",
+            "bins = { from = 5, to = 1, count = 3 }, amplitude =",
+            "keep X: bins from = 5: must be below to = 1",
+        ),
+    ],
+)
+def test_what_no_study_can_be_is_refused_by_its_value(tmp_path, old, new, expected):
+    assert old in STUDY
+    with pytest.raises(InputError, match=re.escape(expected)):
+        read(tmp_path, STUDY.replace(old, new, 1))
+
+
+def test_what_a_study_needs_beside_its_run_is_asked_for(tmp_path):
+    with pytest.raises(InputError, match=r"vary run.turns: changes the number of results"):
+        read(tmp_path, HELD.replace("run.speed", "run.turns") + '[keep]\nq = { rms = "w" }\n')
+    with pytest.raises(InputError, match=r"\[vary\] is empty"):
+        read(tmp_path, STUDY.split("[vary]")[0])
+    with pytest.raises(InputError, match=r"--quick: the study has no table \[quick\]"):
+        read_study(tmp_path / "study.toml", is_quick=True)
+    (tmp_path / "signals.csv").write_text("time,disc[2].fx\n0,1\n1,2\n")
+    signals = STUDY.replace('"run-down"\nfrom = 220\nrate = 40', '"signals"\nstop = 1')
+    with pytest.raises(InputError, match=r"run signals: file: only of signals, which need it"):
+        read(tmp_path, signals)
+    with pytest.raises(InputError, match=r"run signals: signals.csv: has no column speed"):
+        read(tmp_path, signals.replace("stop = 1", 'stop = 1\nfile = "signals.csv"'))
+
+
+@pytest.mark.parametrize(
     ("arguments", "expected"),
     [
         (["--jobs", "2", "--cluster", "local:2"], "--jobs, --scheduler, --cluster: only one"),

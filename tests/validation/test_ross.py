@@ -1,6 +1,7 @@
 """Rotors that ROSS saved, against ROSS' own numbers (tests/reference/make_ross.py made them)."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -92,10 +93,11 @@ def test_bearings_that_ross_computed_are_imported_by_their_coefficients_and_that
         assert any(
             note.startswith(f"{name}: imported by its coefficients") for note in result.notes
         )
-    with pytest.raises(
-        QuantityError, match="a BallBearingElement of ROSS is not supported; remove"
-    ):
-        parse_ross(text.replace("kxx = ", "key = "))
+    seal = parse_ross(text.replace("CylindricalBearing", "LabyrinthSeal")).tables
+    assert seal == result.tables | {"linear_bearing": [ball], "seal": [film]}
+    for key in ("kxx = ", "cxx = "):
+        with pytest.raises(QuantityError, match=r"Element of ROSS is not .* remove it, or save"):
+            parse_ross(text.replace(key, "key = "))
 
 
 @pytest.mark.parametrize(
@@ -183,6 +185,17 @@ def test_a_pedestal_may_have_another_mass_in_y():
     assert {(h["mass"], h["mass_ratio"]) for h in housings} == {(10.0, 1.4)}
 
 
+def test_a_point_mass_of_the_shaft_is_one_at_its_node():
+    saved = json.loads(text_of("on_pedestals.json"))
+    on_shaft = saved | {"PointMass_of the shaft": {"n": 4, "mx": 3.0, "my": 3.0}}
+    result = parse_ross(json.dumps(on_shaft), is_json=True)
+    assert result.tables["point_mass"] == [{"node": 5, "mass": 3.0}]
+    assert result.elements["point_mass[1]"] == "PointMass_of the shaft"
+    on_shaft["PointMass_of the shaft"]["my"] = 4.0
+    with pytest.raises(QuantityError, match=r"shaft: mx = 3 kg and my = 4 kg: must be the same"):
+        parse_ross(json.dumps(on_shaft), is_json=True)
+
+
 def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
     two = parse_ross(text_of("compressor.toml"))
     text = text_of("compressor.toml").replace('"2.3.0"', '"3.1.0"')
@@ -240,13 +253,80 @@ def test_what_cannot_be_carried_over_is_refused_by_name(before, after, expected)
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("element", "given", "expected"),
+    [
+        ("BearingElement_Bearing 2", {"kxy": [5.0]}, "Bearing 2.kxy: a pedestal here stands on"),
+        (
+            "BearingElement_Bearing 2",
+            {"kxx": [1e6, 2e6], "frequency": [1.0, 2.0]},
+            "Bearing 2.kxx: a pedestal here stands on constant springs",
+        ),
+        ("BearingElement_Bearing 2", {"n_link": 3}, "Bearing 2.n_link: a pedestal here stands on"),
+        ("BearingElement_Bearing 2", {"n": 9}, "there is 15 kg on 0 of them"),
+        ("BearingElement_Bearing 3", {"n": 11}, "there is 15 kg on 2 of them"),
+        ("PointMass_Point Mass 0", {"m": 0.0, "mx": 0.0}, "there is 0 kg on 1 of them"),
+        ("PointMass_Point Mass 0", {"my": 0.0}, "a pedestal must be a PointMass on one Bearing"),
+        ("PointMass_Point Mass 0", {"mass": 1.0}, "Mass 0.mass: unknown key"),
+        (
+            "BearingElement_Bearing 0",
+            {"kxx": [1e6, 2e6], "frequency": [1.0, 2.0], "interpolation": "linear"},
+            "interpolation = 'linear': must be pchip",
+        ),
+        ("DiskElement_Disk 0", {"n": True}, "DiskElement_Disk 0.n = True: must be an integer from"),
+        ("DiskElement_Disk 0", {"n": 1.0}, "DiskElement_Disk 0.n = 1.0: must be an integer from 0"),
+        ("DiskElement_Disk 0", {"n": -1}, "DiskElement_Disk 0.n = -1: must be an integer from 0"),
+        ("DiskElement_Disk 0", {"m": None}, "DiskElement_Disk 0.m is missing"),
+        (
+            "ShaftElement_Shaft Element 0",
+            {"material": "steel"},
+            "'steel': must be a table",
+        ),
+        ("ShaftElement_Shaft Element 0", {"n": 1, "L": 9.0}, "n = 0 is missing"),
+        ("ShaftElement_Shaft Element 1", {"n": 0, "L": 9.0}, "n = 1 is missing"),
+        ("ShaftElement_Shaft Element 9", {"n": 0, "L": 9.0}, "n = 0: layers of different L"),
+    ],
+)
+def test_elements_that_make_no_machine_are_refused_by_name(element, given, expected):
+    saved = json.loads(text_of("on_pedestals.json"))
+    saved[element] |= given
+    with pytest.raises(QuantityError, match=re.escape(expected)):
+        parse_ross(json.dumps(saved), is_json=True)
+
+
+@pytest.mark.parametrize(
+    ("saved", "expected"),
+    [
+        ([1], "not a rotor that ROSS saved"),
+        ({"DiskElement_a": {}}, "not a rotor that ROSS saved"),
+        ({"ross_version": "2.3.0"}, "ShaftElement_... is missing"),
+        ({"ShaftElement_a": 5}, "ShaftElement_a = 5: must be a table"),
+    ],
+)
+def test_what_is_no_rotor_of_ross_is_said(saved, expected):
+    with pytest.raises(QuantityError, match=re.escape(expected)):
+        parse_ross(json.dumps(saved), is_json=True)
+
+
+def test_a_table_over_the_whirl_frequency_of_ross_3_is_refused_beside_one_over_the_speed():
+    saved = json.loads(text_of("on_pedestals.json")) | {"ross_version": "3.0.0"}
+    ends = {"frequency": [1.0, 2.0], "speed": [1.0, 2.0]}
+    saved["BearingElement_Bearing 0"] |= {"kxx": [1e6, 2e6]} | ends
+    with pytest.raises(QuantityError, match=r"0.frequency: a table over the whirl frequency"):
+        parse_ross(json.dumps(saved), is_json=True)
+
+
 def test_damping_of_the_whole_rotor_is_in_the_place_of_the_elements():
     """ROSS 3 ignores the elements' damping where the rotor has its own."""
     text = text_of("under_tension.toml").replace("[parameters]", "[parameters]\nbeta = 2e-5")
     result = parse_ross(text)
     assert result.tables["shaft"]["eta_v"] == 2e-5
-    assert parse_ross(text.replace("beta = 0.0", "beta = 1e-3")).tables == result.tables
+    for own in ("alpha", "beta"):
+        assert parse_ross(text.replace(f"\n{own} = 0.0", f"\n{own} = 1e-3")).tables == result.tables
     assert "axial_force" in result.notes[0]
+    assert not parse_ross(text_of("under_tension.toml")).notes
+    free = text_of("compressor.toml").replace("[parameters]", "[parameters]\nbeta = 2e-5")
+    assert parse_ross(free).notes == parse_ross(text_of("compressor.toml")).notes
 
 
 def test_operating_speeds_are_carried_over():
