@@ -33,7 +33,6 @@ _REAL = 1e-5
 _FREE = 1e-6
 LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
 DEFAULT_COUNT = 8
-_PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
 DOUBTFUL = 1e-6  # a residual that is said
 
 
@@ -60,7 +59,7 @@ class Spectrum:
     @property
     def has_peak(self) -> np.ndarray:
         """Whether a mode answers a force of its frequency with a peak: zeta below 1 / sqrt(2)."""
-        return self.damping_ratio < _PEAKING
+        return self.damping_ratio < 0.5**0.5
 
     @property
     def log_dec(self) -> np.ndarray:
