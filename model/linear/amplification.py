@@ -43,7 +43,7 @@ _SHARPEST = 1e-5 / (2 * math.pi)
 class Peak:
     """A peak of a response over the speed: the critical speed [rad/s], the response there, and the
     speeds below and above at which it has fallen to 0.707 of that [rad/s]; NaN where it does not
-    fall so far, because the speeds end or a higher peak follows."""
+    fall so far before the speeds end or another peak follows."""
 
     speed: float
     amplitude: float
@@ -119,7 +119,13 @@ def peaks(response: Callable[[float], float], speeds: Sequence[float] | np.ndarr
     """
     at = np.asarray(speeds, dtype=float)
     values = np.array([response(speed) for speed in at])
-    return [_peak(response, at, values, *each) for each in tops(response, at, values)]
+    found = tops(response, at, values)
+    ends = [-1, *(i for i, _, _ in found), len(at)]
+    beside = zip(ends, ends[2:], strict=False)
+    return [
+        _peak(response, at, values, *each, *others)
+        for each, others in zip(found, beside, strict=True)
+    ]
 
 
 def tops(
@@ -180,8 +186,11 @@ def _peak(
     i: int,
     speed: float,
     largest: float,
+    before: int,
+    after: int,
 ) -> Peak:
-    """Return the peak with its top between the neighbours of the i-th of speeds."""
+    """Return the peak with its top between the neighbours of the i-th of speeds; before, after:
+    places of the peaks beside it, or just outside of the speeds."""
 
     def excess(s: float) -> float:
         return response(s) - HALF_POWER * largest
@@ -190,14 +199,12 @@ def _peak(
         """Return the half-power speed on a side of the peak, NaN where there is none."""
         inside = speed
         for k in side:
-            if values[k] > largest:  # the flank of a higher peak
-                return math.nan
             if values[k] <= HALF_POWER * largest:
                 return float(brentq(excess, inside, at[k], xtol=_PRECISE * abs(speed)))
             inside = at[k]
         return math.nan
 
-    return Peak(speed, largest, fallen(range(i - 1, -1, -1)), fallen(range(i + 1, len(at))))
+    return Peak(speed, largest, fallen(range(i - 1, before, -1)), fallen(range(i + 1, after)))
 
 
 def with_modes(at: np.ndarray, modes: Iterable[tuple[float, float]]) -> np.ndarray:

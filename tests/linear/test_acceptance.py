@@ -68,6 +68,19 @@ def test_a_peak_beside_a_higher_one_has_one_side():
     assert not high.is_one_sided
 
 
+def test_two_peaks_that_run_into_each_other_have_one_side_each():
+    """Neither is as wide as both."""
+
+    def response(speed):
+        return 1 / (1 + (speed - 100) ** 2) + 0.9 / (1 + (speed - 102) ** 2)
+
+    first, second = peaks(response, np.linspace(90, 110, 2001))
+    assert math.isnan(first.above)
+    assert math.isnan(second.below)
+    for peak, half in ((first, first.speed - first.below), (second, second.above - second.speed)):
+        assert peak.amplification == pytest.approx(peak.speed / (2 * half))
+
+
 def test_a_response_without_a_peak_has_no_critical_speed():
     assert peaks(one_degree(0.8), grid(0.8)) == []
 

@@ -228,7 +228,11 @@ def test_a_study_misread_is_refused_in_one_line_and_writes_nothing(
         ),
         ("rate = 40", "rate = 40\nover = 5", "run run-down: over = 5: the name of a quantity"),
         ("[run]", "machine = 5\n[run]", "machine = 5: must be the name of a file"),
-        ("[vary]", '"solver.method" = "x"\n[vary]', "set solver.method = x: must be one of 0 as the"),
+        (
+            "[vary]",
+            '"solver.method" = "x"\n[vary]',
+            "set solver.method = x: must be one of 0 as the",
+        ),
         ("[vary]", "[vary]\nq = 5", "vary q = 5: must be a table with values, grid or"),
         ('"bearing[*].clearance"', "5", "vary clearance: names = 5: must be names"),
         (VALUES, "values = 5", "vary clearance: values = 5: must be a list of numbers"),
