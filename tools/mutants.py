@@ -72,7 +72,7 @@ MUTANTS = (
     Mutant(_OBSERVE, '        reached_by=ALL,\n    ),\n    Output(\n        "J"',
            '    ),\n    Output(\n        "J"', _DEPEND),
     Mutant("model/parts/clearance_contact.py", ", reached_by=SPEED", "", _INSTANT),
-    Mutant("model/parts/linear_bearing.py", 'upwards", True, 10.0, reached_by=SPEED',
+    Mutant("model/parts/base.py", 'upwards", True, 10.0, reached_by=SPEED',
            'upwards", True, 10.0', _INSTANT),
     # what the FMU holds
     Mutant(_PYTHON_FMU, '"slave.py", "wrapper.py")', '"slave.py", "wrapper.py", "__init__.py")',

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from rotor_fmu.model.parts.law import Kinematics, Weights
 
+from tools import mutants
 from tools.checkout import ROOT
 
 from ..processes import run_anew
@@ -161,3 +162,8 @@ def test_a_debugger_stops_where_a_page_says(tmp_path):
     place, penetration, clearance = eval(said, {"np": np})
     assert penetration == pytest.approx(abs(place) - clearance)
     assert penetration > 0.0
+
+
+def test_mutants_are_of_todays_code_and_their_tests_are_there():
+    """So that `make mutants` tries all of them."""
+    assert [mutant for mutant in mutants.MUTANTS if not mutants.is_current(mutant, ROOT)] == []
