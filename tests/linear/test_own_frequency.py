@@ -1,6 +1,7 @@
 """Whirls on tilting pads that follow each at its own frequency."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from rotor_fmu.model.linear import modes
@@ -55,6 +56,12 @@ def test_answers_say_what_it_is_and_where_it_grows(q, is_unstable):
     said = where_not_reached(rotor, [SPEED])
     assert len(said) == is_unstable
     assert all("Hz grows, which its pads follow" in sentence for sentence in said)
+
+
+def test_cross_coupling_does_the_same_as_in_a_seal_that_carries_nothing():
+    without, sealed = (replace(parse_rotor(on_pads(q)), gravity=0.0) for q in (0.0, 3e5))
+    found = own_whirl(without, SPEED, coupling=((2, 3e5),))
+    assert found == pytest.approx(own_whirl(sealed, SPEED), rel=1e-6)
 
 
 def test_there_is_none_of_a_machine_slower_than_its_modes_or_without_pads():
