@@ -49,7 +49,7 @@ def where_linearized(
                 f"another damping, which a run shows: {', '.join(named)}"
             )
     fastest = max(speeds, key=abs)
-    if whirl := _in_pads(machine, fastest, contacts, coupling or {}):
+    if whirl := whirl_in_pads(machine, fastest, contacts, coupling or {}):
         result.append(
             f"at {speed_with_unit(fastest)} the least log dec of slower whirls is "
             f"{whirl.log_dec:.3g}, of {speed_with_unit(whirl.frequency)}, where pads follow each "
@@ -74,7 +74,7 @@ def where_not_reached(
     for speed in speeds:
         why = "`rotor-fmu campbell` has the threshold"
         if modes(machine, speed, contacts=contacts).growth <= LEAST_GROWTH:
-            whirl = _in_pads(machine, speed, contacts, {})
+            whirl = whirl_in_pads(machine, speed, contacts, {})
             if whirl is None or whirl.log_dec >= -LEAST_GROWTH:
                 continue
             why = f"a whirl of {speed_with_unit(whirl.frequency)} grows, which its pads follow"
@@ -83,7 +83,7 @@ def where_not_reached(
     return result
 
 
-def _in_pads(
+def whirl_in_pads(
     machine: Rotor, speed: float, contacts: str | None, coupling: Mapping[int, float]
 ) -> OwnWhirl | None:
     """Return the least damped slower whirl of a machine on tilting pads at a speed [rad/s]; None

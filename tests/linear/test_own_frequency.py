@@ -6,10 +6,11 @@ from dataclasses import replace
 import pytest
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.linear.frequency_response import frequency_response
-from rotor_fmu.model.linear.own_frequency import own_whirl
+from rotor_fmu.model.linear.own_frequency import OwnWhirl, own_whirl
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear.where_linearized import where_linearized, where_not_reached
+from rotor_fmu.machine_report import report_page
 
 from ..toml_text import table
 
@@ -56,6 +57,14 @@ def test_answers_say_what_it_is_and_where_it_grows(q, is_unstable):
     said = where_not_reached(rotor, [SPEED])
     assert len(said) == is_unstable
     assert all("Hz grows, which its pads follow" in sentence for sentence in said)
+
+
+@pytest.mark.parametrize(("log_dec", "is_met"), [(-0.02, False), (0.02, True)])
+def test_the_report_concludes_whether_slower_whirls_decay(log_dec, is_met):
+    (found,) = report_page._slower(OwnWhirl(log_dec, 300.0, 0.2))
+    assert found.text.endswith(f"least log dec {log_dec}, of 47.746 Hz.")
+    assert found.is_met == is_met
+    assert not list(report_page._slower(None))
 
 
 def test_cross_coupling_does_the_same_as_in_a_seal_that_carries_nothing():
