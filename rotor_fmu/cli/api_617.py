@@ -210,8 +210,9 @@ def unbalance(
     for sentence in where_not_reached(machine, highest, contacts):
         typer.echo(sentence)
     if ends is None:
-        top = float(max(speeds, key=lambda speed: (abs(speed), speed)))
-        checked: Any = acceptance.critical_peaks(machine, top, nodes, **acting)
+        low, high = float(min(speeds)), float(max(speeds))
+        tops = [*([low] if low < 0.0 else []), *([high] if high > 0.0 or low == 0.0 else [])]
+        checked: Any = acceptance.critical_peaks(machine, tops, nodes, **acting)
     else:
         checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)
     writable_folder(out)
