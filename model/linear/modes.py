@@ -16,7 +16,7 @@ from ..arguments import check_integer, number
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from .linear_machine import LinearMachine
-from .orbit import AT_REST, backward_part, forward_part, semi_axes
+from .orbit import AT_REST, backward_part, forward_part, lengths_of_nodes, semi_axes
 from .system_at_speed import Linear, LinearError
 
 FORWARD, BACKWARD, PLANAR, MIXED = "forward", "backward", "planar", "mixed"
@@ -137,8 +137,9 @@ class Modes(Spectrum):
     @property
     def forwardness(self) -> np.ndarray:
         """1 of a circle with the spin, -1 against it, 0 of a line: (|f|^2 - |b|^2) / (|f|^2 +
-        |b|^2), summed over the nodes, with f, b the parts that turn with and against the spin."""
-        forward, backward = (np.sum(np.abs(p) ** 2, axis=1) for p in self._parts())
+        |b|^2), summed along the shaft, with f, b the parts that turn with and against the spin."""
+        weight = np.append(lengths_of_nodes(self.z), np.ones(self.housing_x.shape[1]))
+        forward, backward = (np.abs(part) ** 2 @ weight for part in self._parts())
         sense = -1.0 if self.speed < 0 else 1.0
         return sense * (forward - backward) / (forward + backward)
 

@@ -24,3 +24,9 @@ def semi_axes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the major and minor semi-axis; the latter is negative where the node whirls back."""
     forward, backward = np.abs(forward_part(x, y)), np.abs(backward_part(x, y))
     return forward + backward, forward - backward
+
+
+def lengths_of_nodes(z: np.ndarray) -> np.ndarray:
+    """Return the length of the shaft that is nearer to each of ascending nodes z than to others, by
+    which a sum over nodes does not depend on how many there are, shape (n,) [m]."""
+    return np.convolve(np.diff(z), [0.5, 0.5])

@@ -24,7 +24,7 @@ from ..parts.linear_bearing import Seal
 from ..structure.strain_solver import Solve, StrainedMatrices
 from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
-from .orbit import AT_REST
+from .orbit import AT_REST, lengths_of_nodes
 from .real_matrices import Between, differences
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
@@ -74,7 +74,7 @@ class UndampedMachine:
         self._set_matrices(machine, rigid_pedestals)
         mass = total_mass(machine.structure)
         self.rigid_stiffness = _RIGID * mass * float(machine.structure.numbers[0].lowest_omega) ** 2
-        self._nodes = len(rotor.nodes)
+        self._nodes, self._lengths = len(rotor.nodes), lengths_of_nodes(np.array(rotor.nodes))
 
     def _set_matrices(self, machine: LinearMachine, rigid_pedestals: bool) -> None:
         """Set the matrices of the unknowns, without housings where these are ground; K without
@@ -135,7 +135,7 @@ class UndampedMachine:
             found = _lowest(self._moving(stiffness), self.mass.shape[0], nodes, count)
         speeds, shapes = found or _solve(self._synchronous(stiffness), nodes)
         x, y = (shapes[axis:nodes:4] for axis in (0, 1))
-        turning, against = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
+        turning, against = (self._lengths @ np.abs(x + s * 1j * y) ** 2 for s in (1, -1))
         norms = np.sum(shapes.conj() * (self.mass @ shapes), axis=0).real
         forwardness = (turning - against) / (turning + against)
         return Synchronous(stiffness, speeds, forwardness, shapes, norms)

@@ -107,14 +107,13 @@ def stability(
     from ..linear import stability_answers
     from ..model.linear.undamped import without_seals
 
-    say_where_linearized(without_seals(machine) if level == 1 else machine, [speed], contacts)
-
     result: stability_answers.StabilityLevel1 | stability_answers.StabilityLevel2
     if level == 1:
         check_nodes(machine, "--node", () if node is None else (node,))
         result = stability_answers.level_1(
             machine, speed, node=node, anticipated=couplings or 0.0, contacts=contacts
         )
+        machine, couplings = without_seals(machine), {result.node: result.anticipated}
     else:
         if node is not None:
             raise InputError(
@@ -123,6 +122,7 @@ def stability(
         result = stability_answers.level_2(
             machine, speed, cross_couplings=couplings, contacts=contacts
         )
+    say_where_linearized(machine, [speed], contacts, coupling=couplings)
     return print_answer(result, out, "stability")
 
 
@@ -210,8 +210,9 @@ def unbalance(
     for sentence in where_not_reached(machine, highest, contacts):
         typer.echo(sentence)
     if ends is None:
-        top = float(max(speeds, key=lambda speed: (abs(speed), speed)))
-        checked: Any = acceptance.critical_peaks(machine, top, nodes, **acting)
+        low, high = float(min(speeds)), float(max(speeds))
+        tops = [*([low] if low < 0.0 else []), *([high] if high > 0.0 or low == 0.0 else [])]
+        checked: Any = acceptance.critical_peaks(machine, tops, nodes, **acting)
     else:
         checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)
     writable_folder(out)

@@ -29,13 +29,12 @@ def say_where_linearized(
     machine: Rotor,
     speeds: Collection[float],
     contacts: str | None = None,
-    *,
-    follows_force: bool = False,
+    **options: Any,
 ) -> None:
     """Say what a linear answer at speeds [rad/s] takes for granted; see `where_linearized`."""
     from ..linear.where_linearized import where_linearized
 
-    for sentence in where_linearized(machine, speeds, contacts, follows_force=follows_force):
+    for sentence in where_linearized(machine, speeds, contacts, **options):
         typer.echo(sentence)
 
 

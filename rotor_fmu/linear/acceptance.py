@@ -4,7 +4,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import chain, cycle
 from typing import Any
 
 import numpy as np
@@ -226,8 +226,9 @@ class CriticalPeaks(Displayed):
         for critical in self.criticals:
             _mark(axes, critical, BLUE)
         axes.update_datalim([(0.0, DAMPED)])
-        is_backward = any(critical.peak.speed < 0.0 for critical in self.criticals)
-        axes.set_xlim(*((None, 0.0) if is_backward else (0.0, None)))
+        # the speeds of one sense of rotation begin at 0
+        ways = {critical.peak.speed < 0.0 for critical in self.criticals} or {False}
+        axes.set_xlim(None if True in ways else 0.0, None if False in ways else 0.0)
         plain_ticks(axes.yaxis)
         return figure
 
@@ -283,11 +284,14 @@ def critical_map(
 
 @on_one_thread
 def critical_peaks(
-    machine: Machine, top: float, nodes: Sequence[int], **options: Any
+    machine: Machine, top: float | Sequence[float], nodes: Sequence[int], **options: Any
 ) -> CriticalPeaks:
-    """Return `model.linear.critical_peaks` of a machine."""
+    """Return `model.linear.critical_peaks` of a machine; top: the highest speed, or one of each
+    sense of rotation [rad/s]."""
     rotor = rotor_of(machine)
-    return of_machine(CriticalPeaks(linear.critical_peaks(rotor, top, nodes, **options)), rotor)
+    tops = top if isinstance(top, Sequence) else [top]
+    found = [linear.critical_peaks(rotor, each, nodes, **options) for each in tops]
+    return of_machine(CriticalPeaks(tuple(chain.from_iterable(found))), rotor)
 
 
 unbalance_check = answer_of(UnbalanceCheck, linear.unbalance_check)

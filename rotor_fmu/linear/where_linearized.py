@@ -2,7 +2,7 @@
 where oil films are linearized, how tilting pads and floating rings follow, and that the machine is
 stable."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from ..display import speed_with_unit
 from ..model.linear.linear_machine import LinearMachine
@@ -19,11 +19,13 @@ def where_linearized(
     speeds: Collection[float],
     contacts: str | None = None,
     *,
+    coupling: Mapping[int, float] | None = None,
     follows_force: bool = False,
 ) -> list[str]:
     """Return a sentence for each table outside of which some of these speeds [rad/s] lie, for a
     machine that nothing holds under its weight, and for oil films; contacts: `open` or `pinned`;
-    follows_force: whether what follows a vibration has the frequency of a force."""
+    coupling: further cross-coupled stiffness [N/m] by node (from 1); follows_force: whether what
+    follows a vibration has the frequency of a force."""
     result = where_beyond_tables(machine, speeds)
     linear = LinearMachine(machine)
     if linear.weight.any() and not linear.is_held:
@@ -47,7 +49,7 @@ def where_linearized(
                 f"another damping, which a run shows: {', '.join(named)}"
             )
     fastest = max(speeds, key=abs)
-    if whirl := _in_pads(machine, fastest, contacts):
+    if whirl := whirl_in_pads(machine, fastest, contacts, coupling or {}):
         result.append(
             f"at {speed_with_unit(fastest)} the least log dec of slower whirls is "
             f"{whirl.log_dec:.3g}, of {speed_with_unit(whirl.frequency)}, where pads follow each "
@@ -72,7 +74,7 @@ def where_not_reached(
     for speed in speeds:
         why = "`rotor-fmu campbell` has the threshold"
         if modes(machine, speed, contacts=contacts).growth <= LEAST_GROWTH:
-            whirl = _in_pads(machine, speed, contacts)
+            whirl = whirl_in_pads(machine, speed, contacts, {})
             if whirl is None or whirl.log_dec >= -LEAST_GROWTH:
                 continue
             why = f"a whirl of {speed_with_unit(whirl.frequency)} grows, which its pads follow"
@@ -81,11 +83,14 @@ def where_not_reached(
     return result
 
 
-def _in_pads(machine: Rotor, speed: float, contacts: str | None) -> OwnWhirl | None:
+def whirl_in_pads(
+    machine: Rotor, speed: float, contacts: str | None, coupling: Mapping[int, float]
+) -> OwnWhirl | None:
     """Return the least damped slower whirl of a machine on tilting pads at a speed [rad/s]; None
     of others, and of one with rings, whose own whirls are slow."""
-    has_rings = any(isinstance(part, FloatingRingBearing) for part in machine.parts)
-    return None if has_rings or speed == 0.0 else own_whirl(machine, speed, contacts)
+    if speed == 0.0 or any(isinstance(part, FloatingRingBearing) for part in machine.parts):
+        return None
+    return own_whirl(machine, speed, contacts, tuple(coupling.items()))
 
 
 def where_not_at_rest(machine: Rotor, speed: float, contacts: str | None = None) -> list[str]:

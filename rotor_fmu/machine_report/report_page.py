@@ -15,8 +15,9 @@ from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, clean_damping, numbers
 from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
-from ..linear.where_linearized import where_linearized
+from ..linear.where_linearized import where_linearized, whirl_in_pads
 from ..model.linear import lowest_speed, placed_unbalances
+from ..model.linear.own_frequency import OwnWhirl
 from ..model.linear.unbalance import SteadyWhirl
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
@@ -97,7 +98,8 @@ def machine_report(
     level_1 = stability_answers.level_1(rotor, high, anticipated=options.couplings or 0.0)
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
-    conclusions = _conclusions(diagram, check, level_1, level_2, rub)
+    whirl = whirl_in_pads(rotor, high, None, options.couplings or {})
+    conclusions = _conclusions(diagram, check, level_1, level_2, whirl, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
         "At rest": _at_rest(at_rest),
@@ -238,6 +240,16 @@ def _stability(
     return Conclusion(text + asks, level_2.is_met)
 
 
+def _slower(whirl: OwnWhirl | None) -> Iterator[Conclusion]:
+    """Yield what it means that pads follow a whirl at its own frequency, not that of rotation."""
+    if whirl:
+        yield Conclusion(
+            "Whirls slower than the rotation, with tilting pads that follow each at its own "
+            f"frequency: least log dec {whirl.log_dec:.3g}, of {speed_with_unit(whirl.frequency)}.",
+            whirl.log_dec > 0.0,
+        )
+
+
 def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
     """Yield speeds [rad/s] in ascending order, as ranges those that differ by less than _ONE_PEAK:
     probes and directions have the peak of one critical speed at slightly different ones."""
@@ -256,6 +268,7 @@ def _conclusions(
     check: acceptance.UnbalanceCheck,
     level_1: stability_answers.StabilityLevel1,
     level_2: stability_answers.StabilityLevel2,
+    whirl: OwnWhirl | None,
     rub: RubCheck,
 ) -> tuple[Conclusion, ...]:
     """Return what the report says, in a line each."""
@@ -292,6 +305,7 @@ def _conclusions(
             not tight if check.clearances else None,
         ),
         _stability(level_1, level_2),
+        *_slower(whirl),
         Conclusion(rub.conclusion, not rub.closings),
         *(Conclusion(message, False) for message in messages),
     )

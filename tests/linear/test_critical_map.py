@@ -106,7 +106,9 @@ def dense_synchronous(kx, ky, bearings):
     G = (turning.D - rest.D).toarray()
     values, shapes = scipy.linalg.eigh(rest.M.toarray() - 1j * G, rest.K.toarray())
     x, y = shapes[: 4 * 7 : 4], shapes[1 : 4 * 7 : 4]
-    forward, backward = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
+    forward, backward = (
+        np.trapezoid(np.abs(x + s * 1j * y) ** 2, machine.nodes, axis=0) for s in (1, -1)
+    )
     some = values > 1e-12 * values.max()
     return values[some] ** -0.5, ((forward - backward) / (forward + backward))[some]
 

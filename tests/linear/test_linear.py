@@ -119,6 +119,17 @@ def test_many_elements_find_the_same_modes_as_few():
     np.testing.assert_allclose(few.eigenvalues, many.eigenvalues, rtol=1e-5)
 
 
+def test_how_far_a_mode_whirls_forward_does_not_depend_on_where_nodes_are_many():
+    """On bearings that differ in x and y, with ten times as many in the overhung half."""
+    bearings = (LinearBearing(node=n, kxx=1e7, kyy=3e6, cxx=0, cyy=0) for n in (1, 5))
+    rotor = Rotor(STEEL, shaft(8), (Disc(9, 0.35, 0.07, bore=0.05), *bearings))
+    fine = tuple(Section.cylinder(1.5 / 80, 0.05, STEEL) for _ in range(40))
+    disc = replace(rotor.parts[0], node=45)
+    refined = replace(rotor, sections=(*shaft(8)[:4], *fine), parts=(disc, *rotor.parts[1:]))
+    few, many = (modes(of, 400.0, count=6).forwardness for of in (rotor, refined))
+    np.testing.assert_allclose(few, many, atol=0.03)
+
+
 def test_a_frequency_meets_the_speed_at_a_critical_speed():
     rotor = PRINTED["5.9.1"][0]
     diagram = campbell(rotor, np.linspace(0, 400, 9), count=4)

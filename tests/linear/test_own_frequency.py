@@ -1,14 +1,16 @@
 """Whirls on tilting pads that follow each at its own frequency."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.linear.frequency_response import frequency_response
-from rotor_fmu.model.linear.own_frequency import own_whirl
+from rotor_fmu.model.linear.own_frequency import OwnWhirl, own_whirl
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear.where_linearized import where_linearized, where_not_reached
+from rotor_fmu.machine_report import report_page
 
 from ..toml_text import table
 
@@ -55,6 +57,20 @@ def test_answers_say_what_it_is_and_where_it_grows(q, is_unstable):
     said = where_not_reached(rotor, [SPEED])
     assert len(said) == is_unstable
     assert all("Hz grows, which its pads follow" in sentence for sentence in said)
+
+
+@pytest.mark.parametrize(("log_dec", "is_met"), [(-0.02, False), (0.02, True)])
+def test_the_report_concludes_whether_slower_whirls_decay(log_dec, is_met):
+    (found,) = report_page._slower(OwnWhirl(log_dec, 300.0, 0.2))
+    assert found.text.endswith(f"least log dec {log_dec}, of 47.746 Hz.")
+    assert found.is_met == is_met
+    assert not list(report_page._slower(None))
+
+
+def test_cross_coupling_does_the_same_as_in_a_seal_that_carries_nothing():
+    without, sealed = (replace(parse_rotor(on_pads(q)), gravity=0.0) for q in (0.0, 3e5))
+    found = own_whirl(without, SPEED, coupling=((2, 3e5),))
+    assert found == pytest.approx(own_whirl(sealed, SPEED), rel=1e-6)
 
 
 def test_there_is_none_of_a_machine_slower_than_its_modes_or_without_pads():

@@ -127,6 +127,14 @@ def test_critical_speeds_of_a_rotor_that_turns_backward_are_those_of_its_respons
     assert axes.get_xlim()[0] < peak / (2 * math.pi) < axes.get_xlim()[1] == 0.0
 
 
+def test_critical_speeds_of_both_senses_of_rotation_stand_in_one_table():
+    seen = acceptance.critical_peaks(parse_rotor(LIGHT), [-400.0, 400.0], [4])
+    speeds = [critical.peak.speed for critical in seen.criticals]
+    assert speeds == pytest.approx([-252.218, -252.218, 252.218, 252.218], rel=1e-4)
+    (axes,) = seen.figure().axes
+    assert axes.get_xlim()[0] < -252.218 / (2 * math.pi) < 0.0 < axes.get_xlim()[1]
+
+
 def test_the_command_shows_one_peak_in_its_table_its_file_and_its_check(tmp_path, command):
     file = tmp_path / "light.toml"
     file.write_text(LIGHT)
