@@ -224,9 +224,11 @@ def test_dampers_without_springs_are_named_where_a_machine_is_not_held():
     with pytest.raises(LinearError) as refused:
         static(rotor)
     why = one_line(refused.value)
-    assert why.endswith(
-        "; without a centring spring a squeeze film holds nothing at rest: give "
-        "squeeze_film_damper[1] and squeeze_film_damper[2] a stiffness"
+    assert why == (
+        "the machine is not held: where it is at rest, its contacts open, its 2 bearings and "
+        "supports have no stiffness against a motion as a rigid body; without a centring "
+        "spring a squeeze film holds nothing at rest: give squeeze_film_damper[1] and "
+        "squeeze_film_damper[2] a stiffness"
     )
     # other linear answers are of the machine without its weight, and say so
     (said,) = where_linearized(rotor, [100.0])
