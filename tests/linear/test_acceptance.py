@@ -17,7 +17,7 @@ from rotor_fmu.model.linear import (
     unbalance_check,
     unbalance_response,
 )
-from rotor_fmu.model.linear.amplification import Peak, margin, peaks, required_margin
+from rotor_fmu.model.linear.amplification import Margin, Peak, margin, peaks, required_margin
 from rotor_fmu.model.linear.unbalance_placement import residual_unbalance, vibration_limit
 from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor, rig
@@ -202,6 +202,16 @@ def test_the_check_scales_until_the_probes_read_their_limit_and_sees_the_clearan
     assert result.scale * result.probes[0].peak_to_peak == pytest.approx(25.4e-6)
     (gap,) = result.clearances
     assert gap.scaled == pytest.approx(result.scale * gap.amplitude)
+    critical = replace(result.criticals[0], margin=None)
+    room = replace(gap, scaled=0.74 * gap.clearance)
+    met = replace(result, criticals=(critical,), clearances=(room,))
+    assert met.is_met
+    for changes in (
+        {"criticals": (replace(critical, margin=Margin(0.2, 0.1)),)},
+        {"limit": 0.9 * result.probes[0].peak_to_peak},
+        {"clearances": (replace(gap, scaled=0.76 * gap.clearance),)},
+    ):
+        assert not replace(met, **changes).is_met
     doubled = unbalance_check(
         rotor,
         2500 * RPM,
