@@ -312,6 +312,22 @@ def test_metrics_of_a_speed_end_with_the_speeds_that_were_passed(kind, options, 
     assert made == pytest.approx(expected, nan_ok=True)
 
 
+def test_the_coordinates_of_bins_are_their_middles():
+    bins = {"from": 1.0, "to": 3.0, "count": 2}
+    metric = Metric("q", KINDS["amplitude"], "x", (("bins", bins),))
+    assert metric.kind.axis(metric, None) == ("q speed", (1.5, 2.5), "rad/s")
+
+
+@pytest.mark.parametrize("speed", [50.0, -50.0])
+def test_a_spectrum_has_no_mean_and_keeps_forward_ahead(speed):
+    turned = math.copysign(1.0, speed) * math.tau * np.arange(16) / 8
+    z = 3.0 - 4.0j + 2.0 * np.exp(1j * turned) + np.exp(-1j * turned)
+    turns = Samples(np.arange(16.0), {"disc.x": z.real, "disc.y": z.imag})
+    metric = Metric("q", KINDS["spectrum"], "disc", (("orders", 1.0),))
+    found = metric.kind.make(metric, Window(turns, turns, speed, 8))
+    assert found == pytest.approx([1.0, 0.0, 0.0, 0.0, 2.0], abs=1e-12)
+
+
 @pytest.mark.parametrize("order", [0, -1, 0.3, 0.25, 40])
 def test_an_order_that_cannot_be_passed_is_refused_before_the_first_run(tmp_path, order):
     metric = f'q = {{ order = {order}, speed = 100, of = "disc.x" }}'
