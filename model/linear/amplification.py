@@ -79,7 +79,7 @@ class Margin:
     @property
     def is_met(self) -> bool:
         """Whether the peak lies far enough from the range, or needs no distance."""
-        return self.required == 0.0 or self.actual >= self.required
+        return self.actual >= self.required
 
 
 def required_margin(amplification: float, is_above: bool) -> float:

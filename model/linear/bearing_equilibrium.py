@@ -10,7 +10,7 @@ import numpy as np
 
 from ..film.bearing_film import bearing_of, pad_count, pad_of
 from ..film.solved_zone import solved
-from ..film.tilting_pads import pad_balance, set_pivot_displacement, set_tilt
+from ..film.tilting_pads import pad_balance
 from ..film.zone_pressure import vectors, zone_bound
 from ..kernels.kernel import interpreted
 from ..laws_at_rest.film_at_rest import FilmAtRest
@@ -172,8 +172,7 @@ class BearingAlone(_LoadedFilm):
     def tilts(self, d: complex) -> np.ndarray:
         """Return how far each pad that tilts does, where the journal rests at a displacement [m],
         the imaginary part being how far its pivot gives, if it does; none of pads that stand."""
-        if not isinstance(self.part, JournalBearing):
-            return np.zeros(0)
+        assert isinstance(self.part, JournalBearing)
         self._settle_at(d, 0j)
         stride = interpreted(states_of_pad)(self.part)
         tilts = self._states[::stride].copy()
@@ -182,11 +181,8 @@ class BearingAlone(_LoadedFilm):
 
     def pad_loads(self, d: complex) -> np.ndarray:
         """Return what each pad bears where the journal rests at a displacement [N]."""
-        tilts = self.tilts(d)
+        self._settle_at(d, 0j)
         moving, tables = self._moving(d, 0j), self._tables
-        for i, tilt in enumerate(tilts):
-            interpreted(set_tilt)(self._bearing, tables, i, tilt.real, 0.0)
-            interpreted(set_pivot_displacement)(self._bearing, tables, i, tilt.imag, 0.0)
         count = interpreted(pad_count)(self._bearing, tables)
         balance = interpreted(pad_balance)
         return np.array(

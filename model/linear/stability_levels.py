@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import check_positive, mapped, number
+from ..arguments import check_positive, mapped, number, numbers
 from ..machine.rotor import Rotor
 from ..parts.base import BodyElement
 from ..parts.linear_bearing import LinearBearing, Seal
@@ -154,8 +154,8 @@ def level_1(
     if isinstance(anticipated, Mapping):
         expected = _sum("anticipated", anticipated)
     else:
-        expected = number("anticipated", anticipated)
-    _check(speed, expected)
+        expected = _coupling("anticipated", anticipated)
+    check_positive("speed", speed, "rad/s", LinearError)
     bare = rotor if seals else without_seals(rotor)
     at = _stage_node(rotor, stages, contacts) if node is None else node
     _check_nodes(rotor, (at, *stages))
@@ -164,7 +164,7 @@ def level_1(
     if stiffness is None:
         end = max(SPAN * expected, 1.2 * (threshold or 0.0)) or mode.scale
         stiffness = np.linspace(0.0, end, _POINTS)
-    values = np.array(stiffness, dtype=float)
+    values = np.array(numbers("stiffness", stiffness))
     if not np.isfinite(values).all():
         raise LinearError("stiffness: all cross-coupled stiffnesses must be finite")
     seen = [_case(f"{q:g} N/m", mode.coupled(float(q))) for q in values]
@@ -206,7 +206,7 @@ def level_2(
     seals = {where: part for where, part in rotor.named_parts() if isinstance(part, Seal)}
     given = mapped("cross_couplings", cross_couplings)
     total = _sum("cross_couplings", given)
-    _check(speed, total)
+    check_positive("speed", speed, "rad/s", LinearError)
     _check_nodes(rotor, given)
     variants: list[tuple[str, tuple[LinearBearing, ...], float]] = [("rotor and bearings", (), 0.0)]
     variants += [(f"with {name}", (seal,), 0.0) for name, seal in seals.items()]
@@ -261,11 +261,13 @@ def _bodies(rotor: Rotor) -> dict[int, float]:
 
 
 def _sum(name: str, stages: Mapping[int, float]) -> float:
-    """Return the sum of an argument's cross couplings by node [N/m]; `InputError` for no number."""
-    return sum(number(f"{name}: {node}", q) for node, q in stages.items())
+    """Return the sum of an argument's cross couplings by node [N/m]."""
+    return sum(_coupling(f"{name}: {node}", q) for node, q in stages.items())
 
 
-def _check(speed: float, anticipated: float) -> None:
-    check_positive("speed", speed, "rad/s", LinearError)
-    if not (math.isfinite(anticipated) and anticipated >= 0):
-        raise LinearError(f"anticipated cross coupling = {anticipated:g} N/m: must be >= 0")
+def _coupling(name: str, value: float) -> float:
+    """Return a cross coupling [N/m]; `InputError` for no number, `LinearError` for one below 0."""
+    result = number(name, value)
+    if not 0 <= result < math.inf:
+        raise LinearError(f"{name} = {result:g} N/m: must be >= 0 and finite")
+    return result

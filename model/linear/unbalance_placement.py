@@ -103,7 +103,7 @@ def _places(
         ends = [end for end in (range(1, first), range(last + 1, len(shape) + 1)) if end]
         moved = [max(end, key=lambda node: abs(shape[node - 1])) for end in ends]
         return [
-            (node, 0.0 if shape[node - 1] > 0 else math.pi, sum(mass[n - 1] for n in end))
+            (node, 0.0 if shape[node - 1] > 0 else math.pi, float(sum(mass[n - 1] for n in end)))
             for node, end in zip(moved, ends, strict=True)
             if abs(shape[node - 1]) > _LOBE
         ]

@@ -23,14 +23,14 @@ _OWN_KEYS = (
 _POSITION = Quantity("m", "position along the shaft", ANY)
 
 
-def rig_toml(name: str = "zigulic2003") -> str:
-    """Return the TOML text of a rig that comes with the package."""
-    return files(__package__).joinpath("rigs", f"{name}.toml").read_text(encoding="utf-8")
+def rig_toml() -> str:
+    """Return the TOML text of the rig that comes with the package."""
+    return files(__package__).joinpath("rigs", "zigulic2003.toml").read_text(encoding="utf-8")
 
 
-def rig(name: str = "zigulic2003") -> Rotor:
-    """Return a rig that comes with the package."""
-    return parse_rotor(rig_toml(name))
+def rig() -> Rotor:
+    """Return the rig that comes with the package."""
+    return parse_rotor(rig_toml())
 
 
 def parse_rotor(text: str) -> Rotor:

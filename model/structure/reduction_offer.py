@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.band import product, to_dense
+from ..kernels.band import product
 from ..machine.rotor import Rotor
 from ..message_templates import Message
 from ..one_thread import on_one_thread
 from .assembly import machine_elements, soft_stiffness
 from .reduction import component_modes
-from .sparse_modes import LONG, sparse
+from .sparse_modes import sparse
 from .structure import Structure
 
 # Offered where a step takes less than this share of the work, and the frequencies that the speed
@@ -21,7 +21,7 @@ _MODES = (4, 6, 8, 12, 16)
 _ROUNDING = 1e-9  # share of a frequency: the accuracy of a shift
 _SLOW = 1e-3  # share of the lowest elastic frequency below which the shaft moves as a rigid body
 _FIXED = 700.0  # work of a step that does not grow with the machine, as measured: 1 us of 2.5
-_LOWEST = 24  # frequencies of a long shaft that are looked at
+_LOWEST = 24  # frequencies of the shaft that are looked at
 
 
 def work_share(structure: Structure, size: int) -> float:
@@ -103,12 +103,9 @@ def reduction_offer(rotor: Rotor, structure: Structure, speed: float) -> Reducti
 
 def _frequencies(K: np.ndarray, M: np.ndarray, pinned: np.ndarray, slow: float) -> np.ndarray:
     """Return the lowest elastic frequencies [rad/s] of band matrices, ascending."""
-    free = np.delete(np.arange(len(M)), pinned)
-    if len(M) <= LONG:
-        among = np.ix_(free, free)
-        return _elastic(to_dense(K)[among], to_dense(M)[among], slow)
     from scipy.sparse.linalg import eigsh
 
+    free = np.delete(np.arange(len(M)), pinned)
     stiffness, mass = sparse(K)[free][:, free], sparse(M)[free][:, free]
     shift = (slow / _SLOW) ** 2
     start = np.ones(len(free))

@@ -174,7 +174,7 @@ def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outco
         job, f"{label}, recorded", is_silent=driven is not None
     )
     # an FMU holds its loads between two communication points
-    result = driven if driven is not None and job.signals.is_held else recorded
+    result = driven if driven is not None and job.signals.is_held(job.stop) else recorded
     if verify:
         recorded, recording = verified(job, recorded, recording, f"{label}, finer")
         if "verification" in recording.about:
@@ -211,7 +211,7 @@ def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
     from ..runs.verify_run import text_of
 
     if outcome.apart:
-        is_held = outcome.job.signals.is_held
+        is_held = outcome.job.signals.is_held(outcome.job.stop)
         why = "" if is_held else ", which holds its inputs over a communication step"
         typer.echo(
             f"rotor-fmu: warning: the run recorded without the FMU ends {outcome.apart:.2g} "

@@ -74,11 +74,10 @@ class BearingCurves(Displayed, linear.BearingCurves):
         mass = f"a mass of {five_digits(self.mass * d.mass)} {d.mass_unit} on it"
         if self.threshold is None:
             return f"{mass} does not whirl"
-        is_slowest = self.threshold not in self.turns
-        if is_slowest and not len(self.turns):
+        if not len(self.turns):
             return f"{mass} {whirls} already above {shown_either_way(self.threshold)}"
         turns = [shown_either_way(speed) for speed in self.turns]
-        return f"{mass} {whirls_where(is_slowest, turns, whirls)}"
+        return f"{mass} {whirls_where(self.threshold not in self.turns, turns, whirls)}"
 
     def figure(self) -> Figure:
         """Draw the journal's locus in its clearance, the pressure around it, and stiffness and

@@ -37,7 +37,7 @@ def machine_text(option: str, path: Path, note: Callable[[str], None] = lambda _
     if _OF_STUDIES & data.keys():
         raise InputError(f"{option} {path}: is a study, not a machine: rotor-fmu study runs it")
     if _EXTENDS in data or is_ross(data):
-        return toml_text(_tables(path, data, (), note))
+        return toml_text(_tables(path, data, 0, note))
     return si_text(text, f"{path}: ")
 
 
@@ -81,9 +81,9 @@ def _content(path: Path, text: str) -> dict[str, Any] | None:
 
 
 def _tables(
-    path: Path, data: dict[str, Any], above: tuple[Path, ...], note: Callable[[str], None]
+    path: Path, data: dict[str, Any], above: int, note: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Return the tables of a file with those of what it extends."""
+    """Return the tables of a file with those of what it extends; above: files that extend it."""
     if is_ross(data):
         result = import_ross("--rotor", path)
         for line in result.notes:
@@ -95,14 +95,16 @@ def _tables(
         return data
     if not isinstance(base, str) or "\0" in base:
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: must be the name of a file")
+    if above >= _MOST:
+        raise InputError(
+            f"{path}: {_EXTENDS} = {base!r}: goes round, or more than {_MOST} files extend another"
+        )
     other = path.parent / base
-    if other.resolve() in (p.resolve() for p in (*above, path)) or len(above) >= _MOST:
-        raise InputError(f"{path}: {_EXTENDS} = {base!r}: goes round, or too deep")
     inner = _content(other, read_text(f"{path}: {_EXTENDS}", other))
     if inner is None:
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: is not valid TOML")
     own = {key: value for key, value in data.items() if key != _EXTENDS}
-    return _merged(_tables(other, inner, (*above, path), note), own)
+    return _merged(_tables(other, inner, above + 1, note), own)
 
 
 def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BodyElement
 from ..model.quantities import quantities
-from ..operating_speeds import operating_speeds
 
 
 class Usual(NamedTuple):
@@ -121,10 +120,10 @@ def _speed(rotor: Rotor) -> Iterator[str]:
     radius = max(radii, default=0.0)
     if not rotor.operation.speeds or radius > _OF_PARTS["diameter"].high / 2:
         return
-    rated = operating_speeds(rotor).rated
-    if rated * radius > _RIM:
-        meant = f"; {rated:g} rpm?" if rated * _RPM * radius < _RIM else ""
+    name, speed = list(rotor.operation.speeds.items())[-1]  # the highest
+    if speed * radius > _RIM:
+        meant = f"; {speed:g} rpm?" if speed * _RPM * radius < _RIM else ""
         yield (
-            f"operation.rated_speed = {rated:g} rad/s: moves the rim of the largest disc at "
-            f"{rated * radius:.4g} m/s{meant}"
+            f"operation.{name} = {speed:g} rad/s: moves the rim of the largest disc at "
+            f"{speed * radius:.4g} m/s{meant}"
         )

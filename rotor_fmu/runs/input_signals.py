@@ -65,12 +65,12 @@ class Signals:
             bends |= change > _ROUNDING * np.abs(column).max()
         return self.t[bends & (self.t > 0.0)]
 
-    @property
-    def is_held(self) -> bool:
+    def is_held(self, stop: float) -> bool:
         """Whether an FMU that holds its loads between communication points, and continues its
-        speed, follows these inputs exactly."""
+        speed, follows these inputs exactly until `stop` [s]."""
         loads = (column for name, column in self.values.items() if name != "speed")
-        return len(self.bends) == 0 and all(np.ptp(column) == 0.0 for column in loads)
+        is_bent = bool((self.bends < stop).any())
+        return not is_bent and all(np.ptp(column) == 0.0 for column in loads)
 
     @property
     def first_rate(self) -> float:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import LinearError, bearing_curves, bearings, modes, static
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
@@ -165,6 +166,21 @@ def test_no_equilibrium_of_pads_that_tilt_says_its_load_and_what_they_carry():
     assert _load_and_carried(start) == pytest.approx((load, carried), rel=0.05)
 
 
+@pytest.mark.parametrize("angle", [0.3, 2.0])
+def test_pads_that_tilt_carry_what_is_said_in_a_direction_between_them(angle):
+    """A journal rests under a little less, and under a little more it does not."""
+    rotor = parse_rotor(_heavy(1e5, **_TILTING, points=12))
+    alone = BearingAlone(dict(rotor.named_parts())["journal_bearing[1]"], 600.0, "one")
+    ahead = np.exp(1j * (angle - math.pi / 2))
+    with pytest.raises(LinearError, match=r"carries (\S+) N") as refused:
+        alone.rest(1e7 * ahead)
+    carried = float(re.search(r"carries (\S+) N", str(refused.value))[1])
+    rests = alone.rest(0.99 * carried * ahead)
+    assert abs(rests) > alone.part.clearance
+    with pytest.raises(LinearError, match="no equilibrium at 600 rad/s"):
+        alone.rest(1.01 * carried * ahead)
+
+
 def test_a_film_among_several_supports_says_the_load_on_the_machine():
     text = "gravity = 1e5\n" + heavy_shaft() + "".join(film(n, **_SHORT) for n in (1, 2, 3))
     rotor = parse_rotor(text)
@@ -208,9 +224,11 @@ def test_dampers_without_springs_are_named_where_a_machine_is_not_held():
     with pytest.raises(LinearError) as refused:
         static(rotor)
     why = one_line(refused.value)
-    assert why.endswith(
-        "; without a centring spring a squeeze film holds nothing at rest: give "
-        "squeeze_film_damper[1] and squeeze_film_damper[2] a stiffness"
+    assert why == (
+        "the machine is not held: where it is at rest, its contacts open, its 2 bearings and "
+        "supports have no stiffness against a motion as a rigid body; without a centring "
+        "spring a squeeze film holds nothing at rest: give squeeze_film_damper[1] and "
+        "squeeze_film_damper[2] a stiffness"
     )
     # other linear answers are of the machine without its weight, and say so
     (said,) = where_linearized(rotor, [100.0])

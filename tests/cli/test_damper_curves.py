@@ -14,6 +14,7 @@ from rotor_fmu.linear import bearing_answers
 
 from ..parts.films import DAMPER
 from ..parts.machines import rigid
+from ..toml_text import table
 from .bearing_machines import with_part
 
 
@@ -115,6 +116,14 @@ def test_a_ring_rests_in_its_cage_as_in_the_machine_and_has_its_stiffness_and_da
     film = 0.01 * 0.05 * 0.02**3 / 1e-12 * math.pi / 2
     np.testing.assert_allclose(none.K, np.diag([8e4, 1e5]), atol=1e-6)
     np.testing.assert_allclose(none.C, np.diag([30.0 + film, 40.0 + film]), rtol=1e-6)
+    # within a casing that gives it is its place in that
+    soft = dict.fromkeys(("kx", "ky"), 1e6) | dict.fromkeys(("cx", "cy"), 0.0)
+    casing = 'housing = "casing"\n' + table("[housing]", name="casing", mass=1.0, **soft)
+    within = parse_rotor(rigid(mass=1.0, gravity=9.81, rest=CAGE + casing))
+    whole, found = static(within, 80.0), damper_curves(within, 80.0, bearing=name)
+    ring, moved = whole.housing_y
+    assert moved < 0.0
+    assert found.y == pytest.approx(ring - moved)
     # the orbits are of the film alone
     uncaged = replace(rotor.of_kind(Housing)[0], kx=1e3, ky=1e3)
     bare = damper_curves(rotor.with_parts(Housing, uncaged), 80.0, bearing=name, load=0.0)

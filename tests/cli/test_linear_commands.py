@@ -2,6 +2,7 @@
 
 import json
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -223,6 +224,23 @@ def test_a_file_extends_another(tmp_path):
     assert (rotor.name, rotor.eta_v) == ("rubbing", 1e-6)
     kinds = [part.KIND for part in rotor.parts]
     assert [kinds.count(k) for k in ("contact", "seal", "point_mass", "body")] == [1, 2, 1, 2]
+
+
+def test_of_a_table_that_is_extended_numbers_are_replaced_and_others_stay(tmp_path):
+    parts = [{"node": 1, "e": 1.0}, {"node": 2, "e": 2.0}]
+    base = {"shaft": {"nodes": [0, 1], "diameters": [0.1]}, "gravity": 9.81, "disc": parts[:1]}
+    (tmp_path / "0.toml").write_text(toml_text(base))
+    own = {"shaft": {"nodes": [0, 2]}, "gravity": 0.0, "disc": parts[1:]}
+    for i in range(1, 10):
+        text = toml_text({"extends": f"{i - 1}.toml"} | (own if i == 1 else {}))
+        (tmp_path / f"{i}.toml").write_text(text)
+    shaft = base["shaft"] | own["shaft"]
+    assert tomllib.loads(machine_text("--rotor", tmp_path / "8.toml")) == own | {
+        "shaft": shaft,
+        "disc": parts,
+    }
+    with pytest.raises(InputError, match=r"1.toml: extends = '0.toml': goes round, or more than 8"):
+        machine_text("--rotor", tmp_path / "9.toml")
 
 
 @pytest.mark.parametrize(

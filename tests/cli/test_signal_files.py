@@ -8,7 +8,9 @@ import pytest
 from rotor_fmu.model.machine.toml import rig
 
 from rotor_fmu.fmi.interface import interface
-from rotor_fmu.runs.input_signals import read_signals
+from rotor_fmu.runs.input_signals import Ramp, Signals, read_signals
+from rotor_fmu.runs.job import difference
+from rotor_fmu.runs.run_down import Run
 
 
 @pytest.mark.parametrize(
@@ -72,6 +74,26 @@ def test_a_speed_does_not_change_before_the_first_time_that_is_given(tmp_path, t
     rows = "".join(f"{t},{100 + 10 * i}\n" for i, t in enumerate(times))
     (tmp_path / "in.csv").write_text(f"time,speed\n{rows}")
     assert read_signals(tmp_path / "in.csv", interface(rig())).first_rate == rate
+
+
+def test_an_fmu_follows_a_steady_change_of_speed_under_constant_loads():
+    ramp = Ramp(400.0, 380.0, 10.0).signals(2.0)
+    assert ramp.is_held(2.0)  # to its end, where it bends
+    assert ramp.is_held(1.0)
+    assert not ramp.is_held(3.0)
+    for load, is_held in (([1.0, 1.0], True), ([0.0, 1.0], False)):
+        columns = {"disc[1].fx": np.array(load)}
+        assert Signals(ramp.t, columns | dict(ramp.values)).is_held(1.0) == is_held
+
+
+def test_runs_differ_at_their_ends_by_a_share_of_each_column():
+    def run(t, **columns):
+        return Run(np.array(t), {n: np.array(c) for n, c in columns.items()}, "ok", (), 0.0)
+
+    driven = run([0.0, 1.0], x=[-4.0, 2.0], y=[0.0, 0.0])
+    assert difference(driven, run([0.0, 1.0], x=[3.0, 1.0], y=[0.0, 0.0])) == 0.25
+    assert difference(driven, run([0.0], x=[-4.0], y=[0.0])) == math.inf
+    assert difference(run([], x=[], y=[]), run([0.0], x=[-4.0], y=[0.0])) == 0.0
 
 
 def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):

@@ -141,6 +141,13 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
         ),
         (lambda: RIG.stability("fast"), "speed = 'fast': must be a number"),
         (lambda: RIG.stability(5.0, anticipated="1"), "anticipated = '1': must be a number"),
+        (lambda: RIG.stability(5.0, anticipated=-1.0), "anticipated = -1 N/m: must be >= 0 and .*"),
+        (lambda: RIG.stability(5.0, stiffness="1"), "stiffness = '1': must be a list of numbers"),
+        (lambda: RIG.stability(5.0, stiffness=[np.inf]), "stiffness: all .* must be finite"),
+        (
+            lambda: RIG.stability(5.0, 2, cross_couplings={3: 1e6, 4: -1e6}),
+            "cross_couplings: 4 = -1e\\+06 N/m: must be >= 0 and finite",
+        ),
         (lambda: RIG.stability(5.0, node="4"), "node = '4': must be an integer from 1 to 8"),
         (lambda: RIG.stability(5.0, "2"), "level = '2': must be 1 or 2"),
         (

@@ -17,7 +17,7 @@ from rotor_fmu.model.linear import (
     unbalance_check,
     unbalance_response,
 )
-from rotor_fmu.model.linear.amplification import Peak, margin, peaks, required_margin
+from rotor_fmu.model.linear.amplification import Margin, Peak, margin, peaks, required_margin
 from rotor_fmu.model.linear.unbalance_placement import residual_unbalance, vibration_limit
 from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor, rig
@@ -175,6 +175,21 @@ def test_an_overhung_disc_has_the_unbalance_of_its_overhung_mass():
     assert disc + 0.5 * shaft < placed.mass < disc + shaft
 
 
+def test_discs_overhung_at_both_ends_have_unbalances_as_the_mode_moves_them():
+    """By symmetry as one, or against one another; one that hardly moves has none."""
+    both = SHAFT + SHAFT[SHAFT.index("[[") :].replace("node = 4", "node = 1")
+    both = both.replace("node = 4", "node = 7") + support(3, 1e7) + support(5, 1e7)
+    pairs = [placed_unbalances(parse_rotor(both), mode, 5000 * RPM) for mode in (1, 2)]
+    for pair in pairs:
+        assert [placed.node for placed in pair] == [1, 7]
+        assert pair[0].mass == pytest.approx(pair[1].mass)
+    assert {abs(left.phase - right.phase) for left, right in pairs} == {0.0, math.pi}
+    light = both.replace("width = 0.03", "width = 0.002", 1)
+    (placed,) = placed_unbalances(parse_rotor(light), 1, 5000 * RPM)
+    assert placed.node == 1
+    assert type(placed.mass) is float
+
+
 def test_a_rotor_that_lifts_one_bearing_has_the_unbalance_of_its_weight():
     """Overhung, its third mode bends between the bearings, which bear 7.4 kg upwards and 18 kg
     downwards: together the mass of the rotor, 10.7 kg."""
@@ -200,6 +215,16 @@ def test_the_check_scales_until_the_probes_read_their_limit_and_sees_the_clearan
     assert result.scale * result.probes[0].peak_to_peak == pytest.approx(25.4e-6)
     (gap,) = result.clearances
     assert gap.scaled == pytest.approx(result.scale * gap.amplitude)
+    critical = replace(result.criticals[0], margin=None)
+    room = replace(gap, scaled=0.74 * gap.clearance)
+    met = replace(result, criticals=(critical,), clearances=(room,))
+    assert met.is_met
+    for changes in (
+        {"criticals": (replace(critical, margin=Margin(0.2, 0.1)),)},
+        {"limit": 0.9 * result.probes[0].peak_to_peak},
+        {"clearances": (replace(gap, scaled=0.76 * gap.clearance),)},
+    ):
+        assert not replace(met, **changes).is_met
     doubled = unbalance_check(
         rotor,
         2500 * RPM,

@@ -10,6 +10,7 @@ from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.shaft import Section
+from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.simulation import RotorNote
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.structure.reduction import reduced
@@ -56,6 +57,19 @@ def test_the_error_that_is_said_is_that_of_the_reduced_machine(times):
         omegas.append(np.sqrt(scipy.linalg.eigvalsh(K, M)[: int(count)]))
     assert omegas[0][-1] < 800.0
     assert (omegas[1] / omegas[0] - 1).max() <= 1.5 * float(shift)
+
+
+def test_springs_hold_the_shaft_whose_frequencies_are_counted():
+    rotor, stiffness = finer(12), 1e6
+    rotor = replace(rotor, parts=(*rotor.parts, Support(43, stiffness)))
+    structure = assemble(rotor)
+    K, M = to_dense(structure.K_shaft), to_dense(structure.M)
+    K[84, 84] += stiffness
+    omegas = np.sqrt(np.maximum(scipy.linalg.eigvalsh(K, M), 0.0))
+    elastic = omegas[omegas > 1.0]
+    offer = reduction_offer(rotor, structure, elastic[2] / 1.999)
+    assert offer.excited == 3
+    assert offer.shift < 1e-3
 
 
 def test_a_short_shaft_and_one_in_many_bearings_are_offered_nothing():

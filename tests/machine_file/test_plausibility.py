@@ -67,7 +67,12 @@ def test_a_machine_that_is_meant_is_not_asked_about(path):
         (
             "rated_speed = 400.0",
             "rated_speed = 30e3",
-            "moves the rim of the largest disc at 1800 m/s; 30000 rpm?",
+            "rated_speed = 30000 rad/s: moves the rim of the largest disc at 1800 m/s; 30000 rpm?",
+        ),
+        (
+            "rated_speed = 400.0",
+            "trip_speed = 30e4",
+            "operation.trip_speed = 300000 rad/s: moves the rim of the largest disc at 1.8e+04 m/s",
         ),
         ("mu = ", "mu = 5.0 # ", "bearing[1].mu = 5: is that what is meant; 5 percent?"),
     ],

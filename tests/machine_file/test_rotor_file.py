@@ -104,6 +104,7 @@ WRONG = [
     (r"\[material\]", "[[material]]", ["material = [", "must be a table"]),
     (r'name = "zigulic2003"', "support = [3]", ["support[1] = 3", "must be a table"]),
     (r'name = "zigulic2003"', 'support = "soft"', ["support = 'soft'", "[[support]]"]),
+    (r"\[shaft\]", "[shaft]\nstart = 0.1", ["shaft.start: cannot be combined with shaft.nodes"]),
     (r"\[shaft\]", "[material]\n[shaft]", ["not valid TOML", "twice", "line"]),
     (r"gravity = 9.81", "gravity = 9.81 m/s2", ["not valid TOML", "line"]),
     (r"gravity = 9.81", "gravity = 1" + 400 * "0", ["gravity"]),
@@ -124,9 +125,13 @@ def test_a_wrong_file_is_refused_in_one_line_that_names_it(old, new, named):
         assert part in message
 
 
+HOUSING = '[[housing]]\nname = "a"\nmass = 1.0\nkx = 1.0\nky = 1.0\ncx = 0\ncy = 0'
 # parts that the rig has not, each behind its own text
 WRONG_PARTS = [
     ("[[housing]]\nmass = 1.0\nkx = 1.0\nky = 1.0\ncx = 0\ncy = 0", ["housing[1].name is missing"]),
+    (2 * f"{HOUSING}\n", ["housing[2]: housing[1] has the name a already"]),
+    (HOUSING.replace('"a"', '"bearing[2]"'), ["has the name bearing[2] already"]),
+    ("[[section]]\nlength = 1.0", ["shaft.nodes: cannot be combined with [[section]]"]),
     ("[[port]]\nnode = 9", ["port[1].node = 9", "from 1 to 8"]),
     (
         "[[disc]]\nnode = 2\nmass = 3.0\nIp = 0.1\nId = 0.1",
@@ -151,6 +156,29 @@ def test_a_wrong_part_is_refused_in_one_line_that_names_it(part, named):
     assert "\n" not in message
     for words in named:
         assert words in message
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"sections": ()}, "shaft: no section given, at least 1 is needed"),
+        ({"parts": 2 * rig().parts}, "coupling: 2 given, 1 may be"),
+        ({"parts": (replace(rig().discs[0], node=True),)}, "disc[1].node = True: must be an int"),
+        ({"parts": (replace(rig().discs[0], node=9),)}, "disc[1].node = 9: must be an integer fr"),
+        ({"units": 5}, "units = 5: must be text"),
+    ],
+)
+def test_a_machine_that_cannot_be_is_refused_without_a_file_too(changes, expected):
+    with pytest.raises(QuantityError, match=re.escape(expected)):
+        replace(rig(), **changes)
+
+
+@pytest.mark.parametrize("key", ["nodes", "diameters"])
+def test_a_section_needs_its_length_and_no_list_beside_it(key):
+    text = "[material]\nyoung = 2e11\ndensity = 7800.0\n[[section]]\nouter = 0.03\n"
+    assert refusal_of(text) == "section[1].length is missing"
+    both = f"{text}length = 0.5\n[shaft]\n{key} = [0.1]\n"
+    assert refusal_of(both) == f"shaft.{key}: cannot be combined with [[section]]"
 
 
 def test_parts_are_replaced_where_they_stand_so_that_the_others_keep_their_order():

@@ -102,6 +102,18 @@ def test_a_rest_parts_turns_and_a_small_step_back_does_not():
         turns.needs(70)
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_shaft_that_shakes_as_it_turns_has_all_of_its_turns(way):
+    """In each shake it steps back, by less than what makes a reversal."""
+    t = np.linspace(0.0, 10.0, 40_001)
+    phi = way * (0.5 + TURN * t + 0.04 * np.sin(200.0 * t))
+    assert (way * np.diff(phi) < 0).any()
+    turns = vibration.synchronous(t, phi, np.cos(phi))
+    assert len(turns.mark) == 9
+    assert turns.sense.tolist() == 9 * [way]
+    assert turns.longest == 9
+
+
 def test_contacts_and_powers_have_their_turns_both_ways():
     t = np.arange(0, 20.0, 2e-4)
     phi = 100 * t - 5 * t**2

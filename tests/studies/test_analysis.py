@@ -97,6 +97,14 @@ def test_the_share_above_a_limit_has_the_interval_of_clopper_and_pearson():
     assert result["interval"] == pytest.approx([0.01643187, 0.11283491], abs=1e-7)
 
 
+def test_one_value_does_not_scatter_and_none_has_no_statistics():
+    one = statistics(np.array([math.nan, 2.0]))
+    assert (one["count"], one["mean"], one["std"]) == (1, 2.0, 0.0)
+    assert statistics(np.array([math.nan])) == {"count": 0}
+    none = {"limit": 1.0, "above": 0, "failed": 0, "count": 0}
+    assert exceedance(np.array([math.nan]), 1.0) == none
+
+
 def test_an_infinite_value_is_above_a_limit_and_among_the_worst():
     """The verification of a run whose finer twin has no value."""
     values = np.array([0.5, math.inf, math.nan, 2.0])

@@ -1,10 +1,12 @@
 """Designs of a study: values drawn by law, and the points of a grid."""
 
+from statistics import NormalDist
+
 import numpy as np
 import pytest
 
 from rotor_fmu.errors import InputError
-from rotor_fmu.studies.design import Axis, Design, Distribution
+from rotor_fmu.studies.design import Axis, Design, Distribution, axis_of
 
 LAWS = {
     "uniform": ({"low": 2.0, "high": 4.0}, 3.0),
@@ -55,6 +57,22 @@ def test_a_normal_distribution_has_its_standard_deviation():
     law = Distribution("normal", {"mean": 3.0, "std": 0.5})
     # of a normal distribution 84.134474606854 % lie below one standard deviation
     assert law.at(np.array([0.84134474606854]))[0] == pytest.approx(3.5)
+
+
+def test_a_truncated_normal_distribution_has_the_shares_within_its_ends():
+    law, plain = {"mean": 3.0, "std": 0.5, "low": 2.5, "high": 4.0}, NormalDist(3.0, 0.5)
+    u = np.array([0.1, 0.5, 0.9])
+    low, high = plain.cdf(2.5), plain.cdf(4.0)
+    expected = [plain.inv_cdf(low + share * (high - low)) for share in u]
+    assert Distribution("truncated-normal", law).at(u) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("spacing", "values"), [("linear", (1.0, 50.5, 100.0)), ("log", (1.0, 10.0, 100.0))]
+)
+def test_a_grid_is_evenly_spaced_in_its_values_or_their_logarithms(spacing, values):
+    grid = {"from": 1, "to": 100, "count": 3, "spacing": spacing}
+    assert axis_of("a", ["a"], {"grid": grid}).values == pytest.approx(values)
 
 
 def test_samples_are_taken_at_every_point_of_a_grid():

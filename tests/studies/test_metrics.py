@@ -292,6 +292,42 @@ def test_the_mean_of_a_motion_that_is_none_is_confirmed_as_its_peak_is():
         assert Metric("q", KINDS[kind], "disc.x").least_size([at_rest], "m", 1e-9) == 1e-9
 
 
+@pytest.mark.parametrize(
+    ("kind", "options", "expected"),
+    [
+        ("value", {"speed": 1.5}, -20.0),
+        ("value", {"speed": 3.0}, 0.0),  # at which the run begins, and stays for a step
+        ("value", {"speed": 9.0}, math.nan),
+        ("amplitude", {"bins": {"from": 1.0, "to": 3.0, "count": 2}}, [30.0, 10.0]),
+        ("amplitude", {"bins": {"from": 3.5, "to": 4.5, "count": 2}}, [math.nan, math.nan]),
+        ("peak", {"after": 9.0}, math.nan),
+        ("mean", {"after": 3.0}, math.nan),
+    ],
+)
+def test_metrics_of_a_speed_end_with_the_speeds_that_were_passed(kind, options, expected):
+    columns = {"x": [0.0, 5.0, -10.0, -30.0], "w": [3.0, 3.0, 2.0, 1.0], "phi": [0, 3, 5, 6.5]}
+    steps = Samples(np.arange(4.0), {name: np.array(of) for name, of in columns.items()})
+    metric = Metric("q", KINDS[kind], "x", tuple(options.items()))
+    made = KINDS[kind].make(metric, Window(steps, steps, math.nan, 0))
+    assert made == pytest.approx(expected, nan_ok=True)
+
+
+def test_the_coordinates_of_bins_are_their_middles():
+    bins = {"from": 1.0, "to": 3.0, "count": 2}
+    metric = Metric("q", KINDS["amplitude"], "x", (("bins", bins),))
+    assert metric.kind.axis(metric, None) == ("q speed", (1.5, 2.5), "rad/s")
+
+
+@pytest.mark.parametrize("speed", [50.0, -50.0])
+def test_a_spectrum_has_no_mean_and_keeps_forward_ahead(speed):
+    turned = math.copysign(1.0, speed) * math.tau * np.arange(16) / 8
+    z = 3.0 - 4.0j + 2.0 * np.exp(1j * turned) + np.exp(-1j * turned)
+    turns = Samples(np.arange(16.0), {"disc.x": z.real, "disc.y": z.imag})
+    metric = Metric("q", KINDS["spectrum"], "disc", (("orders", 1.0),))
+    found = metric.kind.make(metric, Window(turns, turns, speed, 8))
+    assert found == pytest.approx([1.0, 0.0, 0.0, 0.0, 2.0], abs=1e-12)
+
+
 @pytest.mark.parametrize("order", [0, -1, 0.3, 0.25, 40])
 def test_an_order_that_cannot_be_passed_is_refused_before_the_first_run(tmp_path, order):
     metric = f'q = {{ order = {order}, speed = 100, of = "disc.x" }}'
