@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic import newton
 from rotor_fmu.model.settings import choose
 
 import rotor_fmu as rf
@@ -56,6 +57,20 @@ def test_pads_that_bear_nothing_stay_where_they_are_in_a_response():
     assert np.abs(point.orbit.states[:, [1, 3]]).max() < 1e-6 * CLEARANCE * SPEED
     assert abs(point.multipliers[0]) < 0.98
     assert result.check(point, 10).stays
+
+
+def test_a_response_begins_where_pads_bear_at_rest():
+    """Without a run in time: from pads that do not tilt Newton's method goes to pads that bear
+    nothing."""
+    from rotor_fmu.model.periodic.problem import Task, machines_of
+    from rotor_fmu.model.periodic.starting_points import guesses
+
+    rotor, task = on_pads(0.0, preload=0.3).rotor, Task(100.0, 300.0)
+    machines = machines_of(rotor, task)
+    first = next(guesses(rotor, task, machines, SPEED, False, []))
+    problem = task.problem(machines, SPEED, 3)
+    orbit = problem.split(newton.solve(problem, problem.join(first), SPEED), SPEED)
+    assert (orbit.states[0] > 0.3 * CLEARANCE).all()
 
 
 def test_pads_that_bear_and_do_not_move_have_the_derivatives_of_their_rates():
