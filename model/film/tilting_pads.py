@@ -220,6 +220,15 @@ def negligible_force(bearing, speed):
 
 
 @jit
+def if_bearing(at, negligible):
+    """Return a `Balance`, or, if its force is negligible [N], that of a pad that bears nothing:
+    what is left vanishes with a high power of the way to where the film ruptures."""
+    if modulus(at.force) > negligible:
+        return at
+    return Balance(0.0j, 0.0, 0.0j, 0.0j, 0.0j, 0.0j, 0.0j, 0.0j, 0.0j, 0.0j, 0.0, 0.0)
+
+
+@jit
 def search_without_inertia(bearing, kinematics, tilt, b):
     """Return the `PadSearch` for the rate of a pad without inertia at the tilt + b rate [m]."""
     scale = speed_of(bearing, kinematics)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from ..film.bearing_film import film_slopes, pad_count
 from ..film.rough_contact import wall_tangent
 from ..film.tilting_pads import across_of
+from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from .film_law import bearing_at
 from .law import BY_D, BY_V
@@ -106,7 +107,8 @@ def _linearize_pad(part, bearing, tables, i, pad, internal_state, slopes):
         _store(slopes, first + 1, first, at.moment / mass, moved, part)
     else:
         rate = _unit(0.0, 0.0, 0.0, 0.0)
-        if moment.rate < 0.0 and pad.y != 0.0:  # one on which nothing presses stays
+        # one on which nothing presses stays
+        if moment.rate < 0.0 and (pad.y != 0.0 or modulus(at.force) > pad.search.negligible):
             rate = _with(rate, -1.0 / moment.rate, moment)
         x, y = _with(x, x.rate, rate), _with(y, y.rate, rate)
         pivot_rate = _with(pivot_rate, pivot_rate.rate, rate)

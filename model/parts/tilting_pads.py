@@ -20,6 +20,7 @@ from ..film.tilting_pads import (
     PadSearch,
     across_of,
     following,
+    if_bearing,
     negligible_force,
     next_iterate,
     on_pivot,
@@ -124,8 +125,10 @@ def _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b):
         search = search_with_inertia(bearing, kinematics, tilt, rate, b, mass_of_pad(part))
     else:
         set_tilt(bearing, tables, i, tilt, rate)
-        still = PadSearch(tilt, 0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        return still, 0.0, 0.0, pad_balance(bearing, tables, kinematics, i)
+        negligible = negligible_force(bearing, speed_of(bearing, kinematics))
+        still = PadSearch(tilt, 0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0, negligible)
+        at = pad_balance(bearing, tables, kinematics, i)
+        return still, 0.0, 0.0, if_bearing(at, negligible)
     y, slope, at = solve_pad(bearing, tables, kinematics, i, search)
     return search, y, slope, at
 

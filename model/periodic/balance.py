@@ -310,8 +310,12 @@ class HarmonicBalance:
         of_states += differentiation[:, None, :, None] * np.eye(s)[:, None, :]
         of_states *= inverse[:, None, None] * self.state_scale
         jacobian[n : n + rows * s, n : n + rows * s] = of_states.reshape(rows * s, rows * s)
-        idle = n + np.flatnonzero(~jacobian[n : n + rows * s].any(axis=1))
-        jacobian[idle, idle] = 1.0  # the mean of a state that stays what it is may be any
+        # a state that stays what it is may have any mean, or, where it is the rate of another one
+        # that acts on nothing, such as of the tilt of a pad that bears nothing, that other one
+        still, acts = ~jacobian[n : n + s].any(axis=1), jacobian[:, n : n + s].any(axis=0)
+        rate_of = (jacobian[n : n + s, n : n + s] != 0.0) & ~acts[:, None]
+        free = np.where(rate_of.any(axis=0), rate_of.argmax(axis=0), np.arange(s))
+        jacobian[n + np.flatnonzero(still), n + free[still]] = 1.0
 
     def last_share(self, x: np.ndarray) -> float:
         """Return the amplitude of the highest harmonics relative to the largest harmonic."""

@@ -114,11 +114,12 @@ class PathSegment(NamedTuple):
 
 
 def _idle_states(machine: CondensedMachine, part: PathSegment) -> int:
-    """Return the number of states that stay what they are and act on nothing, such as the
-    elongation of a spring that a part does without: each has a multiplier of exactly 1."""
+    """Return the number of states that stay what they are, or act on nothing, such as the
+    elongation of a spring that a part does without, or the tilt of a pad that bears nothing: each
+    has a multiplier of exactly 1."""
     b = machine.b
     rates, by_states = part.tangent[:, :, b:], part.tangent[..., 2 * b :]
-    acts = rates.any(axis=(0, 1, 3)) | by_states.any(axis=(0, 1, 2))
+    acts = rates.any(axis=(0, 1, 3)) & by_states.any(axis=(0, 1, 2))
     return int(np.count_nonzero(~acts))
 
 

@@ -22,11 +22,12 @@ from ..step.laws_along_motion import (
     find_gaps,
     find_invalid,
     linearize_laws,
+    vibrate_laws,
 )
 from ..structure.structure import Structure, sizes_of_laws, starts_of
 from . import entry_points
 
-_CALLED = call_laws, linearize_laws, find_gaps, find_invalid
+_CALLED = call_laws, linearize_laws, find_gaps, find_invalid, vibrate_laws
 _BLOCKS = 4  # blocks, one for each number of samples that is asked for
 _STEP = 1e-6  # along the motion, as a share of an interface's length, to a sample's own side
 # of a central difference, as a share of the variable's scale: the friction of a race that rolls at
@@ -73,6 +74,7 @@ class _SampleBlock(NamedTuple):
     linearize_laws: Callable[[float], object]
     find_gaps: Callable[[], object]
     find_invalid: Callable[[], object]
+    vibrate_laws: Callable[[float, float, float], object]
 
 
 class LawsAlongMotion:
@@ -103,8 +105,8 @@ class LawsAlongMotion:
         # of each corner of a force its interface
         self.corner_owner = np.array([*walls, *damped], int)
         self._sampled: dict[int, _SampleBlock] = {}
-        # films with states are solved once for force, rates and all derivatives, twice without
-        self._is_solved_once = any(i.states and LAWS[i.law].linearize for i in interfaces)
+        # of these, such as pads that tilt, force, rates and all derivatives are solved for at once
+        self.has_moving_films = any(i.states and LAWS[i.law].linearize for i in interfaces)
         # laws of whose states differences are taken, each by itself
         self._alone = {
             j: self if self.count == 1 else LawsAlongMotion(structure, index)
@@ -179,6 +181,17 @@ class LawsAlongMotion:
         at.find_invalid()
         return at.samples.is_invalid.T.copy()
 
+    def states_at_rest(self, d: np.ndarray, speed: float) -> np.ndarray:
+        """Return the states of films' pads and rings in equilibrium, of other laws those at their
+        start, shape (n, s); d: x and y in turn, shape (n, 2 m) [m]."""
+        result = np.tile(self.starts, (len(d), 1))
+        if self.has_moving_films:
+            at = self._filled(d, 0.0 * d, result)
+            at.vibrate_laws(speed, speed, speed)
+            of_films = [LAWS[self._interfaces[j].law].linearize is not None for j in self.owner]
+            result[:, of_films] = at.samples.solved[:, of_films]
+        return result
+
     def corner_gaps(self, d: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return how far wall forces are from their corners [m], shape (n, corners); d, v: x and y
         in turn, shape (n, 2 m) [m], [m/s].
@@ -205,7 +218,7 @@ class LawsAlongMotion:
     def forces(self, d: np.ndarray, v: np.ndarray, states: np.ndarray, speed: float) -> Forces:
         """Return forces and rates; d, v: shape (n, 2 m) [m], [m/s]; states: shape (n, s)."""
         at = self._filled(d, v, states)
-        if self._is_solved_once:
+        if self.has_moving_films:
             at.linearize_laws(float(speed))
         else:
             at.call_laws(*BY_D, float(speed))

@@ -115,8 +115,8 @@ def by_parameter(
     is_central to both sides; is_across: whether the residual has a corner between its value and
     another one."""
     ends, result = [value + side * scale for side in (step, -step)], np.zeros(0)
-    if is_central and not any(map(is_across, ends)):
-        with suppress(QuantityError):
+    with suppress(QuantityError):
+        if is_central and not any(map(is_across, ends)):
             above, below = map(residual_at, ends)
             return (above - below) / (2 * step)
     for side in (step, -step):

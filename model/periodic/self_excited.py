@@ -65,11 +65,12 @@ class _RestEquations:
         """Return the unknowns at rest, among them those that contacts carry, or None where none are
         found."""
         largest = max(np.abs(self.force).max(initial=0.0), 1e-300)
-        down = np.append(self.force / largest, 0 * self.scale[self.b :])
-        start = np.append(np.zeros(self.b), self.machine.laws.starts)
         for lowered in _LOWERED:
+            down = lowered * self.force / largest
+            d = self.machine.B @ (down * self.scale[: self.b])
+            states = self.machine.laws.states_at_rest(d[None], self.speed)[0]
             with suppress(NotConverged):
-                return newton.solve(self, start + lowered * down, value)
+                return newton.solve(self, np.append(down, states / self._own_scale), value)
         return None
 
 

@@ -37,11 +37,11 @@ class Persistence(NamedTuple):
 def guesses(
     rotor: Rotor, task: Task, machines: Machines, value: float, is_seed: bool, failures: list[str]
 ) -> Iterator[Orbit]:
-    """Yield orbits to start from at a value of the parameter: that with open contacts, then those
-    that the machine reaches in time from rest; at a seed also circles beyond the clearances, and
-    what the machine reaches from them; last its rest, near which it may move unstably; of a machine
-    without nonlinear interfaces the first alone. failures: receives why time integration
-    failed."""
+    """Yield orbits to start from at a value of the parameter: its rest if films have pads that tilt
+    or rings that float, that with open contacts, then those that the machine reaches in time from
+    rest; at a seed also circles beyond the clearances, and what the machine reaches from them; last
+    its rest, near which it may move unstably; of a machine without nonlinear interfaces the first
+    alone. failures: receives why time integration failed."""
     problem = task.problem(
         machines, value, max(task.accuracy.least, 3) * task.turns, turns=task.turns
     )
@@ -49,6 +49,9 @@ def guesses(
     speed, H = task.speed_at(value), max(problem.H, _HARMONICS)
     changed = task.rotor_at(rotor, value)
     open_contacts = problem.split(np.zeros(problem.size), value)
+    at_rest = rest_position(problem, value) if machine.laws.has_moving_films else None
+    if at_rest is not None:
+        yield at_rest
     yield open_contacts
     if machine.laws.count == 0:  # then it is the only motion
         return
@@ -74,7 +77,7 @@ def guesses(
             yield settled(_PERIODS[0], circle, machine.expanded(parts, amplitudes(circle.b)))
     except (StepFailure, EquilibriumError) as error:
         failures.append(str(error))
-    at_rest = rest_position(problem, value)
+    at_rest = at_rest or rest_position(problem, value)
     if at_rest is not None:
         yield at_rest
 

@@ -103,6 +103,19 @@ def test_beside_a_corner_the_derivative_by_a_clearance_is_that_of_its_own_side(s
     assert by == pytest.approx(expected * x, rel=1e-5, abs=1e-8 * problem.row_scale[1])
 
 
+def test_the_derivative_by_a_parameter_at_the_end_of_its_range_is_of_one_side():
+    """Of a law with states too, whose other derivatives by a parameter are central."""
+    rotor = rf.parse(rigid(parts=bearings(1e4, 20.0) + KINDS["race"] + MORE)).rotor
+    task = Task(0.0, 0.3, "touchdown_bearing[1].mu", speed=140.0)
+    problem = task.problem(machines_of(rotor, task), 0.0, 3)
+    x = np.zeros(problem.size)
+    x[problem.b], x[2 * problem.b + 1] = 1.3, 1.3
+    residual, _, by = problem.linearized_with_parameter(x, 0.0)
+    expected = (problem.residual(x, 1e-6) - residual) / (1e-6 / 0.3)
+    assert by == pytest.approx(expected, rel=1e-3, abs=1e-3 * np.abs(expected).max())
+    assert by.any()
+
+
 @pytest.mark.parametrize("kind", ["sticking", "race"])
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_beside_a_corner_the_derivatives_of_rates_are_those_of_their_own_side(kind, side):
