@@ -215,6 +215,8 @@ def time_share(
     The path between two rows is a straight line, each of its `pieces` counting for the time it
     took: a quick passage is a faint trace, not the few points that happened to be recorded.
     """
+    for name, value in (("speeds", speeds), ("angles", angles), ("pieces", pieces)):
+        check_integer(name, value, 1)
     weights = np.repeat(np.diff(t) / pieces, pieces)
     share = np.tile((np.arange(pieces) + 0.5) / pieces, len(t) - 1)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InputError, numbers
+from ..errors import InputError, check_positive, numbers
 from ..short_repr import ShortRepr
 from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
@@ -43,7 +43,7 @@ class OrderTrack(ShortRepr):
     def _of(self, part: np.ndarray, order: float) -> np.ndarray:
         if order not in self.orders:
             known = ", ".join(f"{k:g}" for k in self.orders)
-            raise ValueError(f"order {order:g}: must be one of {known}, which were tracked")
+            raise InputError(f"order {order:g}: must be one of {known}, which were tracked")
         return part[:, self.orders.index(order)]
 
     def x(self, order: float = 1.0) -> np.ndarray:
@@ -129,9 +129,9 @@ def order_track_of(
         raise InputError("orders: at least one must be given")
     for order in orders:
         if not 0 < order < signal.per_turn / 2:
-            raise ValueError(f"order {order:g}: must be > 0 and < {signal.per_turn / 2:g}")
+            raise InputError(f"order {order:g}: must be > 0 and < {signal.per_turn / 2:g}")
         if abs(order * turns - round(order * turns)) > 1e-9 or order * turns < 2:
-            raise ValueError(
+            raise InputError(
                 f"order {order:g}: a block of {turns} turns resolves multiples of {1 / turns:g}, "
                 f"from {2 / turns:g} on"
             )
@@ -166,6 +166,7 @@ def resonances(
     """
     from scipy.signal import find_peaks  # which takes longer than the rest of this package
 
+    check_positive("least", least)
     time = np.full(len(speed), np.nan) if t is None else np.asarray(t)
     known = np.flatnonzero(np.isfinite(amplitude))
     order = known[np.argsort(np.asarray(speed)[known], kind="stable")]

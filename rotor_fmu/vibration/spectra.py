@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import check_integer
+from ..errors import check_integer, check_positive
 from ..short_repr import ShortRepr
 from .turns import LEAST_ROWS, TURN, Synchronous, TooFewRows, hann, synchronous
 
@@ -123,6 +123,7 @@ def cascade_of(
 def _spectra(
     signal: Synchronous, first: np.ndarray, turns: int, most_order: float
 ) -> tuple[np.ndarray, np.ndarray]:
+    check_positive("most_order", most_order)
     per_turn = signal.per_turn
     window = hann(turns, per_turn)
     order = np.fft.fftshift(np.fft.fftfreq(turns * per_turn, 1 / per_turn))

@@ -180,7 +180,7 @@ def synchronous(
     """
     t, phi, values = np.asarray(t, float), np.asarray(phi, float), np.asarray(values)
     if not t.shape == phi.shape == values.shape or t.ndim != 1:
-        raise ValueError(
+        raise InputError(
             f"t {t.shape}, phi {phi.shape}, values {values.shape}: must be alike, (n,)"
         )
     is_known = np.isfinite(t) & np.isfinite(phi) & np.isfinite(values)

@@ -227,6 +227,12 @@ def test_what_else_a_signal_cannot_be_asked_for_is_refused_by_its_name():
         vibration.orbit(*signal, np.nan)
     with pytest.raises(InputError, match=r"^per_turn = 0: must be"):
         vibration.poincare(*signal, per_turn=0)
+    with pytest.raises(InputError, match=r"^most_order = -1: must be"):
+        vibration.cascade(*signal, most_order=-1)
+    with pytest.raises(InputError, match=r"^least = 0: must be"):
+        vibration.resonances(t, t, 0)
+    with pytest.raises(InputError, match=r"^pieces = 0: must be"):
+        vibration.time_share(*signal, pieces=0)
 
 
 def test_an_order_that_the_block_does_not_hold_is_refused():
