@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from ..runs.peaks import peak_index, why_no_peak
+from ..runs.peaks import peak_index, start_up, why_no_peak
 from ..runs.run_down import Run
 
 
@@ -69,4 +69,6 @@ def peaks_of(run: Run | None) -> Peaks:
             result.append(Peak(part, quantity[0], *values))
     if not amplitudes:
         return Peaks((), "the machine has no disc, body or sensor, whose motion could have a peak")
-    return Peaks(result, "" if result else why_no_peak(t, c["w"], run.status))
+    late = t > start_up(t, c["w"])
+    largest = max(float(c[name][late].max(initial=0.0)) for name in amplitudes)
+    return Peaks(result, "" if result else why_no_peak(t, c["w"], run.status, largest))

@@ -23,6 +23,7 @@ START_UP = StartUp(125.0, 0.2)
 # any resonance whose amplification factor is below 100, so that no peak lies within.
 _CONSTANT = 0.01
 _ROUNDING = 1e-6  # of a speed: by which a constant one varies as it is recorded
+_STILL = 1e-12  # [m] a hundredth of an atom's size: what moves less is rounding
 _EDGE = 0.01  # of a run's length at its ends, where an amplitude may still be growing
 
 
@@ -54,7 +55,7 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | Non
     the start-up; None where it is largest at an edge of the run or of its speeds: that is no
     peak."""
     late = np.flatnonzero(t > start_up(t, w))
-    if not len(late) or is_constant(w):
+    if not len(late) or is_constant(w) or amplitude[late].max() < _STILL:
         return None
     at = int(late[np.argmax(amplitude[late])])
     turn = TURN / max(abs(float(w[at])), 1e-9)
@@ -66,14 +67,17 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | Non
     return at if is_inside and is_passed else None
 
 
-def why_no_peak(t: np.ndarray, w: np.ndarray, status: str) -> str:
-    """Return why a run of this status, in which `peak_index` finds none, has no peak."""
+def why_no_peak(t: np.ndarray, w: np.ndarray, status: str, largest: float = math.inf) -> str:
+    """Return why a run of this status, in which `peak_index` finds none, has no peak; largest: its
+    amplitude [m]."""
     if not len(t) or not t[-1] > 0.0:
         return "the run stopped in its first communication step"
     if is_constant(w, _ROUNDING):
         return "the speed is constant"
     if status.startswith(FAILED):
         return f"the run stopped at {t[-1]:.4g} s, before its end"
+    if largest < _STILL:
+        return "nothing moves"
     if is_constant(w):
         return f"the speed changes by at most {100 * _CONSTANT:g} %"
     return "the amplitude is largest at an edge of the run"

@@ -83,7 +83,8 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
             figures[f"{axis}_peak_hz"] = float(hz[at])
             figures[f"{axis}_peak_s"] = float(run.t[at])
         else:
-            figures["no_peak"] = why_no_peak(run.t, c["w"], run.status)
+            largest = float(amplitude[late].max())
+            figures["no_peak"] = why_no_peak(run.t, c["w"], run.status, largest)
     if contact:
         psi = c[f"{contact}.psi"]
         if figures["x_peak_hz"] is not None:

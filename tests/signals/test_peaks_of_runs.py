@@ -10,8 +10,9 @@ import pytest
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
 from rotor_fmu.run_pictures.view import View
+from rotor_fmu.run_status import OK
 from rotor_fmu.runs.job import execute_recorded, prepare
-from rotor_fmu.runs.peaks import is_constant, largest_row, peak_index, start_up
+from rotor_fmu.runs.peaks import is_constant, largest_row, peak_index, start_up, why_no_peak
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.summary import sentences, summary
@@ -25,6 +26,7 @@ TURN = 2 * math.pi
     ("amplitude", "expected"),
     [
         (lambda t: np.exp(-((t - 6) ** 2)), 6.0),
+        (lambda t: 3e-13 * np.exp(-((t - 6) ** 2)), None),  # rounding
         (lambda t: t, None),
         (lambda t: -t, None),
         (lambda t: np.minimum(t, 9.95), None),  # the last turn's maximum at the end
@@ -39,6 +41,11 @@ def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected
     assert peak_index(t, np.full_like(t, 100.0), amplitude(t)) is None
 
 
+def test_a_balanced_machine_is_said_not_to_move():
+    t = np.linspace(0, 10, 1001)
+    assert why_no_peak(t, 400 - 20 * t, OK, largest=3e-13) == "nothing moves"
+
+
 def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first_two():
     t = np.linspace(0, 3, 3001)
     w = 6000 - 2000 * t
@@ -50,7 +57,7 @@ def test_what_is_largest_while_the_highest_speed_is_held_is_no_peak():
     t = np.linspace(0, 20, 2001)
     w = np.minimum(20 * t, 300.0)
     assert peak_index(t, w, w + (t > 17) * (t < 18)) is None
-    assert t[peak_index(t, w, -abs(t - 9))] == pytest.approx(9)
+    assert t[peak_index(t, w, 9 - abs(t - 9))] == pytest.approx(9)
 
 
 def test_one_speed_is_told_from_many():
