@@ -18,11 +18,9 @@ from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.display import speed_with_unit
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
-from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.machine_file.loading import load_rotor, machine_text
 
 from ..known import EXAMPLES
-from ..toml_text import table
 
 ROSS = Path(__file__).parents[1] / "reference" / "ross"
 TURBOCHARGER = EXAMPLES / "turbocharger" / "rotor.toml"
@@ -335,54 +333,3 @@ def test_an_equilibrium_that_a_machine_leaves_is_said_to_be_unstable(
     )
     said = command("static", "--rotor", str(path))
     assert said.count("its equilibrium at 0 Hz is unstable") == unstable
-
-
-def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
-    """Of a machine whose critical speeds of four orders lie close together."""
-    rotor = load_rotor(ROSS / "under_tension.toml")[1]
-    result = answers.campbell(rotor, np.linspace(0.0, 400.0, 9), harmonic=(1.0, 2.0, 3.0, 4.0))
-    figure = result.figure()
-    figure.draw_without_rendering()
-    axes = figure.axes[0]
-    boxes = [Text.get_window_extent(text) for text in axes.texts]  # without their lines
-    assert len(boxes) == len(result.critical) > 8
-    assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
-
-
-def test_the_legend_of_a_campbell_diagram_covers_no_line():
-    figure = answers.campbell(load_rotor(TURBOCHARGER)[1], [100.0, 1000.0]).figure()
-    figure.draw_without_rendering()
-    (legend,) = figure.legends
-    assert not legend.get_window_extent().count_overlaps([axes.bbox for axes in figure.axes])
-
-
-def test_modes_too_damped_to_peak_are_faint_in_a_campbell_diagram():
-    """Since they meet the line of the speed at no critical speed."""
-    result = answers.campbell(load_rotor(TURBOCHARGER)[1], [100.0, 1000.0])
-    figure = result.figure()
-    is_faint = [line.get_alpha() == FAINT for line in figure.axes[0].lines[: len(result.log_dec.T)]]
-    np.testing.assert_array_equal(is_faint, (result.damping_ratio > 0.5**0.5).all(axis=0))
-    assert sum(is_faint) == 1
-    assert "damping ratio above 0.71: no peak" in [
-        text.get_text() for text in figure.legends[0].texts
-    ]
-
-
-def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_nor_nodes(tmp_path):
-    """Of a machine whose supports stand close together."""
-    nodes = [0.05 * i for i in range(9)]
-    text = table("material", young=2.1e11, density=7800.0)
-    text += table("shaft", nodes=nodes, diameters=[0.03] * 8)
-    for node in range(1, 10):
-        text += table("[support]", node=node, name=f"support_at_{node}", stiffness=1e5)
-    rotor = tmp_path / "rotor.toml"
-    rotor.write_text(text)
-    figure = answers.static(rotor).figure()
-    figure.draw_without_rendering()
-    (axes,) = figure.axes
-    boxes = [Text.get_window_extent(text) for text in axes.texts if text.get_text()]
-    assert len(boxes) == 9
-    dots = axes.transData.transform(axes.lines[2].get_xydata())
-    for i, box in enumerate(boxes):
-        assert not box.count_overlaps(boxes[:i])
-        assert not any(box.contains(*dot) for dot in dots)

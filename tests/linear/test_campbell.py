@@ -1,0 +1,124 @@
+"""Campbell diagrams: lines of modes followed by their shapes, and their critical speeds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg
+from rotor_fmu.model.linear import (
+    LinearMachine,
+    campbell,
+    modes,
+)
+from rotor_fmu.model.machine.toml import parse_rotor, rig
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
+
+from tests.machines import jeffcott
+
+from .test_linear import PRINTED, ROOT, two_discs
+
+
+def test_a_frequency_meets_the_speed_at_a_critical_speed():
+    rotor = PRINTED["5.9.1"][0]
+    diagram = campbell(rotor, np.linspace(0, 400, 9), count=4)
+    assert [c.whirl for c in diagram.critical] == ["backward", "forward", "backward", "forward"]
+    for critical in diagram.critical:
+        frequencies = modes(rotor, critical.speed).damped
+        assert np.abs(frequencies - critical.speed).min() < 1e-8 * critical.speed
+
+
+@pytest.mark.parametrize("speeds", [(-300.0, 0.0), (-300.0, -10.0), (-300.0, 300.0), (0.0, 300.0)])
+def test_critical_speeds_do_not_care_which_way_the_shaft_turns(speeds):
+    """From two speeds alone, one of them at rest or beyond it."""
+    found = campbell(rig(), speeds, contacts="pinned").critical
+    ahead = [c.speed for c in campbell(rig(), (0.0, 150.0, 300.0), contacts="pinned").critical]
+    back = [-speed for speed in reversed(ahead)]
+    expected = [*(back if speeds[0] < 0 else ()), *(ahead if speeds[1] > 0 else ())]
+    np.testing.assert_allclose([c.speed for c in found], expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("most", [1e4, 1e5, 1e6])
+def test_no_branch_is_lost_where_bearings_overdamp_modes(most):
+    """Damping that rises up to ten thousand times and falls again, with cross coupling: a branch
+    is interrupted at most where its mode does not oscillate, ends at a mode, and no two at one."""
+    speeds = (0.0, 200.0, 400.0, 600.0, 800.0)
+    coupling = tuple(5e3 * s for s in speeds)
+    damping = (100.0, most / 2, most, most / 2, 100.0)
+    bearings = [
+        LinearBearing(
+            node=n,
+            speed=speeds,
+            kxx=5e6,
+            kyy=6e6,
+            kxy=coupling,
+            kyx=tuple(-k for k in coupling),
+            cxx=damping,
+            cyy=damping,
+        )
+        for n in (1, 7)
+    ]
+    result = campbell(two_discs(6, *bearings), np.linspace(0.0, 800.0, 25))
+    assert np.isfinite(result.eigenvalues[:, :6]).all()  # which stay oscillating
+    last = result.eigenvalues[-1]
+    assert np.isfinite(last).all()
+    known = modes(two_discs(6, *bearings), 800.0, count=16).eigenvalues
+    nearest = np.abs(last[:, None] - known[None, :]) / np.abs(last)[:, None]
+    assert nearest.min(axis=1).max() < 1e-6
+    assert len(set(nearest.argmin(axis=1))) == len(last)
+
+
+def dense_oscillating(machine, speed, scale):
+    """Oscillating eigenvalues at a speed [1/s], lowest first, of the dense matrices in units of
+    time of 1 / scale."""
+    linear = machine.at(speed)
+    M, D, K = scale**2 * linear.M.toarray(), scale * linear.D.toarray(), linear.K.toarray()
+    none, one = np.zeros_like(M), np.eye(len(M))
+    A, B = np.block([[none, one], [-K, -D]]), np.block([[one, none], [none, M]])
+    values = scale * scipy.linalg.eigvals(A, B)
+    values = values[values.imag > 1e-5 * np.abs(values)]
+    return values[np.argsort(np.abs(values))]
+
+
+@pytest.mark.parametrize(
+    ("example", "top"), [("oil_film", 900.0), ("turbocharger", 11310.0), ("squeeze_film", 500.0)]
+)
+def test_every_one_of_the_lowest_modes_lies_on_a_line_of_its_own(example, top):
+    """Also those that films overdamp at the first speed."""
+    rotor = parse_rotor((ROOT / "examples" / example / "rotor.toml").read_text())
+    speeds = np.linspace(top / 200, top, 13)
+    result, machine = campbell(rotor, speeds, count=8), LinearMachine(rotor)
+    for speed, lines in zip(speeds, result.eigenvalues, strict=True):
+        lines = lines[np.isfinite(lines)]
+        assert len(np.unique(lines)) == len(lines)
+        for value in dense_oscillating(machine, speed, top / 4)[:8]:
+            assert np.abs(lines - value).min() < 1e-5 * abs(value)
+
+
+def test_modes_are_followed_through_their_crossings():
+    """A forward mode overtakes a backward one of higher order; coarse speeds or fine, the same."""
+    rotor = PRINTED["5.9.9"][0]
+    coarse, fine = (campbell(rotor, np.linspace(0, 2000, n), count=6) for n in (5, 33))
+    np.testing.assert_allclose(coarse.eigenvalues, fine.eigenvalues[::8], rtol=1e-6, atol=1e-6)
+
+
+def test_a_mode_has_no_frequency_where_it_does_not_oscillate():
+    """Damped by far more than critically at 50 and 150 rad/s, by little at 200 rad/s."""
+    damping = {"cxx": (1e5, 1e5, 10.0), "cyy": (1e5, 1e5, 10.0)}
+    damper = LinearBearing(node=2, speed=(0.0, 100.0, 200.0), kxx=0.0, kyy=0.0, **damping)
+    rotor = jeffcott()
+    rotor = replace(rotor, parts=(*rotor.parts, damper))
+    diagram = campbell(rotor, [50.0, 150.0, 200.0], count=6)
+    for seen in (diagram.damped, diagram.natural, diagram.log_dec):
+        np.testing.assert_array_equal(
+            np.isnan(seen), 2 * [6 * [False] + 2 * [True]] + [8 * [False]]
+        )
+
+
+def test_a_mode_that_does_not_oscillate_in_between_meets_no_speed_there():
+    """Of the turbocharger, whose floating rings overdamp modes that oscillate at other speeds."""
+    text = (ROOT / "examples" / "turbocharger" / "rotor.toml").read_text()
+    result = campbell(parse_rotor(text), np.linspace(7.1, 11310.0, 13), count=12)
+    assert len(result.critical) >= 3
+    for critical in result.critical:
+        seen = modes(parse_rotor(text), critical.speed, count=18).damped
+        assert np.abs(seen / critical.speed - 1).min() < 1e-6
