@@ -94,7 +94,8 @@ def follow_all(search: BranchSearch, new: Starts) -> None:
 
 
 def follow(search: BranchSearch, start: BranchStart) -> Branch:
-    """Follow a branch from a start and return it; it is added to the result at once."""
+    """Follow a branch from a start and return it; it is added to the result at once, and taken out
+    again where it is lost without a point."""
     result, task, branch = search.result, search.result.task, Branch()
     result.branches.append(branch)
     label = f"branch {len(result.branches)}"
@@ -129,7 +130,8 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
         ends[1] = ended.why
         if ended.why.startswith((LOST, UNFINISHED)):
             last = branch.points[-1].value if branch.points else start.value
-            at = f"{label} ends at {task.name} = ", last
+            begin = f"{label} ends" if branch.points else "no branch can begin"
+            at = f"{begin} at {task.name} = ", last
             is_lost = ended.why.startswith(LOST)
             code = "branch-lost" if is_lost else "branch-unfinished"
             advice = "" if is_lost else "; ask for a longer step or a shorter range"
@@ -141,6 +143,8 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
                 ends[1] = ends[0]
                 break
     branch.ends = ends[0], ends[1]
+    if not branch.points:
+        result.branches.pop()
     coarse = [
         p.value
         for p in branch.points

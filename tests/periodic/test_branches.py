@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.periodic import starting_points
+from rotor_fmu.model.periodic import starting_points, tracer
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.branch import Branch
 from rotor_fmu.model.periodic.checkpoint import EventLog
 from rotor_fmu.model.periodic.continuation import BranchSearch, _reason_lost, follow, start_at
 from rotor_fmu.model.periodic.harmonic_count import Accuracy
-from rotor_fmu.model.periodic.newton import solve
+from rotor_fmu.model.periodic.newton import NotConverged, solve
 from rotor_fmu.model.periodic.problem import Response, Task, machines_of
 from rotor_fmu.model.periodic.response import response
 
@@ -108,6 +108,16 @@ def test_a_branch_of_one_point_is_drawn_without_a_warning(isola):
     result = Response(FAINT_RUB.rotor, Task(60.0, 240.0), [one])
     low, high = ResponseResult(result).figure().axes[0].get_xlim()
     assert low < isola.points[0].value / (2 * math.pi) < high
+
+
+def test_a_branch_lost_before_its_first_point_is_none(monkeypatch):
+    def lost(*_):
+        raise NotConverged
+
+    monkeypatch.setattr(tracer, "solution", lost)
+    result = rf.response(jeffcott(), speed=(60.0, 70.0))
+    assert result.branches == []
+    assert str(result.notes[0]).startswith("no branch can begin at speed = 9.5493 Hz: lost: ")
 
 
 def test_a_branch_that_comes_to_one_that_was_lost_ends_there(curve):
