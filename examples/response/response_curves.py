@@ -7,6 +7,8 @@ python response_curves.py [FOLDER for the pictures]
 import sys
 from pathlib import Path
 
+from rotor_fmu.examples import example_folder
+
 import rotor_fmu as rf
 from rotor_fmu.plotting.figure_style import save
 
@@ -15,7 +17,7 @@ HERE = Path(__file__).resolve().parent
 
 def draw(folder: Path) -> None:
     """All three."""
-    jeffcott = rf.load(HERE.parent / "jeffcott_rub" / "jeffcott.toml")
+    jeffcott = rf.load(example_folder("jeffcott_rub") / "jeffcott.toml")
     rub = rf.response(jeffcott, speed=(60.0, 240.0))
     save(rub.figure(["disc"]), folder / "jeffcott.png")
 

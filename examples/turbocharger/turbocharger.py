@@ -151,8 +151,8 @@ def main(out: str = str(HERE)) -> None:
     ratio = closed_form(rotor().of_kind(FloatingRingBearing)[0])
     seen = history[f"{RING.format(1)}.ring_speed"] / history["w"]
     print(
-        f"a ring in the middle turns at {ratio:.3f} of the rotor's speed, here at "
-        f"{seen.min():.3f} to {seen.max():.3f}; energy balance closes within "
+        f"a ring in the middle turns at {ratio:.3f} of the rotor's speed, that of the "
+        f"turbine side at {seen.min():.3f} to {seen.max():.3f}; energy balance closes within "
         f"{abs(history['residual'][0]):.1e} J of {history['lost'][0]:.0f} J lost in the films"
     )
 

@@ -3,6 +3,8 @@
 import io
 import json
 import os
+import runpy
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -104,6 +106,21 @@ def test_every_example_is_listed_printed_and_copied(output, tmp_path):
         copied = {path.name for path in (tmp_path / "mine" / name).iterdir()}
         own = {path.name for path in (EXAMPLES / name).iterdir()} - {"__pycache__"}
         assert copied == own
+
+
+def test_the_script_of_the_copied_response_example_reads_its_machine(tmp_path, monkeypatch):
+    """That of another example, which is not beside the copy."""
+
+    class ReadError(Exception):
+        pass
+
+    def response(machine, **_):
+        raise ReadError(machine.name)
+
+    copy = shutil.copytree(EXAMPLES / "response", tmp_path / "response")
+    monkeypatch.setattr(rf, "response", response)
+    with pytest.raises(ReadError, match="Jeffcott"):
+        runpy.run_path(str(copy / "response_curves.py"))["draw"](tmp_path)
 
 
 def test_an_example_is_never_copied_over_something(output, tmp_path):
