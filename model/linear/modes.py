@@ -24,12 +24,10 @@ _DENSE = 220  # states up to which all eigenvalues cost less than a few
 _SHIFT = 0.3  # of the lowest elastic frequency
 _DEGENERATE = 1e-7  # relative distance of two eigenvalues that are one
 _PLANAR = 1e-3  # forwardness below which an orbit is a line
-# Share of the imaginary part below which an eigenvalue is real: two real ones that are equal come
-# out apart by the root of rounding.
+# Share of the imaginary part: equal real eigenvalues come out apart by the root of rounding.
 _REAL = 1e-5
-# Of the lowest elastic frequency, by which the modes are scaled: what is faster is more than
-# rounding, which of a free motion, whose eigenvalue is there twice, is about the root of that of a
-# number.
+# Of the lowest elastic frequency: what is slower may be a free motion, whose eigenvalue is there
+# twice, and so comes out off by the root of rounding.
 _FREE = 1e-6
 LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
 DEFAULT_COUNT = 8
