@@ -112,11 +112,13 @@ def power_by_sink(
     """
     t, phi = np.asarray(t, float), np.asarray(phi, float)
     is_known = np.isfinite(t) & np.isfinite(phi)
-    turns = turns_of(t[is_known], phi[is_known])
+    t, phi = t[is_known], phi[is_known]
+    turns = turns_of(t, phi)
     turns.needs(1)
+    lasted = turns.end - turns.begin
+    edges = np.stack([turns.begin, turns.end])
     powers = {
-        name: (np.interp(turns.end, t, energy) - np.interp(turns.begin, t, energy))
-        / (turns.end - turns.begin)
+        name: np.diff(np.interp(edges, t, np.asarray(energy)[is_known]), axis=0)[0] / lasted
         for name, energy in losses.items()
     }
     return turns.middle, turns.speed, powers

@@ -183,6 +183,13 @@ def test_without_a_touch_there_is_no_angle():
     assert np.isnan(result.angle).all()
 
 
+def test_a_row_without_its_time_takes_no_power_from_the_turns_about_it():
+    t = np.arange(0.0, 1.0, 1e-3)
+    lost = np.where(np.arange(len(t)) == 523, np.nan, t)  # the last row of the fifth turn
+    _, _, powers = vibration.power_by_sink(lost, 60.0 * t, {"friction": 3.0 * t})
+    assert powers["friction"] == pytest.approx(3.0)
+
+
 def test_power_by_sink_is_what_was_dissipated_in_the_turn():
     t, phi = run_down(5.0)
     middle, speed, powers = vibration.power_by_sink(t, phi, {"friction": 3.0 * t, "shaft": t**2})
