@@ -205,6 +205,14 @@ def test_a_signal_of_too_few_turns_is_refused_with_its_length(function):
         getattr(vibration, function)(t, 300.0 * t, t + 0j)
 
 
+def test_contacts_and_powers_of_less_than_a_turn_are_refused():
+    t = np.linspace(0, 0.01, 50)
+    with pytest.raises(vibration.TooFewTurns, match="holds 0 whole turns"):
+        vibration.contact(t, 300.0 * t, t, t)
+    with pytest.raises(vibration.TooFewTurns, match="holds 0 whole turns"):
+        vibration.power_by_sink(t, 300.0 * t, {"friction": t})
+
+
 @pytest.mark.parametrize("turns", [0, True, 1.5, "4"])
 @pytest.mark.parametrize(
     ("function", "more"),
@@ -277,3 +285,14 @@ def test_a_slow_run_down_without_contact_follows_the_linear_response_to_unbalanc
         difference = np.abs(result[late] - truth) / np.abs(truth).max()
         assert difference.max() < 0.02
         assert np.median(np.abs(np.angle(result[late] / truth))) < 0.02
+
+
+def test_the_vector_and_the_ellipse_of_an_order_of_a_quarter_are_those_of_the_angle_itself():
+    t = np.arange(0.0, 3.0, 1e-3)
+    phi = 1000.0 + 60.0 * t
+    z = 3e-5j * np.exp(0.25j * phi) + 1e-5 * np.exp(-0.25j * phi)
+    track = vibration.order_track(t, phi, z, [0.25], turns=8)
+    assert track.forward == pytest.approx(3e-5j, rel=1e-3)
+    assert track.backward == pytest.approx(1e-5, rel=1e-3)
+    assert track.major(0.25) == pytest.approx(4e-5, rel=1e-3)
+    assert track.minor(0.25) == pytest.approx(2e-5, rel=1e-3)
