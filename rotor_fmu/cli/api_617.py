@@ -210,8 +210,8 @@ def unbalance(
     for sentence in where_not_reached(machine, highest, contacts):
         typer.echo(sentence)
     if ends is None:
-        low, high = float(min(speeds)), float(max(speeds))
-        tops = [*([low] if low < 0.0 else []), *([high] if high > 0.0 or low == 0.0 else [])]
+        ends_of_ways = {float(min(*speeds, 0.0)), float(max(*speeds, 0.0))}
+        tops = sorted(ends_of_ways - {0.0}) or [0.0]
         checked: Any = acceptance.critical_peaks(machine, tops, nodes, **acting)
     else:
         checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)

@@ -158,8 +158,9 @@ def ssp(
     from ..machine_file.loading import load_rotor
     from ..operating_speeds import operating_speeds
 
-    toml, rotor_of_file = load_rotor(rotor)
-    speeds = operating_speeds(rotor_of_file)
+    toml, _ = load_rotor(rotor)
+    machine = machine_of(toml)
+    speeds = operating_speeds(machine.rotor)
     speed = speeds.rated if target is None else one_speed(target, "--target")
     if not abs(speed) <= 1e6:
         raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
@@ -180,7 +181,6 @@ def ssp(
     platform = here()
     if is_native and platform is None:
         raise InputError("--native: there is no library for this machine")
-    machine = machine_of(toml)
     folder, warnings = writable_folder(out), warned(machine.rotor)
     coupling = Coupling(example_folder("drive_train") / "drive_train.py")
     fmu = (

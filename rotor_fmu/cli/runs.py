@@ -111,8 +111,6 @@ def _run(
     ] = None,
 ) -> dict[str, Any]:
     """Make a run, write its results and return its figures."""
-    from ..fmi.packing.machine_files import machine_of
-    from ..fmi.packing.python_fmu import fmu_in
     from ..runs import job as jobs
     from ..runs.input_signals import RampGiven
     from ..runs.run_files import clear
@@ -132,8 +130,7 @@ def _run(
         finer_job(job)  # refused before anything is run
     refuse_other(out, STUDY)
     writable_folder(out)
-    machine = machine_of(job.toml, reduction=job.settings.reduction)
-    fmu = None if direct else fmu_in(out, machine)
+    fmu = None if direct else _fmu_of(job, out)
     outcome = _carry_out(job, fmu, f"{kind}, {preset or 'default'}", verify)
     clear(out)  # the results of an earlier run stay until there are others
     report = _write(outcome, preset, out, name)
@@ -162,6 +159,14 @@ class _Outcome(NamedTuple):
     result: "Run"
     recording: "Recording"
     apart: float | None
+
+
+def _fmu_of(job: "Job", out: Path) -> Path:
+    # no run without an FMU needs what builds one
+    from ..fmi.packing.machine_files import machine_of
+    from ..fmi.packing.python_fmu import fmu_in
+
+    return fmu_in(out, machine_of(job.toml, reduction=job.settings.reduction))
 
 
 def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outcome:
