@@ -81,15 +81,20 @@ x = { peak = "disc.x" }
 
 @contextmanager
 def little_room(kilobytes):
-    """No file grows beyond this size: a write fails amid."""
+    """No file grows beyond this size: a write fails amid.
+
+    Python would cut off its own compiled modules there, and not notice: none is written.
+    """
     import resource
 
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before, compiled = resource.getrlimit(resource.RLIMIT_FSIZE), sys.dont_write_bytecode
+    sys.dont_write_bytecode = True
     resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1024, before[1]))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        sys.dont_write_bytecode = compiled
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are POSIX")
