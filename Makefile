@@ -12,7 +12,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no
 # the tests start many processes, each of which would compile every module that it imports
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: run-down reproduce survey reference test test-native test-all test-processors docs pages dist lint types coverage mutants bench clean
+.PHONY: run-down reproduce survey reference test test-native test-all test-processors test-lowest docs pages dist lint types coverage mutants bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -67,6 +67,14 @@ test-all: $(VENV)/made-test $(VENV)/library
 # all tests as on other processors, and on loaded cores: hours; stopped with Ctrl-C it goes on from there
 test-processors: $(VENV)/made-test $(VENV)/library
 	$(BIN)/python -m tools.processors
+
+# the quick tests with the lowest versions that pyproject.toml allows
+test-lowest: $(VENV)/library
+	$(INSTALL) uv
+	$(BIN)/uv venv --quiet --clear --seed --python $(BIN)/python build/lowest
+	$(BIN)/uv pip install --quiet --python build/lowest --resolution lowest-direct --editable ".[test,docs,build]"
+	$(BIN)/uv pip install --quiet --python build/lowest --no-deps cofmupy==1.0.0
+	$(subst $(VENV),build/lowest,$(BIN))/python -m pytest -n auto --dist loadfile
 
 # the documentation as a site that works from disk: build/site/index.html
 docs: $(VENV)/made-test
