@@ -70,10 +70,16 @@ def test_no_branch_is_lost_where_bearings_overdamp_modes(most):
 def dense_oscillating(machine, speed, scale):
     """Oscillating eigenvalues at a speed [1/s], lowest first, of the dense matrices in units of
     time of 1 / scale."""
-    linear = machine.at(speed)
+    linear = machine.with_own_states(machine.at(speed))
     M, D, K = scale**2 * linear.M.toarray(), scale * linear.D.toarray(), linear.K.toarray()
     none, one = np.zeros_like(M), np.eye(len(M))
     A, B = np.block([[none, one], [-K, -D]]), np.block([[one, none], [none, M]])
+    if (own := linear.own_states) is not None:
+        X, by = own.across.toarray(), own.tangents
+        of_rotor = np.hstack([by.by_d @ X / scale, by.by_v @ X])
+        on_rotor = np.vstack([0 * X.T @ by.force, X.T @ by.force])
+        A = np.block([[A, on_rotor], [of_rotor, by.by_states / scale]])
+        B = scipy.linalg.block_diag(B, np.eye(len(by.by_states)))
     values = scale * scipy.linalg.eigvals(A, B)
     values = values[values.imag > 1e-5 * np.abs(values)]
     return values[np.argsort(np.abs(values))]
@@ -91,7 +97,7 @@ def test_every_one_of_the_lowest_modes_lies_on_a_line_of_its_own(example, top):
         lines = lines[np.isfinite(lines)]
         assert len(np.unique(lines)) == len(lines)
         for value in dense_oscillating(machine, speed, top / 4)[:8]:
-            assert np.abs(lines - value).min() < 1e-5 * abs(value)
+            assert np.abs(lines - value).min() < 1e-4 * abs(value)
 
 
 def test_modes_are_followed_through_their_crossings():
