@@ -89,7 +89,7 @@ def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]
     """Return the eigenvalues [1/s] and the states that belong to them; at least `count` that
     oscillate where there are so many."""
     size = inverse.states
-    wanted = 2 * count + 4
+    wanted = 2 * count + 4 + size - 2 * inverse.size  # own states mostly decay without oscillating
     while True:
         if size <= _DENSE or wanted + 2 >= size // 3:
             inverted, states = scipy.linalg.eig(inverse(np.eye(size)))
