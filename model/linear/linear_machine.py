@@ -165,8 +165,8 @@ class LinearMachine:
         return result._replace(pull=linear.pull)
 
     def with_own_states(self, linear: Linear, *, of_all: bool = False) -> Linear:
-        """Return the machine where it rests, states that whirl by themselves being unknowns; of
-        all: those of pads too, which follow else."""
+        """Return the machine where it rests, states that whirl by themselves (`Law.whirls`) being
+        unknowns; of_all: those that else follow a vibration, such as tilts of pads, too."""
         free = self.laws.whirls | self.laws.follows if of_all else self.laws.whirls
         if not free.any():
             return linear
