@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..backend import bound_unless_compiled
-from ..step.laws_along_motion import block_of, vibrate_laws
+from ..parts import LAWS
+from ..step.laws_along_motion import block_of, linearize_laws, vibrate_laws
 from ..structure.structure import starts_of
 
 
@@ -18,19 +19,36 @@ class Tangents(NamedTuple):
     by_v: np.ndarray
 
 
+class StateTangents(NamedTuple):
+    """Of the s states of m interfaces, as matrices of x and y in turn: of the forces by them, shape
+    (2 m, s); of their rates by displacement and by velocity, shape (s, 2 m), and by themselves."""
+
+    force: np.ndarray
+    by_d: np.ndarray
+    by_v: np.ndarray
+    by_states: np.ndarray
+
+
 class LawsAtRest:
     """The laws of m interfaces at rest; laws, interfaces: as of a `Structure`.
 
-    machine: these, where the laws work; of the last `tangents`, states: own states of the laws as
-    they were solved, shape (s,); is_invalid: whether a law means nothing there, shape (m,).
+    machine: these, where the laws work; whirls, follows: which have states that whirl by themselves
+    (`Law.whirls`), and which have states that follow a vibration, shape (m,); of the last
+    `tangents`, states: own states of the laws as they were solved, shape (s,); is_invalid: whether
+    a law means nothing there, shape (m,).
     """
 
     def __init__(self, laws: tuple, interfaces: np.recarray) -> None:
         self._block, data = block_of(laws, interfaces, 1)
         self.machine, self._samples = data.machine, data.samples
         self.states, self.is_invalid = self._samples.solved[0], self._samples.is_invalid[:, 0]
+        of = [LAWS[i] for i in interfaces.law]
+        self.whirls = np.array([law.whirls for law in of], bool)
+        self.follows = np.array([law.vibrate is not None for law in of], bool) & ~self.whirls
+        self.follows &= interfaces.states > 0
         self._starts = starts_of(interfaces)
         self._vibrate = bound_unless_compiled(vibrate_laws, self._block)
+        self._linearize = bound_unless_compiled(linearize_laws, self._block)
 
     def tangents(
         self,
@@ -47,10 +65,36 @@ class LawsAtRest:
         sliding: speed at which the surfaces do [rad/s]; states: of the laws, those of the start by
         default, which stay or follow (`parts.law`).
         """
+        self._place(d, states)
+        self._vibrate(float(speed), float(sliding), float(frequency))
+        return self._tangents()
+
+    def linearized(
+        self, d: np.ndarray, speed: float, states: np.ndarray, which: np.ndarray
+    ) -> tuple[Tangents, StateTangents]:
+        """Return tangents as `tangents` does, where states stay, and those of the states of some
+        interfaces, whose laws have `Law.linearize`; which: shape (m,)."""
+        self._place(d, states)
+        self._linearize(float(speed))
+        at, m = self._samples, len(d)
+        owner = np.repeat(np.arange(m), self.machine.interfaces.states)
+        of, owner = np.flatnonzero(which[owner]), owner[which[owner]]
+        own = owner[:, None] == np.arange(m)
+
+        force, by_d, by_v = (
+            (np.stack([z.real, z.imag], -1)[:, None] * own[:, :, None]).reshape(len(of), 2 * m)
+            for z in (x[0, of] for x in (at.force_by_states, at.rates_by_d, at.rates_by_v))
+        )
+        by_states = at.rates_by_states[0][np.ix_(of, of)] * (own @ own.T)
+        return self._tangents(), StateTangents(force.T, by_d, by_v, by_states)
+
+    def _place(self, d: np.ndarray, states: np.ndarray | None) -> None:
         at = self._samples
         at.d[:, 0] = d
         at.states[0] = at.solved[0] = self._starts if states is None else states
-        self._vibrate(float(speed), float(sliding), float(frequency))
+
+    def _tangents(self) -> Tangents:
+        at = self._samples
         p, q = at.p[:, :, 0], at.q[:, :, 0]
         matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
         by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import scipy.linalg
 from scipy.optimize import brentq
 
 from ..arguments import numbers
@@ -109,15 +108,47 @@ class _Follower:
 
     def __init__(self, machine: LinearMachine, count: int) -> None:
         self._at = cache(lambda speed: machine_modes(machine, speed, count))
+        mass, _, _ = machine.rotor_matrices()
+        moving = (machine.expand / machine.expand.sum(axis=0)).tocsr()[:-2]  # all but ground
+        self._mass = (moving @ mass @ moving.T).tocsr()
         self.onward = Following(
             lambda modes: modes.damped,
-            _likeness,
+            self.likeness,
             lambda a, b: self.at((a.speed + b.speed) / 2),
             _UNLIKE,
         ).onward
 
     def at(self, speed: float) -> Modes:
         return self._at(float(speed))
+
+    def likeness(self, a: Modes, b: Modes) -> np.ndarray:
+        """Return the modal assurance criterion, weighted by mass, of all shapes of a with all of b;
+        of modes that share an eigenvalue, whose shapes may be any of a space, of the space. Among
+        those the criterion itself, with a small weight, decides."""
+        one, other = self._unit(a), self._unit(b)
+        alike = np.abs(one.conj().T @ (self._mass @ other)) ** 2
+        within = np.maximum(self._within(one, other, b), self._within(other, one, a).T)
+        return np.where(within > alike, (1 - _OF_ITSELF) * within + _OF_ITSELF * alike, alike)
+
+    def _unit(self, modes: Modes) -> np.ndarray:
+        """Return the shapes by all dofs and housings, of a modal mass of 1, shape (dofs, m)."""
+        of_nodes = np.stack([modes.x, modes.y, modes.slope_x, modes.slope_y], -1)
+        of_housings = np.stack([modes.housing_x, modes.housing_y], -1)
+        count = len(modes.eigenvalues)
+        result = np.hstack([part.reshape(count, -1) for part in (of_nodes, of_housings)]).T
+        return result / np.sqrt(np.sum(result.conj() * (self._mass @ result), axis=0).real)
+
+    def _within(self, shapes: np.ndarray, of: np.ndarray, modes: Modes) -> np.ndarray:
+        """Return how much of shapes lies in the space of each mode's eigenvalue, where others share
+        it; else 0. Shape (shapes, modes)."""
+        result = np.zeros((shapes.shape[1], of.shape[1]))
+        for mode, same in enumerate(modes.sharing):
+            if same.sum() > 1:
+                onto = self._mass @ of[:, same]
+                along = shapes.conj().T @ onto
+                part = along @ np.linalg.pinv(of[:, same].conj().T @ onto, hermitian=True)
+                result[:, mode] = np.sum(part * along.conj(), axis=1).real
+        return result
 
 
 def _lines(follow: _Follower, at: np.ndarray, count: int) -> tuple[list[Modes], np.ndarray]:
@@ -129,7 +160,7 @@ def _lines(follow: _Follower, at: np.ndarray, count: int) -> tuple[list[Modes], 
         seen.append(follow.at(speed))
         if i > 0:
             onward = follow.onward(seen[i - 1], seen[i], places[i - 1])
-            places[i] = _found_again(seen, places[:i], onward)
+            places[i] = _found_again(follow, seen, places[:i], onward)
         lowest = np.arange(min(count, len(seen[i].eigenvalues)))
         if i > 0:
             lowest = lowest[seen[i].is_sound[lowest]]
@@ -157,42 +188,19 @@ def _with_begun(
     return result
 
 
-def _found_again(seen: Sequence[Modes], places: np.ndarray, onward: np.ndarray) -> np.ndarray:
+def _found_again(
+    follow: _Follower, seen: Sequence[Modes], places: np.ndarray, onward: np.ndarray
+) -> np.ndarray:
     """Return the places in the last of `seen` with those of modes that did not oscillate for a
     while: the free shape most like the one that such a mode had, once it is there again."""
     result = onward.copy()
     last = seen[-1]
     for mode in np.flatnonzero(onward < 0):
         before = max(i for i, of in enumerate(places) if of[mode] >= 0)
-        alike = _likeness(seen[before], last)[places[before][mode]]
+        alike = follow.likeness(seen[before], last)[places[before][mode]]
         alike[result[result >= 0]] = 0.0
         if alike.max(initial=0.0) > _UNLIKE:
             result[mode] = int(np.argmax(alike))
-    return result
-
-
-def _likeness(a: Modes, b: Modes) -> np.ndarray:
-    """Return the modal assurance criterion of all shapes of a with all of b; of modes that share an
-    eigenvalue, whose shapes may be any of a space, of the space. Among those the criterion itself,
-    with a small weight, decides."""
-    one, other = (
-        np.hstack([m.x, m.y, m.housing_x, m.housing_y, m.slope_x * s, m.slope_y * s])
-        for m, s in ((a, np.ptp(a.z) / 10), (b, np.ptp(b.z) / 10))
-    )
-    one, other = (m / np.linalg.norm(m, axis=1, keepdims=True) for m in (one, other))
-    alike = np.abs(one.conj() @ other.T) ** 2
-    within = np.maximum(_within(one, other, b), _within(other, one, a).T)
-    return np.where(within > alike, (1 - _OF_ITSELF) * within + _OF_ITSELF * alike, alike)
-
-
-def _within(shapes: np.ndarray, of: np.ndarray, modes: Modes) -> np.ndarray:
-    """Return how much of shapes lies in the space of each mode's eigenvalue, where others share it;
-    else 0. Shape (shapes, modes)."""
-    result = np.zeros((len(shapes), len(of)))
-    for mode, same in enumerate(modes.sharing):
-        if same.sum() > 1:
-            space = scipy.linalg.orth(of[same].T)
-            result[:, mode] = np.sum(np.abs(shapes.conj() @ space) ** 2, axis=1)
     return result
 
 

@@ -22,6 +22,7 @@ from .undamped import UndampedMachine
 
 _MODES = 4
 _SAMPLES = 60  # speeds at which the bearings' own stiffness is listed
+_FAR = 1e-20, 1e4  # of a stiffness that is rigid: what is softer or stiffer changes nothing more
 _ALIKE = 1e-9  # relative difference of two stiffnesses that are one
 
 
@@ -83,14 +84,21 @@ def critical_map(
     otherwise natural frequencies at standstill are given; rigid_pedestals: whether housings are
     taken as ground; contacts: `open`, they do not act, or `pinned`, they are bearings too, by
     default open where the machine is held without them. Raises `LinearError` if the stiffnesses do
-    not ascend from above 0, or the machine has no bearing.
+    not ascend from above 0 or are beyond all reason for the rotor, or it has no bearing.
     """
     values = np.array(numbers("stiffness", stiffness))
     ascends = len(values) > 1 and values[0] > 0 and (np.diff(values) > 0).all()
     if not ascends or not np.isfinite(values).all():
         raise LinearError("stiffness: must be at least 2 finite values, ascending from above 0")
     check_count(count)
-    lines = _Lines(UndampedMachine(rotor, contacts, rigid_pedestals), synchronous, values, count)
+    machine = UndampedMachine(rotor, contacts, rigid_pedestals)
+    low, high = (share * machine.rigid_stiffness for share in _FAR)
+    for value in values[[0, -1]]:
+        if not low <= value <= high:
+            raise LinearError(
+                f"stiffness = {value:g} N/m: must be from {low:.2g} to {high:.2g} N/m"
+            )
+    lines = _Lines(machine, synchronous, values, count)
     speeds = np.array([lines(k) for k in values])
     if lines.branches is not None:
         speeds[:, : lines.branches.is_backward.shape[1]][lines.branches.is_backward] = np.nan

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 M = TypeVar("M")  # the modes at one value
-_ALIKE = 0.7  # shapes less alike than this are looked at again half-way
+_ALIKE = 0.85  # shapes less alike than this are looked at again half-way
 _HALVINGS = 5
 
 

@@ -25,6 +25,7 @@ from ..structure.assembly import assemble
 from ..structure.parameters import elastic_share, lengths_of
 from ..structure.strain_solver import StrainedMatrices
 from .bearing_equilibrium import check_films
+from .own_states import OwnStates
 from .real_matrices import (
     TURN,
     Between,
@@ -86,7 +87,7 @@ class LinearMachine:
         self._full = matrices_of(rotor, self.structure)
         self.laws = LawsAtRest(self.structure.laws, self.structure.interfaces)
         self._set_contacts(contacts or OPEN)
-        if contacts is None and self.has_contacts and not self.is_held:
+        if contacts is None and len(self.pinned) and not self.is_held:
             self._set_contacts(PINNED)
 
     def _set_contacts(self, contacts: str) -> None:
@@ -98,7 +99,6 @@ class LinearMachine:
         falls = np.array([e.law.seat is not None for e in interfaces(self.rotor)], bool)
         self._lengths = np.where(self._acts, np.where(falls, self._fall, lengths_of(s)), 0.0)
         self._is_curved = ~are_linear(self.rotor)
-        self._follows = any(e.law.vibrate is not None for e in interfaces(self.rotor))
         full, size = self._full, len(s.weight) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
@@ -135,11 +135,6 @@ class LinearMachine:
         self.is_held = self._is_held_loaded or self._is_held_turning
 
     @property
-    def has_contacts(self) -> bool:
-        """Whether there is a clearance contact."""
-        return len(self.pinned) > 0
-
-    @property
     def support_dofs(self) -> np.ndarray:
         """The deflections where springs, then interfaces stand."""
         at = [2 * (e.node - 1) for e in interfaces(self.rotor)]
@@ -164,10 +159,23 @@ class LinearMachine:
     def vibrating(self, linear: Linear, frequency: float) -> Linear:
         """Return the machine where it rests, the states of its laws, such as the tilts of pads,
         following a vibration of a frequency [rad/s]; those of `at` follow at that of rotation."""
-        if not self._follows:
+        if not (self.laws.follows | self.laws.whirls).any():
             return linear
         result = self._linear(linear.speed, linear.rest, frequency, linear.states)
         return result._replace(pull=linear.pull)
+
+    def with_own_states(self, linear: Linear, *, of_all: bool = False) -> Linear:
+        """Return the machine where it rests, states that whirl by themselves (`Law.whirls`) being
+        unknowns; of_all: those that else follow a vibration, such as tilts of pads, too."""
+        free = self.laws.whirls | self.laws.follows if of_all else self.laws.whirls
+        if not free.any():
+            return linear
+        d, laws = to_complex(self._across @ linear.rest), linear.laws
+        stayed, own = self.laws.linearized(d, linear.speed, linear.states, free)
+        numbers = (linear.own_K, laws.by_d, stayed.by_d), (linear.own_D, laws.by_v, stayed.by_v)
+        K, D = (A + self._between(free[:, None, None] * (b - c)) for A, b, c in numbers)
+        states = OwnStates(self._across, self._between, own)
+        return linear._replace(own_K=K, own_D=D, own_states=states)
 
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
         """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;

@@ -1,37 +1,30 @@
 """Modes of the linearized machine at a speed: eigenvalues nearest to rest, and their shapes.
 
-With lambda = -zeta omega_n + i omega_d the motion is Re(shape exp(lambda t)). The inverse is solved
-at a real shift sigma, whose largest eigenvalues 1 / (lambda - sigma) are the lowest modes: these
-come out exact to rounding however stiff the shaft is, its stiffness being inverted only.
+With lambda = -zeta omega_n + i omega_d the motion is Re(shape exp(lambda t)). States of laws that
+whirl by themselves, as rings that float do, are unknowns with the machine's; others follow.
 """
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from ..arguments import check_integer, number
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from .linear_machine import LinearMachine
 from .orbit import AT_REST, backward_part, forward_part, lengths_of_nodes, semi_axes
+from .shifted_inverse import DOUBTFUL, ShiftedInverse, lowest
 from .system_at_speed import Linear, LinearError
 
 FORWARD, BACKWARD, PLANAR, MIXED = "forward", "backward", "planar", "mixed"
-_DENSE = 220  # states up to which all eigenvalues cost less than a few
-_SHIFT = 0.3  # of the lowest elastic frequency
 _DEGENERATE = 1e-7  # relative distance of two eigenvalues that are one
 _PLANAR = 1e-3  # forwardness below which an orbit is a line
-# Share of the imaginary part: equal real eigenvalues come out apart by the root of rounding.
-_REAL = 1e-5
 # Of the lowest elastic frequency: what is slower may be a free motion, whose eigenvalue is there
 # twice, and so comes out off by the root of rounding.
 _FREE = 1e-6
 LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
 DEFAULT_COUNT = 8
-DOUBTFUL = 1e-6  # a residual that is said
 
 
 class Spectrum:
@@ -187,14 +180,18 @@ def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
 
 
 @on_one_thread
-def modes_of(machine: LinearMachine, linear: Linear, count: int) -> Modes:
-    """Return `modes` of a machine at a speed, by its matrices there."""
+def modes_of(
+    machine: LinearMachine, linear: Linear, count: int, *, pads_whirl: bool = False
+) -> Modes:
+    """Return `modes` of a machine at a speed, by its matrices there; pads_whirl: whether pads that
+    tilt follow each mode, not a vibration at the frequency that they follow in `linear`."""
+    linear = machine.with_own_states(linear, of_all=pads_whirl)
     scale, strain = float(machine.structure.numbers[0].lowest_omega), linear.strain
-    values, shapes, residuals, decays = _solved(_Inverse(linear, scale, strain.by_d), count)
+    values, shapes, residuals, decays = lowest(ShiftedInverse(linear, scale, strain.by_d), count)
     if strain.kappa_h > 0.0:
         # hysteresis is another one in modes faster than the rotation; both lists are of the same
         # modes, by ascending frequency
-        fast = _solved(_Inverse(linear, scale, strain.by_d_if_fast), count)
+        fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), count)
         slower = int(np.sum(values.imag <= abs(linear.speed)))
         values = np.concatenate([values[:slower], fast[0][slower:]])
         shapes = np.hstack([shapes[:, :slower], fast[1][:, slower:]])
@@ -231,86 +228,6 @@ def check_speed(speed: float) -> None:
 def check_count(count: int) -> None:
     """Raise `LinearError` unless a number of modes or lines is an integer above 0."""
     check_integer("count", count, 1, error=LinearError)
-
-
-class _Inverse:
-    """(A - sigma)^-1 of x' = A x, x = (u, u'), at a real shift sigma, in units of time of
-    1 / scale, so that displacements and velocities are alike; scale: a frequency [rad/s]; by_d: Z
-    of the shaft by displacement, see `system_at_speed`."""
-
-    def __init__(self, linear: Linear, scale: float, by_d: np.ndarray) -> None:
-        self.scale, self.sigma = scale, _SHIFT
-        M, D, matrix = scale**2 * linear.own_M, scale * linear.own_D, linear.system.places.matrix
-        self._M, self._D = matrix(M), matrix(D)
-        self._shifted = matrix(self.sigma**2 * M + self.sigma * D + linear.own_K)
-        by_v = scale * linear.strain.by_v
-        turned = by_d + self.sigma * by_v
-        self.dtype = turned.dtype
-        self._solve = linear.factorized(self.sigma * scale, turned)
-        # The shaft's part of D u is Z_v Z^-1 of its part of (sigma^2 M + sigma D + K) u, which is
-        # what is solved for.
-        self._viscous = by_v @ np.linalg.inv(turned)
-        self.size = linear.system.places.size
-
-    def __call__(self, state: np.ndarray) -> np.ndarray:
-        """Apply the inverse to states, shape (2 size,) or (2 size, columns)."""
-        if np.iscomplexobj(state):
-            return self(state.real) + 1j * self(state.imag)
-        q, v = state[: self.size], state[self.size :]
-        pairs = q.reshape(-1, 2, *q.shape[1:])
-        viscous = np.einsum("ab,jb...->ja...", self._viscous, pairs).reshape(q.shape)
-        pushed = self._shifted @ viscous - self._D @ q - self._M @ (v + self.sigma * q)
-        moved = self._solve(pushed)[0] - viscous
-        return np.concatenate([moved, q + self.sigma * moved])
-
-    def eigenvalues(self, inverted: np.ndarray) -> np.ndarray:
-        """Return the machine's eigenvalues [1/s] from those of the inverse."""
-        return self.scale * (self.sigma + 1 / inverted)
-
-    def residuals(self, values: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return what eigenvalues [1/s] and their states leave of (A - sigma)^-1 x = x / (lambda -
-        sigma), of its right side: the larger of displacements' and velocities' shares [1]."""
-        left = self(states) * (values / self.scale - self.sigma) - states
-        halves = (np.s_[: self.size], np.s_[self.size :])
-        norm = np.linalg.norm
-        return np.max([norm(left[h], axis=0) / norm(states[h], axis=0) for h in halves], axis=0)
-
-
-def _solved(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return eigenvalues of modes that oscillate, by ascending frequency, their shapes and
-    residuals, and the decays."""
-    values, states = _eigen(inverse, count)
-    residuals = inverse.residuals(values, states)
-    is_real = (np.abs(values.imag) <= _REAL * np.abs(values)) & (residuals <= DOUBTFUL)
-    result = np.flatnonzero(values.imag > _REAL * np.abs(values))
-    result = result[np.argsort(values.imag[result])]
-    decays = np.sort(values[is_real].real)[::-1]
-    return values[result], states[: inverse.size, result], residuals[result], decays
-
-
-def _eigen(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the eigenvalues [1/s] and the states that belong to them; at least `count` that
-    oscillate where there are so many."""
-    size = 2 * inverse.size
-    wanted = 2 * count + 4
-    while True:
-        if size <= _DENSE or wanted + 2 >= size // 3:
-            inverted, states = scipy.linalg.eig(inverse(np.eye(size)))
-        else:
-            operator = LinearOperator((size, size), matvec=inverse, dtype=inverse.dtype)
-            start = np.random.default_rng(1).standard_normal(size)
-            try:
-                inverted, states = eigs(operator, k=wanted, v0=start, which="LM")
-            except ArpackNoConvergence as error:
-                # what is faster by many decades is rounding beside the slowest: there are no more
-                inverted, states = error.eigenvalues, error.eigenvectors
-                if not len(inverted):
-                    raise LinearError("the modes did not converge") from error
-                return inverse.eigenvalues(inverted), states
-        values = inverse.eigenvalues(inverted)
-        if len(values) == size or np.sum(values.imag > _REAL * np.abs(values)) >= count:
-            return values, states
-        wanted *= 2
 
 
 def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) -> None:

@@ -19,6 +19,7 @@ import scipy.sparse as sp
 from ..laws_at_rest.tangents import Tangents
 from ..quantities import QuantityError
 from ..structure.strain_solver import Solve, StrainedMatrices
+from .own_states import OwnStates
 from .real_matrices import TURN
 
 _WITH_IT = 1e-9  # relative difference of a frequency and the speed that are one
@@ -59,7 +60,7 @@ class Linear(NamedTuple):
     matrices, of which D and K lack what the shaft's strain adds, and that; the displacements at
     rest, shape (N,) [m, rad], 0 where nothing holds the machine, the elements' end forces [N, N.m],
     what the interfaces do there (those that are open or pinned: nothing), and the states of their
-    laws."""
+    laws; own_states: those that are unknowns, None of a machine where all follow."""
 
     speed: float
     system: StrainedMatrices
@@ -71,6 +72,7 @@ class Linear(NamedTuple):
     pull: np.ndarray
     laws: Tangents
     states: np.ndarray
+    own_states: OwnStates | None = None
 
     @property
     def M(self) -> sp.csc_array:

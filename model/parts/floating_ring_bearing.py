@@ -217,6 +217,7 @@ FLOATING_RING_BEARING = Law(
     vibrate=_vibrate,
     linearize=linearize_ring,
     weigh=_weigh,
+    whirls=True,
     outputs=OUTPUTS,
     stores=STORES,
     losses=LOSSES,

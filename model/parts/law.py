@@ -158,6 +158,9 @@ class Law:
         those of the law, then more.
     state_units : callable
         Units of the states of a part, m, m/s or rad/s, from the first on over and over.
+    whirls : bool
+        Whether its states, which `linearize` has, whirl at frequencies of their own, as those of a
+        body in films do; others follow whatever vibrates.
     bow : int, optional
         Place among its states of the bow of the shaft at its node [m], in x and y of a frame that
         turns with the rotor.
@@ -194,6 +197,7 @@ class Law:
     states: tuple[float, ...] = ()
     of_part: Callable[[Any], tuple[int, tuple[Output, ...]]] | None = None
     state_units: Callable[[Any], tuple[str, ...]] = lambda part: ("m",)
+    whirls: bool = False
     bow: int | None = None
     has_wall: bool = False
     turns: bool = False

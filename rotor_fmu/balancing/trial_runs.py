@@ -14,6 +14,7 @@ from ..display import speed_with_unit
 from ..errors import InputError, RunFailed, check_positive, listed, numbers
 from ..linear.answers import modes
 from ..linear.displayed import of_machine
+from ..linear.where_linearized import whirl_in_pads
 from ..model.linear.modes import LEAST_GROWTH
 from ..model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
 from ..model.linear.static import check_node
@@ -187,10 +188,11 @@ class _Bench:
 
 def _settling(rotor: Rotor, speed: float) -> float:
     """Return in how many turns a machine settles at a speed [rad/s], infinite without damping."""
-    found = modes(rotor, speed)
-    roots = [*found.eigenvalues.real[found.is_held], *found.decays]
+    found, in_pads = modes(rotor, speed), whirl_in_pads(rotor, speed, None, {})
+    of_pads = [] if in_pads is None else [-in_pads.log_dec * in_pads.frequency / (2 * math.pi)]
+    roots = [*found.eigenvalues.real[found.is_held], *found.decays, *of_pads]
     growth = float(np.max(roots, initial=-math.inf))
-    if found.growth > LEAST_GROWTH:
+    if found.growth > LEAST_GROWTH or (in_pads and in_pads.log_dec < -LEAST_GROWTH):
         raise InputError(
             f"balancing speed = {speed:g} rad/s: the machine is unstable there and does not settle "
             f"(a motion grows by {growth:.3g} 1/s)"

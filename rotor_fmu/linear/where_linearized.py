@@ -1,6 +1,5 @@
 """What linear answers take for granted: the ends of tables, that something holds the machine,
-where oil films are linearized, how tilting pads and floating rings follow, and that the machine is
-stable."""
+where oil films are linearized, how tilting pads follow, and that the machine is stable."""
 
 from collections.abc import Collection, Mapping
 
@@ -40,14 +39,11 @@ def where_linearized(
         result.append(f"oil films, each linearized {where}: {names}")
     if follows_force:
         return result
-    pads = [name for name, part in films.items() if getattr(part, "tilting", False)]
-    rings = [name for name, part in films.items() if isinstance(part, FloatingRingBearing)]
-    for what, named in (("pads that tilt", pads), ("rings", rings)):
-        if named:
-            result.append(
-                f"their {what} follow a vibration at the frequency of rotation; slower whirls have "
-                f"another damping, which a run shows: {', '.join(named)}"
-            )
+    if pads := [name for name, part in films.items() if getattr(part, "tilting", False)]:
+        result.append(
+            "their pads that tilt follow a vibration at the frequency of rotation; slower whirls "
+            f"have another damping, which a run shows: {', '.join(pads)}"
+        )
     fastest = max(speeds, key=abs)
     if whirl := whirl_in_pads(machine, fastest, contacts, coupling or {}):
         result.append(
@@ -87,8 +83,8 @@ def whirl_in_pads(
     machine: Rotor, speed: float, contacts: str | None, coupling: Mapping[int, float]
 ) -> OwnWhirl | None:
     """Return the least damped slower whirl of a machine on tilting pads at a speed [rad/s]; None
-    of others, and of one with rings, whose own whirls are slow."""
-    if speed == 0.0 or any(isinstance(part, FloatingRingBearing) for part in machine.parts):
+    of others."""
+    if speed == 0.0:
         return None
     return own_whirl(machine, speed, contacts, tuple(coupling.items()))
 

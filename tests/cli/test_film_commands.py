@@ -109,13 +109,6 @@ def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_sea
     assert "oil films, each linearized where its journal rests at that speed" in report.html
 
 
-@pytest.mark.parametrize("arguments", [["modes", "--speed"], ["stability", "--rated"]])
-def test_an_answer_about_floating_rings_says_how_they_follow(command, arguments):
-    turbocharger = OIL_FILM.parents[1] / "turbocharger" / "rotor.toml"
-    said = command(*arguments, "12000", "--rotor", str(turbocharger))
-    assert "their rings follow a vibration at the frequency of rotation; slower whirls" in said
-
-
 @pytest.mark.usefixtures("coarse_report")
 @pytest.mark.parametrize(
     "shape", ["", 'offset = 1.0\npads = [1.5708, 4.71239]\narc = 2.8\nrupture = "guembel"\n']

@@ -315,8 +315,7 @@ def test_a_response_beyond_the_threshold_of_stability_is_said_not_to_be_reached(
         assert said.count(f"unstable at {speed_with_unit(top)}, where its steady") == unstable
         assert said.count("unstable") == unstable
         assert "oil films, each linearized where its journal rests at that speed" in said
-        follows_rotation = "rings follow a vibration at the frequency of rotation" in said
-        assert follows_rotation == (given[0] == "unbalance")
+        assert "follow a vibration at the frequency of rotation" not in said
 
 
 @pytest.mark.parametrize(("kyy", "unstable"), [(-1e4, 1), (1e4, 0)])

@@ -22,6 +22,7 @@ from rotor_fmu.linear.answers import unbalance_response
 from rotor_fmu.vibration.influence_coefficients import correction
 from tests.linear.api_617 import RPM, SHAFT, example, support
 from tests.linear.test_growth_without_oscillation import pulled
+from tests.linear.test_own_frequency import on_pads
 
 
 def without_contact():
@@ -186,9 +187,17 @@ def test_what_the_runs_say_of_their_numbers_is_said_once():
 
 @pytest.mark.usefixtures("few_turns")
 def test_a_whirl_that_the_unbalance_does_not_drive_is_said():
-    """Of floating rings, which no mode at the frequency of rotation shows."""
-    result = balance(example("turbocharger"), [500.0], [2])
+    """Of floating rings, which hardly decays at one speed, and grows at another."""
+    result = balance(example("turbocharger"), [440.0], [2])
     assert result.messages[0].startswith("the vibration was not steady:")
+    with pytest.raises(InputError, match=r"500 rad/s: the machine is unstable there.*3\.23 1/s"):
+        balance(example("turbocharger"), [500.0], [2])
+
+
+def test_a_speed_at_which_a_whirl_in_tilting_pads_grows_is_refused():
+    """Which no mode shows whose pads follow at the frequency of rotation."""
+    with pytest.raises(InputError, match=r"1000 rad/s: the machine is unstable there.*1\.43 1/s"):
+        balance(parse_rotor(on_pads(8e5)), [1000.0], [2])
 
 
 @pytest.mark.usefixtures("few_turns")

@@ -202,6 +202,8 @@ def test_bearings_without_stiffness_are_varied_about_that_of_the_rotor(heavier):
     [
         ([1e6, 1e5], 5, "stiffness: must be at least 2 finite values"),
         ([1e6, math.inf], 5, "stiffness: must be at least 2 finite values"),
+        ([1e-300, 1e7], 5, r"stiffness = 1e-300 N/m: must be from 2.3e-07 to 2.3e\+17 N/m"),
+        ([1e6, 1e30], 5, r"stiffness = 1e\+30 N/m: must be from"),
         (1e6, 5, "stiffness = 1000000.0: must be a list of numbers"),
         (["1e6", "1e7"], 5, "must be a list of numbers"),
         ([1e6, 1e7], 0, "count = 0"),

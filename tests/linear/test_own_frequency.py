@@ -50,6 +50,9 @@ def test_answers_say_what_it_is_and_where_it_grows(q, is_unstable):
     rotor = parse_rotor(on_pads(q))
     (least,) = [s for s in where_linearized(rotor, [100.0, SPEED]) if "least log dec" in s]
     assert least.startswith("at 159.15 Hz the least log dec of slower whirls is")
+    assert "pads that tilt follow a vibration at the frequency" in " ".join(
+        where_linearized(rotor, [SPEED])
+    )
     assert where_linearized(rotor, [SPEED], follows_force=True) == [
         "oil films, each linearized where its journal rests at that speed: "
         "journal_bearing[1], journal_bearing[2]"

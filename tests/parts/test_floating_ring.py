@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.kernel import interpreted
+from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
 from rotor_fmu.model.parts.law import Weights
@@ -184,6 +185,22 @@ def _rhs(mass, push):
         out[:] = _slope(y, mass, push)
 
     return slope
+
+
+def test_modes_are_those_of_rotor_and_rings_together():
+    """Of the whirls in which both journals move alike one grows and one decays slowly."""
+    rotor, c = parse_rotor(rigid_in_rings()), RING["clearance"]
+    mass = _mass(_run(rigid_in_rings()))
+    d, x, w = in_series(mass * G)
+    y = np.array([d.real / c, d.imag / c, 0, 0, x.real / c, x.imag / c, 0, 0, w / SPEED])
+    steps = 1e-5 * np.eye(len(y))
+    by_y = [np.subtract(*(_slope(y + s * e, mass, 0.0) for s in (1, -1))) / 2e-5 for e in steps]
+    expected = np.linalg.eigvals(np.transpose(by_y))
+    expected = expected[expected.imag > np.abs(expected.real)]
+    found = modes(rotor, SPEED).eigenvalues
+    assert sorted(expected.real > 0) == [False, True]
+    for root in expected:
+        assert np.abs(found - root).min() < 1e-4 * abs(root)
 
 
 def test_a_pushed_rotor_moves_as_cvode_integrates_its_equations():
