@@ -36,7 +36,7 @@ class _RestEquations:
         parts = self.machine.dynamic_stiffness(self.speed, self.speed, 0, 0)
         self.S, self.force = parts.S[0].real, parts.force[0].real
         sizes = np.maximum(np.abs(self.S).max(axis=1, initial=0.0), 1e-300) * problem.length_scale
-        self._sizes = np.append(sizes, problem.state_scale * abs(self.speed))
+        self.sizes = np.append(sizes, problem.state_scale * abs(self.speed))
 
     def tangents(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return forces and rates, and their derivatives with respect to displacements, velocities
@@ -59,19 +59,50 @@ class _RestEquations:
         residual[:b] += self.S @ (x[:b] * self.scale[:b]) - self.force
         jacobian = -np.hstack([by[:, :b], by[:, 2 * b :]])
         jacobian[:b, :b] += self.S
-        return residual / self._sizes, jacobian * self.scale / self._sizes[:, None]
+        return residual / self.sizes, jacobian * self.scale / self.sizes[:, None]
 
     def solved(self, value: float) -> np.ndarray | None:
         """Return the unknowns at rest, among them those that contacts carry, or None where none are
         found."""
         largest = max(np.abs(self.force).max(initial=0.0), 1e-300)
+        with_films = _RestOnFilms(self)
         for lowered in _LOWERED:
-            down = lowered * self.force / largest
-            d = self.machine.B @ (down * self.scale[: self.b])
-            states = self.machine.laws.states_at_rest(d[None], self.speed)[0]
+            d = lowered * self.force / largest
             with suppress(NotConverged):
-                return newton.solve(self, np.append(down, states / self._own_scale), value)
+                if self.machine.laws.has_moving_films:
+                    d = newton.solve(with_films, d, value)
+                return newton.solve(self, np.append(d, with_films.states(d)), value)
         return None
+
+
+class _RestOnFilms:
+    """The `_RestEquations` in the displacements alone, films' pads and rings in equilibrium with
+    these: a pad that bears nothing has none other to go to from where it does not bear."""
+
+    tolerance, damped_beyond = newton.TOLERANCE, 0.0
+
+    def __init__(self, of: _RestEquations) -> None:
+        self._of, self._B, self._scale = of, of.machine.B, of.scale[: of.b]
+
+    def _at(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        d = self._B @ (x * self._scale)
+        return self._of.machine.laws.at_rest(d[None], self._of.speed)
+
+    def states(self, x: np.ndarray) -> np.ndarray:
+        """Return the unknown states."""
+        return self._at(x)[-1][0] / self._of.scale[self._of.b :]
+
+    def residual(self, x: np.ndarray, value: float) -> np.ndarray:
+        """Return the residual of the equations."""
+        return self.linearized(x, value)[0]
+
+    def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the residual and the Jacobian."""
+        of, (force, by_d, _) = self._of, self._at(x)
+        sizes = of.sizes[: of.b]
+        residual = of.S @ (x * self._scale) - of.force - force[0] @ self._B
+        jacobian = of.S - of.machine.tangents_in_b(by_d)[0]
+        return residual / sizes, jacobian * self._scale / sizes[:, None]
 
 
 def rest_position(problem: HarmonicBalance, value: float) -> Orbit | None:

@@ -12,7 +12,7 @@ from ..parts.machines import bearings, rigid
 SPEED, CLEARANCE = 200.0, 5e-5
 
 
-def on_pads(gravity, e=2e-6, preload=0.0, inertia=0.0):
+def on_pads(gravity, e=2e-6, preload=0.0, inertia=0.0, pivot=0.0):
     """A point mass on four pads, the load between two of them."""
     return rf.parse(
         rigid(
@@ -31,6 +31,7 @@ pads = [0.785398, 2.356194, 3.926991, 5.497787]
 arc = 1.3
 preload = {preload}
 pad_inertia = {inertia}
+pivot_stiffness = {pivot}
 [[unbalance]]
 node = 2
 amount = {8.0 * e}
@@ -71,6 +72,18 @@ def test_a_response_begins_where_pads_bear_at_rest():
     problem = task.problem(machines, SPEED, 3)
     orbit = problem.split(newton.solve(problem, problem.join(first), SPEED), SPEED)
     assert (orbit.states[0] > 0.3 * CLEARANCE).all()
+
+
+def test_pads_on_elastic_pivots_rest_where_a_run_in_time_begins():
+    """The upper two, which bear nothing, too."""
+    from rotor_fmu.model.periodic.problem import Task, machines_of
+    from rotor_fmu.model.periodic.self_excited import rest_position
+
+    model, task = on_pads(9.81, pivot=1e8), Task(100.0, 300.0)
+    run, _ = stood(model.rotor)
+    problem = task.problem(machines_of(model.rotor, task), SPEED, 1)
+    rest = rest_position(problem, SPEED)
+    assert rest.states[0] == pytest.approx(run.motion.internal_state, abs=1e-6 * CLEARANCE)
 
 
 def test_pads_that_bear_and_do_not_move_have_the_derivatives_of_their_rates():
