@@ -20,6 +20,8 @@ from .newton import NotConverged
 _RADII = 1.0 + np.geomspace(1e-3, 1e7, 150)  # in clearances
 _MOST_GUESSES = 8
 _LOWERED = (0.0, 0.1, 0.3, 0.6, 0.9)  # in clearances, where rest is looked for
+_CLEAR = 0.2  # clearances, that a motion may come nearer to pads that bear nothing
+_IDLE = 1e-9  # of the largest force by a state: one of a pad that bears nothing
 _SIZES = (0.7, 0.5, 0.9, 0.3, 0.1)  # of whirls, in clearances
 
 
@@ -89,8 +91,17 @@ class _RestOnFilms:
         return self._of.machine.laws.at_rest(d[None], self._of.speed)
 
     def states(self, x: np.ndarray) -> np.ndarray:
-        """Return the unknown states."""
-        return self._at(x)[-1][0] / self._of.scale[self._of.b :]
+        """Return the unknown states; pads that bear nothing, which may be where they like, are
+        tilted as far back as where the journal may be near by, so that its motion presses none."""
+        of, d = self._of, self._B @ (x * self._scale)
+        laws, scale = of.machine.laws, of.scale[of.b :]
+        angles = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
+        circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        around = _CLEAR * (circle[:, None] * laws.length[:, None]).reshape(len(angles), -1)
+        near = laws.at_rest(np.vstack([d, d + around]), of.speed)[-1]
+        at = laws.tangents(d[None], 0 * d[None], near[:1], scale, of.speed)
+        acts = np.abs(at.by_states * scale).max(axis=(0, 1), initial=0.0)
+        return np.where(acts > _IDLE * acts.max(initial=0.0), near[0], near.min(axis=0)) / scale
 
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
         """Return the residual of the equations."""
