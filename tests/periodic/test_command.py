@@ -142,13 +142,13 @@ def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process,
         (("--load", "disc=3"), "is not a force on a port; the machine has no port"),
         (
             ("--speed", "50:400", "--seed", "1000"),
-            "--seed 159.15: must be from 7.9577 to 63.662 Hz",
+            "--seed 159.15 Hz: must be from 7.9577 Hz to 63.662 Hz",
         ),
         (("--seed", "3 mm"), "--seed 3 mm: must be a speed of rotation, in rad/s"),
         # of 1 % of paper A's machine: from an eighth of twice its lowest natural frequency
         (
             ("--seed", "9000rpm", "--units", "rpm"),
-            "--seed 9000: must be from 238.73 to 1909.9 rpm",
+            "--seed 9000 rpm: must be from 238.73 rpm to 1909.9 rpm",
         ),
     ],
 )
