@@ -181,16 +181,16 @@ class LawsAlongMotion:
         at.find_invalid()
         return at.samples.is_invalid.T.copy()
 
-    def states_at_rest(self, d: np.ndarray, speed: float) -> np.ndarray:
-        """Return the states of films' pads and rings in equilibrium, of other laws those at their
-        start, shape (n, s); d: x and y in turn, shape (n, 2 m) [m]."""
-        result = np.tile(self.starts, (len(d), 1))
-        if self.has_moving_films:
-            at = self._filled(d, 0.0 * d, result)
-            at.vibrate_laws(speed, speed, speed)
-            of_films = [LAWS[self._interfaces[j].law].linearize is not None for j in self.owner]
-            result[:, of_films] = at.samples.solved[:, of_films]
-        return result
+    def at_rest(self, d: np.ndarray, speed: float) -> tuple[np.ndarray, ...]:
+        """Return forces at rest, shape (n, 2 m) [N], their derivatives with respect to d, shape
+        (n, m, 2, 2), and the states, shape (n, s): of films' pads and rings in equilibrium, of
+        other laws those at their start; d: x and y in turn, shape (n, 2 m) [m]."""
+        at = self._filled(d, 0.0 * d, np.tile(self.starts, (len(d), 1)))
+        at.vibrate_laws(speed, speed, 0.0)
+        of_films = [LAWS[self._interfaces[j].law].linearize is not None for j in self.owner]
+        states = np.where(of_films, at.samples.solved, self.starts)
+        by_d = _matrices(at.samples.p[0], at.samples.q[0])
+        return in_plane(at.samples.force.T), by_d, states
 
     def corner_gaps(self, d: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return how far wall forces are from their corners [m], shape (n, corners); d, v: x and y

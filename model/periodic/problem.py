@@ -129,6 +129,8 @@ def check(rotor: Rotor, task: Task) -> None:
     """Raise `PeriodicError` or `QuantityError` for a task that a machine does not allow."""
     if not task.low < task.high:
         raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
+    if task.is_whirl and task.turns != 1:
+        raise PeriodicError(f"period = {task.turns}: must be 1 with whirl, whose period is its own")
     check_parts(rotor)
     _check_returning(rotor)
     speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)

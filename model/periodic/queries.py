@@ -15,7 +15,7 @@ from .folds import FoldCurve, fold_curve
 from .fourier import resized
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
-from .problem import KEPT, SPEED, Machines, PeriodicError, Response, machines_of
+from .problem import KEPT, SPEED, Machines, PeriodicError, Response, Task, machines_of
 from .shooting import Shooting
 from .starting_points import Persistence, integrate_from_orbit
 
@@ -113,9 +113,11 @@ def persists_in_time(result: Response, point: Solution, turns: int) -> Persisten
     return integrate_from_orbit(rotor, machine, point.orbit, point.motion, task.loads, turns)
 
 
-def check_second(rotor: Rotor, name: str, low: float, high: float) -> None:
-    """Raise `PeriodicError` or `QuantityError` for a range of a second parameter, one of the
-    machine's, that lacks its own value or that it cannot have."""
+def check_second(rotor: Rotor, task: Task, name: str, low: float, high: float) -> None:
+    """Raise `PeriodicError` or `QuantityError` for a second parameter, one of the machine's, that
+    is the first one, or whose range lacks the machine's own value or one that it can have."""
+    if name == task.name:
+        raise PeriodicError(f"{name}: must be another quantity than the one of the curve")
     start = rotor.parameters()[name].value
     if not low <= start <= high:
         raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
@@ -138,7 +140,7 @@ def folds_over(
     bifurcation is no smooth fold.
     """
     task, rotor = result.task, result.rotor
-    check_second(rotor, name, low, high)
+    check_second(rotor, task, name, low, high)
     start = rotor.parameters()[name].value
     if fold.kind != FOLD:
         raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")

@@ -20,6 +20,8 @@ from .newton import NotConverged
 _RADII = 1.0 + np.geomspace(1e-3, 1e7, 150)  # in clearances
 _MOST_GUESSES = 8
 _LOWERED = (0.0, 0.1, 0.3, 0.6, 0.9)  # in clearances, where rest is looked for
+_CLEAR = 0.2  # clearances, that a motion may come nearer to pads that bear nothing
+_IDLE = 1e-9  # of the largest force by a state: one of a pad that bears nothing
 _SIZES = (0.7, 0.5, 0.9, 0.3, 0.1)  # of whirls, in clearances
 
 
@@ -36,7 +38,7 @@ class _RestEquations:
         parts = self.machine.dynamic_stiffness(self.speed, self.speed, 0, 0)
         self.S, self.force = parts.S[0].real, parts.force[0].real
         sizes = np.maximum(np.abs(self.S).max(axis=1, initial=0.0), 1e-300) * problem.length_scale
-        self._sizes = np.append(sizes, problem.state_scale * abs(self.speed))
+        self.sizes = np.append(sizes, problem.state_scale * abs(self.speed))
 
     def tangents(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return forces and rates, and their derivatives with respect to displacements, velocities
@@ -59,19 +61,59 @@ class _RestEquations:
         residual[:b] += self.S @ (x[:b] * self.scale[:b]) - self.force
         jacobian = -np.hstack([by[:, :b], by[:, 2 * b :]])
         jacobian[:b, :b] += self.S
-        return residual / self._sizes, jacobian * self.scale / self._sizes[:, None]
+        return residual / self.sizes, jacobian * self.scale / self.sizes[:, None]
 
     def solved(self, value: float) -> np.ndarray | None:
         """Return the unknowns at rest, among them those that contacts carry, or None where none are
         found."""
         largest = max(np.abs(self.force).max(initial=0.0), 1e-300)
+        with_films = _RestOnFilms(self)
         for lowered in _LOWERED:
-            down = lowered * self.force / largest
-            d = self.machine.B @ (down * self.scale[: self.b])
-            states = self.machine.laws.states_at_rest(d[None], self.speed)[0]
+            d = lowered * self.force / largest
             with suppress(NotConverged):
-                return newton.solve(self, np.append(down, states / self._own_scale), value)
+                if self.machine.laws.has_moving_films:
+                    d = newton.solve(with_films, d, value)
+                return newton.solve(self, np.append(d, with_films.states(d)), value)
         return None
+
+
+class _RestOnFilms:
+    """The `_RestEquations` in the displacements alone, films' pads and rings in equilibrium with
+    these: a pad that bears nothing has none other to go to from where it does not bear."""
+
+    tolerance, damped_beyond = newton.TOLERANCE, 0.0
+
+    def __init__(self, of: _RestEquations) -> None:
+        self._of, self._B, self._scale = of, of.machine.B, of.scale[: of.b]
+
+    def _at(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        d = self._B @ (x * self._scale)
+        return self._of.machine.laws.at_rest(d[None], self._of.speed)
+
+    def states(self, x: np.ndarray) -> np.ndarray:
+        """Return the unknown states; pads that bear nothing, which may be where they like, are
+        tilted as far back as where the journal may be near by, so that its motion presses none."""
+        of, d = self._of, self._B @ (x * self._scale)
+        laws, scale = of.machine.laws, of.scale[of.b :]
+        angles = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
+        circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        around = _CLEAR * (circle[:, None] * laws.length[:, None]).reshape(len(angles), -1)
+        near = laws.at_rest(np.vstack([d, d + around]), of.speed)[-1]
+        at = laws.tangents(d[None], 0 * d[None], near[:1], scale, of.speed)
+        acts = np.abs(at.by_states * scale).max(axis=(0, 1), initial=0.0)
+        return np.where(acts > _IDLE * acts.max(initial=0.0), near[0], near.min(axis=0)) / scale
+
+    def residual(self, x: np.ndarray, value: float) -> np.ndarray:
+        """Return the residual of the equations."""
+        return self.linearized(x, value)[0]
+
+    def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the residual and the Jacobian."""
+        of, (force, by_d, _) = self._of, self._at(x)
+        sizes = of.sizes[: of.b]
+        residual = of.S @ (x * self._scale) - of.force - force[0] @ self._B
+        jacobian = of.S - of.machine.tangents_in_b(by_d)[0]
+        return residual / sizes, jacobian * self._scale / sizes[:, None]
 
 
 def rest_position(problem: HarmonicBalance, value: float) -> Orbit | None:

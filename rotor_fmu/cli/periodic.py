@@ -236,7 +236,7 @@ def _second(
     from ..periodic.request import response_request
 
     name, low, high = _range(text, "--fold-over", units)
-    check_second(response_request(machine, **options).rotor, name, low, high)
+    check_second(*response_request(machine, **options), name, low, high)
     return name, low, high
 
 

@@ -113,18 +113,11 @@ def response_request(
         said = shown_value("start", start)
         raise InputError(f"{said}: must be a motion of `at` or `points` of an earlier result")
     si_unit = "rad/s" if name == SPEED else rotor.parameters()[name].quantity.unit
-    factor, unit = current().of_si(si_unit)
-
-    def shown(value: float) -> str:
-        """Return a value of the varied quantity in the unit that is shown."""
-        return f"{factor * value:.5g}"
-
+    shown = current().of_si(si_unit).text
     searched = tuple(numbers("seeds", seeds))
     for seed in searched:
         if not low <= seed <= high:
-            raise InputError(
-                f"seed = {shown(seed)}: must be from {shown(low)} to {shown(high)} {unit}"
-            )
+            raise InputError(f"seed = {shown(seed)}: must be from {shown(low)} to {shown(high)}")
     task = Task(
         low,
         high,

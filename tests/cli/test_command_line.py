@@ -88,7 +88,10 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
         ("modes --contacts shut", "--contacts shut: must be one of open, pinned"),
         ("response --share 0", "--share 0: must be above 0 and below 1"),
         ("response --step=100", "--step 100: must be from 0.0001 to 10"),
-        ("response --speed 1:2 --seed 31.4159", "--seed 5: must be from 0.15915 to 0.31831 Hz"),
+        (
+            "response --speed 1:2 --seed 31.4159",
+            "--seed 5 Hz: must be from 0.15915 Hz to 0.31831 Hz",
+        ),
         ("response --set a=1", "--set a: no quantity of the machine; the nearest is gravity"),
         ("response --over a=1:2", "--over a: no quantity of the machine; the nearest is gravity"),
         ("response --fold-over a=1:2", "--fold-over a: no quantity of the machine; the nearest"),

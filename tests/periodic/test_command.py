@@ -133,18 +133,22 @@ def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process,
         (("--fold-over", "contact[1].nu=0:1"), "contact[1].nu: no quantity of the machine; the n"),
         (("--fold-over", "contact[1].mu=1:2"), "contact[1].mu = 1:2: must hold the machine's own"),
         (("--fold-over", "contact[1].mu=-1:1"), "contact[1].mu = -1"),
+        (
+            ("--speed", "100", "--over=contact[1].mu=0:1", "--fold-over=contact[1].mu=0:1"),
+            "contact[1].mu: must be another quantity than the one of the curve",
+        ),
         (("--period", "0"), "--period 0: must be"),
         (("--share", "2"), "--share 2: must be"),
         (("--load", "disc=3"), "is not a force on a port; the machine has no port"),
         (
             ("--speed", "50:400", "--seed", "1000"),
-            "--seed 159.15: must be from 7.9577 to 63.662 Hz",
+            "--seed 159.15 Hz: must be from 7.9577 Hz to 63.662 Hz",
         ),
         (("--seed", "3 mm"), "--seed 3 mm: must be a speed of rotation, in rad/s"),
         # of 1 % of paper A's machine: from an eighth of twice its lowest natural frequency
         (
             ("--seed", "9000rpm", "--units", "rpm"),
-            "--seed 9000: must be from 238.73 to 1909.9 rpm",
+            "--seed 9000 rpm: must be from 238.73 rpm to 1909.9 rpm",
         ),
     ],
 )
