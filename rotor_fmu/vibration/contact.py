@@ -71,7 +71,7 @@ def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> 
     return Contact(
         turns.middle[is_seen],
         turns.speed[is_seen],
-        np.clip(touching / total, 0, 1),
+        touching / total,
         np.maximum.reduceat(np.append(fn, 0), ends)[::2],
         force / total,
         np.where(spread <= ALL_ROUND, np.mod(np.angle(push), TURN), np.nan),

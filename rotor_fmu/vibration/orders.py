@@ -164,7 +164,7 @@ def resonances(
     """Return the peaks of an amplitude over speed, of a run that goes one way, the highest first.
 
     speed [rad/s], amplitude 0-p [m], t [s], all of shape (m,); least: share of the highest
-    amplitude that a peak and its prominence must reach. What is not finite is left out. Raises
+    amplitude that the prominence of a peak must reach. What is not finite is left out. Raises
     `InputError` for what is no signal, and for a speed that both rises and falls.
     """
     from scipy.signal import find_peaks  # which takes longer than the rest of this package
@@ -184,7 +184,7 @@ def resonances(
     order = np.argsort(n, kind="stable")
     n, a, time = n[order], a[order], time[order]
     floor = least * a.max(initial=0.0)
-    at, _ = find_peaks(a, height=floor, prominence=floor)
+    at, _ = find_peaks(a, prominence=floor)
     result = [_resonance(n, a, time, i) for i in at.tolist()]
     return sorted(result, key=lambda peak: -peak.amplitude)
 
