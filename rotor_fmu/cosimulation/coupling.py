@@ -19,7 +19,7 @@ from ..files import scratch_folder, unfinished
 from ..fmi.description import complete
 from ..fmi.packing.archive import repack, wrap
 from ..fmi.python import wrapper
-from ..fmi.variables import Variable, unit
+from ..fmi.variables import Variable, are_alike, unit
 from ..model.message_templates import Message
 from . import partner_slave
 from .master import Connection, Side, run_jacobi
@@ -142,7 +142,8 @@ class Coupling:
         partner_fmu, rotor_fmu: files, or the folders into which they were extracted; parameters by
         name, set before the initialization; of_partner, of_rotor: variables to record beside those
         that are exchanged. Raises `RunFailed` where a call of one of the FMUs fails, and
-        `InputError` for a pair of the source that does not connect the partner with the rotor.
+        `InputError` for a pair of the source that does not connect the partner with the rotor, or
+        connects other units or an input that has its value from another pair.
         """
         initial, messages = self._pairs("INITIAL"), list[Message]()
         with (
@@ -150,6 +151,8 @@ class Coupling:
             Member(rotor_fmu, rotor_parameters, messages) as rotor,
         ):
             members = {PARTNER: partner, ROTOR: rotor}
+            for table in ("INITIAL", "CONNECTIONS"):
+                self._check_units(table, members)
             for from_side, given, to_side, taken in initial:
                 receiver = members[to_side]
                 receiver.set(receiver.references(taken), [members[from_side].read(given)])
@@ -195,7 +198,24 @@ class Coupling:
     def _connections(self, side: str) -> tuple[Connection, ...]:
         """Return the outputs of one side, each with the connected input of the other."""
         pairs = self._pairs("CONNECTIONS")
+        inputs = [f"{to_side}.{taken}" for _, _, to_side, taken in pairs]
+        for taken in inputs:
+            if inputs.count(taken) > 1:
+                raise InputError(
+                    f"{self.source.name}: CONNECTIONS: {taken}: has {inputs.count(taken)} outputs; "
+                    "must have one"
+                )
         return tuple((given, taken) for from_side, given, _, taken in pairs if from_side == side)
+
+    def _check_units(self, table: str, members: Mapping[str, Member]) -> None:
+        """Raise `InputError` for a pair of a list of the source whose units differ."""
+        for from_side, given, to_side, taken in self._pairs(table):
+            one, other = members[from_side].unit(given), members[to_side].unit(taken)
+            if one and other and not are_alike(one, other):
+                raise InputError(
+                    f"{self.source.name}: {table}: {from_side}.{given} [{one}], {to_side}.{taken} "
+                    f"[{other}]: must have the same unit"
+                )
 
     def _pairs(self, table: str) -> list[tuple[str, str, str, str]]:
         """Return the pairs of a list of the source: side and name of the output, then of the

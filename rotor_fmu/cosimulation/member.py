@@ -9,7 +9,7 @@ from typing import Any
 
 import fmpy
 
-from ..errors import InputError, RunFailed, known_name
+from ..errors import InputError, RunFailed, known_name, number
 from ..fmi.log import read_message
 from ..model.message_templates import Message
 
@@ -61,6 +61,8 @@ class Member:
                 kind = self._variables[name].type
                 kind = "Integer" if kind == "Enumeration" else kind  # as FMI 2.0 sets it
                 setter = getattr(self._fmu, f"set{kind}")
+                if kind != "Boolean":
+                    value = number(f"{self._name}: {name}", value)
                 self._call(setter, references, [int(value) if kind != "Real" else value])
             self._call(self._fmu.enterInitializationMode)
             refused.pop_all()
@@ -74,6 +76,11 @@ class Member:
         """Return the value references of variables."""
         known = self._variables
         return [known[known_name(f"{self._name}:", name, known)].valueReference for name in names]
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a variable, empty where it has none."""
+        self.references(name)  # refuses an unknown name
+        return self._variables[name].unit or ""
 
     def begin(self) -> None:
         """Leave the initialization mode."""

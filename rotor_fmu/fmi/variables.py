@@ -51,6 +51,16 @@ def unit(name: str) -> Unit:
     return Unit(name, ordered, _SHOWN.get(name))
 
 
+def are_alike(one: str, other: str) -> bool:
+    """Return whether two names are of the same unit, as N.m and J are; of others than SI units
+    whether they are spelled alike."""
+    try:
+        bases = unit(one).base, unit(other).base
+    except (KeyError, ValueError):
+        return one == other
+    return one == other if None in bases else bases[0] == bases[1]
+
+
 @dataclass(frozen=True)
 class Variable:
     """One variable of the FMU.

@@ -92,7 +92,11 @@ def own_tables() -> Iterator[Table]:
     top.append(Key("identifier", None, "name of its FMU, made from `name`", kind="string"))
     text = "units that tables and pictures show: `us`, or words such as `rpm, mil, pp`"
     top.append(Key("units", None, text, kind="string"))
-    top.append(Key("extends", None, "machine file that this one adds to", kind="string"))
+    text = (
+        "machine file that this one adds to: keys replace its own, parts follow its own; an empty "
+        "list, such as `seal = []`, removes its parts of that kind"
+    )
+    top.append(Key("extends", None, text, kind="string"))
     defaults = {field.name: field.default for field in fields(Rotor)}
     for name in ("gravity", "gravity_angle", "inclination"):
         top.append(Key(name, own[name], own[name].text, defaults[name]))

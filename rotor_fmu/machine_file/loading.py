@@ -1,7 +1,8 @@
 """Machine files as a user has them: our own TOML, one that extends another, or a rotor from ROSS.
 
 `extends = "base.toml"` at the head of a file takes what stands in another, also one from ROSS: its
-tables are added to, its numbers and words replaced, its lists of parts continued.
+tables are added to, its numbers and words replaced, its lists of parts continued; an empty list
+empties one.
 """
 
 import json
@@ -121,7 +122,7 @@ def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
 
 
 def _has_tables(value: list[Any]) -> bool:
-    return all(isinstance(item, dict) for item in value)
+    return bool(value) and all(isinstance(item, dict) for item in value)
 
 
 def _to_screen(warning: str) -> None:

@@ -30,6 +30,7 @@ from .orbits import (
     whirl_of,
 )
 from .orders import OrderTrack, Resonance, order_track, order_track_of, resonances
+from .recorded import TooFewRows, TooFewTurns
 from .spectra import (
     Cascade,
     FullSpectrum,
@@ -42,8 +43,6 @@ from .spectra import (
 from .turns import (
     TURN,
     Synchronous,
-    TooFewRows,
-    TooFewTurns,
     Turns,
     rows_per_turn,
     synchronous,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..short_repr import ShortRepr
+from .recorded import finite, recorded
 from .turns import TURN, turns_of
 
 # Spread above which a mean direction says nothing: of a journal that goes round three quarters of
@@ -37,16 +38,19 @@ class Contact(ShortRepr):
 
 def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> Contact:
     """Return a contact's angle psi [rad], all NaN where it is not known, and normal force fn [N]
-    over a run, by turns.
+    over a run, by turns. Where nothing touches no angle is needed.
 
     The samples are taken as they are, each for the interval about it: a force that comes and goes
-    within a few steps is not interpolated. Raises `TooFewTurns` for less than a turn.
+    within a few steps is not interpolated. Raises `TooFewTurns` for less than a turn, `InputError`
+    for what is no signal.
     """
-    t, phi, psi, fn = (np.asarray(values, float) for values in (t, phi, psi, fn))
-    is_known = np.isfinite(t) & np.isfinite(phi) & np.isfinite(fn)
+    t, phi, psi, fn = recorded(t=t, phi=phi, psi=psi, fn=fn)
     if np.isfinite(psi).any():
-        is_known &= np.isfinite(psi)
-    t, phi, psi, fn = (values[is_known] for values in (t, phi, psi, fn))
+        psi = np.where(fn == 0, 0.0, psi)
+        t, phi, psi, fn = finite(t=t, phi=phi, psi=psi, fn=fn)
+    else:
+        t, phi, fn = finite(t=t, phi=phi, fn=fn)
+        psi = np.full(len(t), np.nan)
     turns = turns_of(t, phi)
     turns.needs(1)
     is_seen = turns.rows > 0  # not of steps longer than a turn
@@ -67,7 +71,7 @@ def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> 
     return Contact(
         turns.middle[is_seen],
         turns.speed[is_seen],
-        np.clip(touching / total, 0, 1),
+        touching / total,
         np.maximum.reduceat(np.append(fn, 0), ends)[::2],
         force / total,
         np.where(spread <= ALL_ROUND, np.mod(np.angle(push), TURN), np.nan),
@@ -107,10 +111,12 @@ def power_by_sink(
     """Return the mean power of each turn that every sink took.
 
     losses: energy dissipated since the start by the sink's name, shape (n,) [J]. Returns the times
-    of the turns' middles [s], their speeds [rad/s] and powers by name, shape (turns,) [W]. Raises
-    `TooFewTurns` for less than a turn.
+    of the turns' middles [s], their speeds [rad/s] and powers by name, shape (turns,) [W], NaN next
+    to an energy that is not finite. Raises `TooFewTurns` for less than a turn, `InputError` for
+    what is no signal.
     """
-    t, phi = np.asarray(t, float), np.asarray(phi, float)
+    named = {f"losses[{name}]": energy for name, energy in losses.items()}
+    t, phi, *energies = recorded(t=t, phi=phi, **named)
     is_known = np.isfinite(t) & np.isfinite(phi)
     t, phi = t[is_known], phi[is_known]
     turns = turns_of(t, phi)
@@ -118,7 +124,7 @@ def power_by_sink(
     lasted = turns.end - turns.begin
     edges = np.stack([turns.begin, turns.end])
     powers = {
-        name: np.diff(np.interp(edges, t, np.asarray(energy)[is_known]), axis=0)[0] / lasted
-        for name, energy in losses.items()
+        name: np.diff(np.interp(edges, t, energy[is_known]), axis=0)[0] / lasted
+        for name, energy in zip(losses, energies, strict=True)
     }
     return turns.middle, turns.speed, powers

@@ -11,10 +11,12 @@ import numpy as np
 
 from ..errors import InputError, check_positive, numbers
 from ..short_repr import ShortRepr
+from .recorded import finite
 from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
 _BLOCK = 4  # turns in which an order is read
 _HALF_POWER = 0.5**0.5
+_BACK = 0.1  # share of its range by which a speed that goes one way may go back
 _RIPPLE = 0.05  # share of a peak by which its flank may rise again
 # Square of the half-power width over the rate of the speed, below which a linear resonance shows a
 # factor up to 10 % too low or more (by integration of one that is swept, Q from 10 to 100).
@@ -162,17 +164,27 @@ def resonances(
     """Return the peaks of an amplitude over speed, of a run that goes one way, the highest first.
 
     speed [rad/s], amplitude 0-p [m], t [s], all of shape (m,); least: share of the highest
-    amplitude that a peak and its prominence must reach. What is NaN is left out.
+    amplitude that the prominence of a peak must reach. What is not finite is left out. Raises
+    `InputError` for what is no signal, and for a speed that both rises and falls.
     """
     from scipy.signal import find_peaks  # which takes longer than the rest of this package
 
     check_positive("least", least)
-    time = np.full(len(speed), np.nan) if t is None else np.asarray(t)
-    known = np.flatnonzero(np.isfinite(amplitude))
-    order = known[np.argsort(np.asarray(speed)[known], kind="stable")]
-    n, a, time = np.asarray(speed)[order], np.asarray(amplitude)[order], time[order]
+    n, a = finite(speed=speed, amplitude=amplitude)
+    if t is None:
+        time = np.full(len(n), np.nan)
+    else:
+        n, a, time = finite(speed=speed, amplitude=amplitude, t=t)
+    rose, fell = ((side * n - np.minimum.accumulate(side * n)).max(initial=0.0) for side in (1, -1))
+    if min(rose, fell) > _BACK * np.ptp(n):
+        raise InputError(
+            f"speed = {n[0]:g} to {n[-1]:g} rad/s: rises by {rose:g} rad/s and falls by {fell:g} "
+            "rad/s; must go one way"
+        )
+    order = np.argsort(n, kind="stable")
+    n, a, time = n[order], a[order], time[order]
     floor = least * a.max(initial=0.0)
-    at, _ = find_peaks(a, height=floor, prominence=floor)
+    at, _ = find_peaks(a, prominence=floor)
     result = [_resonance(n, a, time, i) for i in at.tolist()]
     return sorted(result, key=lambda peak: -peak.amplitude)
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from ..errors import check_integer, check_positive
 from ..short_repr import ShortRepr
-from .turns import LEAST_ROWS, TURN, Synchronous, TooFewRows, hann, synchronous
+from .recorded import enough, finite, recorded
+from .turns import LEAST_ROWS, TURN, Synchronous, hann, synchronous
 
 MOST_ORDER = 8.0
 
@@ -142,9 +143,12 @@ def _spectra(
 
 def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the frequencies [Hz] and the amplitudes 0-p of a real signal, without its mean, under
-    Hann's window: resampled at equal times, the median step apart. Raises `TooFewRows` for less
-    than 3."""
-    _check_rows(t, LEAST_ROWS)
+    Hann's window: resampled at equal times, the median step apart; what is not finite is left out.
+    Raises `TooFewRows` for less than 3 times, `InputError` for what is no signal."""
+    t, values = finite(t=t, values=values)
+    t, row = np.unique(t, return_index=True)  # a row may stand twice
+    enough(t, LEAST_ROWS)
+    values = values[row]
     count = 1 + round(float(t[-1] - t[0]) / float(np.median(np.diff(t))))
     even = np.linspace(t[0], t[-1], count)
     signal = np.interp(even, t, values)
@@ -156,15 +160,14 @@ def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 def second_half(t: np.ndarray, phi: np.ndarray) -> slice:
     """Return the rows of the second half of a run, cut to whole turns where it holds any: orders
     then lie on lines of a spectrum. Of a run of few rows it is more than half, the last three or
-    all. Raises `TooFewRows` for none."""
-    _check_rows(t, 1)
+    all. What is not finite counts for none. Raises `TooFewRows` for no row, `InputError` for what
+    is no signal."""
+    t, phi = recorded(t=t, phi=phi)
+    rows = np.flatnonzero(np.isfinite(t) & np.isfinite(phi))
+    enough(rows, 1)
+    t, phi = t[rows], phi[rows]
     turned = np.abs(phi - phi[-1])
     half = int(np.searchsorted(t, (t[0] + t[-1]) / 2))
     whole = TURN * math.floor(turned[half] / TURN)
     begin = half + int(np.argmax(turned[half:] <= whole)) if whole else half
-    return slice(max(0, min(begin, len(t) - LEAST_ROWS)), None)
-
-
-def _check_rows(t: np.ndarray, least: int) -> None:
-    if len(t) < least:
-        raise TooFewRows(f"the signal has {len(t)} recorded rows; needed: at least {least}")
+    return slice(int(rows[max(0, min(begin, len(t) - LEAST_ROWS))]), None)

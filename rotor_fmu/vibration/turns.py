@@ -18,6 +18,7 @@ import numpy as np
 
 from ..errors import InputError, check_integer, number
 from ..short_repr import ShortRepr
+from .recorded import TooFewRows, TooFewTurns, finite, recorded
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -31,14 +32,6 @@ _BACK = TURN / _LEAST  # by which the angle must go back for the shaft to turn b
 # Rows recorded in a cycle below which the spline through them is another motion: an order takes so
 # many, a path so many a turn.
 LEAST_ROWS = 3
-
-
-class TooFewTurns(ValueError):
-    """A signal that is too short; the message gives the number of turns it has and needs."""
-
-
-class TooFewRows(TooFewTurns):
-    """A signal that was recorded too coarsely; the message gives its rows per turn."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -151,13 +144,18 @@ class Synchronous(Turns):
 
 def turns_of(t: np.ndarray, phi: np.ndarray) -> Turns:
     """Return the whole turns of a shaft whose angle is phi [rad], recorded at t [s], both finite
-    and of shape (n,); none is fine."""
+    and of shape (n,); none is fine. Raises `InputError` for others, and for times that fall."""
+    t, phi = recorded(t=t, phi=phi)
+    for name, values in (("t", t), ("phi", phi)):
+        for row in np.flatnonzero(~np.isfinite(values)).tolist():
+            raise InputError(f"{name}[{row}] = {values[row]:g}: must be finite")
     return _joined([passage.turns for passage in _passages(t, phi)])
 
 
 def rows_per_turn(phi: np.ndarray) -> float:
     """Return the median number of rows in a turn of a shaft whose angle is phi [rad]; infinite
     where it does not turn."""
+    (phi,) = finite(phi=phi)
     steps = np.abs(np.diff(phi))
     angle = float(np.median(steps)) if len(steps) else 0.0
     return TURN / angle if angle else math.inf
@@ -166,7 +164,7 @@ def rows_per_turn(phi: np.ndarray) -> float:
 def synchronous(
     t: np.ndarray,
     phi: np.ndarray,
-    values: np.ndarray,
+    z: np.ndarray,
     *,
     turns: int = 1,
     per_turn: int | None = None,
@@ -176,15 +174,10 @@ def synchronous(
     per_turn: samples a turn; what the signal holds above order per_turn / 2 folds back. None: a
     power of two fine enough for nine tenths of the steps, at least 64, so that nothing folds. What
     is not finite, and what was recorded within a turn that the shaft did not finish, is left out.
-    Raises `TooFewTurns` for a signal without `turns` whole turns on end.
+    Raises `TooFewTurns` for a signal without `turns` whole turns on end, `InputError` for what is
+    no signal.
     """
-    t, phi, values = np.asarray(t, float), np.asarray(phi, float), np.asarray(values)
-    if not t.shape == phi.shape == values.shape or t.ndim != 1:
-        raise InputError(
-            f"t {t.shape}, phi {phi.shape}, values {values.shape}: must be alike, (n,)"
-        )
-    is_known = np.isfinite(t) & np.isfinite(phi) & np.isfinite(values)
-    t, phi, values = t[is_known], phi[is_known], values[is_known]
+    t, phi, z = finite(t=t, phi=phi, z=z)
     passages = list(_passages(t, phi))
     from scipy.interpolate import CubicSpline
 
@@ -201,7 +194,7 @@ def synchronous(
         # a rounding past the ends would extrapolate
         angle = np.clip(angle, passage.reached[0], passage.reached[-1])
         instants.append(passage.time(angle))
-        resampled.append(CubicSpline(passage.reached, values[passage.rows])(angle))
+        resampled.append(CubicSpline(passage.reached, z[passage.rows])(angle))
     shape = len(result.mark), per_turn
     return Synchronous(
         **vars(result),
@@ -236,6 +229,9 @@ def _passages(t: np.ndarray, phi: np.ndarray) -> Iterator[_Passage]:
         time = PchipInterpolator(reached, t[rows])
         angles = TURN * (first + np.arange(count + 1))
         marks = time(np.clip(angles, reached[0], reached[-1]))
+        if (still := np.flatnonzero(np.diff(marks) <= 0)).size:
+            at = float(marks[still[0]])
+            raise InputError(f"t = {at:g} s: a whole turn takes no time; times must rise")
         edges = begin + np.searchsorted(turned, angles)
         yield _Passage(
             rows,

@@ -241,6 +241,16 @@ def test_of_a_table_that_is_extended_numbers_are_replaced_and_others_stay(tmp_pa
         machine_text("--rotor", tmp_path / "9.toml")
 
 
+def test_an_empty_list_leaves_none_of_the_parts_of_what_is_extended(tmp_path):
+    (tmp_path / "base.toml").write_text(rig_toml())
+    (tmp_path / "own.toml").write_text('extends = "base.toml"\ndisc = []\n')
+    base, rotor = answers.rotor_of(tmp_path / "base.toml"), answers.rotor_of(tmp_path / "own.toml")
+    assert [part.KIND for part in rotor.parts if part.KIND != "disc"] == [
+        part.KIND for part in base.parts if part.KIND != "disc"
+    ]
+    assert len(rotor.parts) == len(base.parts) - 3
+
+
 @pytest.mark.parametrize(
     ("base", "expected"),
     [

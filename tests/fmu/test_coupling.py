@@ -15,6 +15,7 @@ from rotor_fmu.model.message_templates import Message
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError, RunFailed
+from rotor_fmu.fmi.variables import are_alike
 
 from ..processes import run_python
 
@@ -141,6 +142,57 @@ def test_a_pair_that_does_not_connect_both_is_refused(fmu, tmp_path, table, righ
     source.write_text(SOURCE.replace(right, wrong))
     with pytest.raises(InputError, match=rf"steady_motor\.py: {table}: .* partner\.NAME"):
         coupled(Coupling(source), fmu, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "expected"),
+    [
+        (
+            'INITIAL = (("partner.w_start", ',
+            'INITIAL = (("partner.rate", ',
+            r"INITIAL: partner\.rate \[rad/s2\], rotor\.speed \[rad/s\]: must have the same unit$",
+        ),
+        (
+            '"output", "rad/s"',
+            '"output", "Hz"',
+            r"CONNECTIONS: partner\.w \[Hz\], rotor\.speed \[rad/s\]: must have the same unit$",
+        ),
+        (
+            "CONNECTIONS = (",
+            'CONNECTIONS = (("partner.w", "rotor.speed"), ',
+            r"CONNECTIONS: rotor\.speed: has 2 outputs; must have one$",
+        ),
+    ],
+)
+def test_a_connection_of_other_units_or_of_two_outputs_is_refused(
+    fmu, tmp_path, right, wrong, expected
+):
+    """It would run, and its numbers be of another machine."""
+    assert SOURCE.count(right) == 1
+    source = tmp_path / "steady_motor.py"
+    source.write_text(SOURCE.replace(right, wrong))
+    with pytest.raises(InputError, match=rf"^steady_motor\.py: {expected}"):
+        coupled(Coupling(source), fmu, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "expected"),
+    [
+        ("N.m", "J", True),
+        ("Hz", "rad/s", False),
+        ("degC", "degC", True),
+        ("degC", "K", False),
+        ("N/m^1.5", "N/m^1.5", True),
+        ("N/m^1.5", "N/m^2.5", False),
+    ],
+)
+def test_units_are_alike_by_what_they_are_made_of(one, other, expected):
+    assert are_alike(one, other) == expected
+
+
+def test_a_parameter_that_is_no_number_is_refused_by_its_name(coupling, fmu, tmp_path):
+    with pytest.raises(InputError, match=r"\.fmu: rate = 'x': must be a number$"):
+        coupled(coupling, fmu, tmp_path, rate="x")
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,7 @@ class Counted:
         (0.1, 0.3, [0.1]),
         (0.5, 0.3, [0.3, 0.2]),
         (0.3, 0.1, [0.1, 0.1, 0.1]),  # though 0.3 / 0.1 is less than 3
+        (3 * 0.1, 0.1, [0.1, 0.1, 0.1]),  # and this more
     ],
 )
 def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengths):

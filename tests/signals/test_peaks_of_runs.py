@@ -53,6 +53,23 @@ def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first
     assert t[peak_index(t, w, amplitude)] == pytest.approx(1.55)
 
 
+@pytest.mark.parametrize(
+    ("w", "at", "is_peak"),
+    [
+        (lambda t: 100 * (1 + (t / 30) ** 8), 29.8, False),  # within a hundredth of the end
+        (lambda t: 100 * (1 + (t / 30) ** 8), 29.5, True),
+        (lambda t: 2 - t / 30, 27.2, False),  # 3 s of its turns of 6 s
+        (lambda t: 2 - t / 30, 26.8, True),
+        (lambda t: 20 + np.maximum(100 - 10 * t, 0), 20.0, False),  # at the lowest speed, held
+    ],
+)
+def test_a_peak_is_away_from_the_ends_of_the_run_and_of_its_speeds(w, at, is_peak):
+    t = np.linspace(0, 30, 3001)
+    found = peak_index(t, w(t), 9 - abs(t - at))
+    assert (found is not None) == is_peak
+    assert not is_peak or t[found] == pytest.approx(at)
+
+
 def test_what_is_largest_while_the_highest_speed_is_held_is_no_peak():
     t = np.linspace(0, 20, 2001)
     w = np.minimum(20 * t, 300.0)

@@ -67,6 +67,12 @@ def test_a_resonance_has_the_amplification_of_one_over_two_zeta():
     (cut,) = vibration.resonances(speed[speed > 197.5], amplitude[speed > 197.5])
     assert np.isnan(cut.amplification)
     assert vibration.resonances(speed, np.zeros_like(speed)) == []
+    ripple = 0.05 * peak.amplitude * np.sin(speed) * (speed < 150)
+    assert len(vibration.resonances(speed, amplitude + np.abs(ripple))) == 1
+    (backward,) = vibration.resonances(-speed, amplitude)
+    assert backward.amplification == pytest.approx(peak.amplification)
+    (at_once,) = vibration.resonances(speed, amplitude, t=np.zeros_like(speed))
+    assert np.isnan(at_once.rate)
 
 
 def test_full_spectrum_tells_forward_from_backward():
@@ -134,6 +140,33 @@ def test_sense_and_order_of_a_backward_whip():
     assert result.order == pytest.approx(-5, rel=1e-2)
 
 
+def test_a_circle_about_a_place_that_moves_far_is_still_a_circle():
+    """Its radius is a thousandth and less of the way of its middle."""
+    phi = np.linspace(0, 400 * TURN, 40001)
+    for moves in (1e-3 * phi + 2e-7j * phi**2, 1e3 + 0j):
+        whirl = vibration.whirl(phi / 100, phi, np.exp(1j * phi) + moves, turns=4)
+        assert whirl.order == pytest.approx(1.0, abs=2e-4)
+        assert whirl.sense == pytest.approx(1.0, abs=2e-4)
+    tiny = vibration.whirl(phi / 100, phi, 1.0 + 1e-9 * np.exp(1j * phi))
+    assert tiny.order == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_rounding_of_a_place_that_stands_does_not_whirl():
+    phi = np.linspace(0, 100 * TURN, 10001)
+    z = np.where(phi < 50 * TURN, 0.0, 0.7 + 0.1j)
+    with np.errstate(invalid="raise"):
+        result = vibration.whirl(phi / 100, phi, z)
+    stands = np.abs(np.arange(len(result.t)) - len(result.t) / 2) > 10
+    assert (result.sense[stands] == 0.0).all()
+    assert (result.order[stands] == 0.0).all()
+
+
+def test_a_share_of_time_counts_the_time_of_a_straight_path():
+    z = np.array([2 + 1j, -3 + 1j, -3 + 1j])  # two fifths of the first second to the right
+    result = vibration.time_share([0.0, 1.0, 4.0], [5.0] * 3, z, speeds=1, angles=4, pieces=3)
+    assert result.share[0] == pytest.approx([1 / 12, 11 / 12, 0, 0])
+
+
 def test_orbit_begins_at_the_mark_and_holds_whole_turns():
     t, phi = run_down(10.0)
     z = 40e-6 * np.exp(1j * (phi - 0.5)) + 10e-6 * np.exp(-1j * phi)
@@ -174,6 +207,36 @@ def test_a_contact_that_touches_a_quarter_of_each_turn():
     assert result.angle == pytest.approx(1.25 * np.pi, abs=0.02)
     # mean of exp(i psi) over a quarter is 2 sqrt(2) / pi long
     assert result.spread == pytest.approx(1 - 2 * np.sqrt(2) / np.pi, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("angles", "low", "width"),
+    [
+        ((-10, 20, 100), 350, 110),
+        ((100, 20, 50), 20, 80),
+        ((300, 20, 310), 300, 80),
+        ((30, 30), 30, 0),
+    ],
+)
+def test_the_range_of_a_contact_is_all_but_the_widest_gap(angles, low, width):
+    phi = np.radians(np.arange(0, 1081, 10))
+    psi, fn = np.full(len(phi), np.radians(200)), np.zeros(len(phi))
+    for turn in (0, 2):
+        rows = 36 * turn + 5 + np.arange(len(angles))
+        psi[rows], fn[rows] = np.radians(angles) + TURN * turn, 1.0
+    result = vibration.contact(phi / 100, phi, psi, fn)
+    assert np.degrees(result.low) == pytest.approx([low, np.nan, low], nan_ok=True)
+    assert np.degrees(result.width) == pytest.approx([width, np.nan, width], nan_ok=True, abs=1e-9)
+
+
+def test_turns_in_which_nothing_was_recorded_have_no_contact():
+    phi = np.append(np.linspace(0, 3 * TURN, 300), np.linspace(7 * TURN, 9 * TURN, 200))
+    result = vibration.contact(phi / 100, phi, phi, np.ones(len(phi)))
+    assert len(result.t) == len(vibration.turns_of(phi / 100, phi).rows) - 3
+    assert result.mean == pytest.approx(1.0)
+    without_angle = vibration.contact(phi / 100, phi, np.full(len(phi), np.nan), np.ones(len(phi)))
+    assert np.isnan(without_angle.low).all()
+    assert without_angle.share == pytest.approx(1.0)
 
 
 def test_without_a_touch_there_is_no_angle():

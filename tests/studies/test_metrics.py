@@ -299,6 +299,7 @@ def test_the_mean_of_a_motion_that_is_none_is_confirmed_as_its_peak_is():
         ("value", {"speed": 3.0}, 0.0),  # at which the run begins, and stays for a step
         ("value", {"speed": 9.0}, math.nan),
         ("amplitude", {"bins": {"from": 1.0, "to": 3.0, "count": 2}}, [30.0, 10.0]),
+        ("amplitude", {"bins": {"from": 2.5, "to": 3.0, "count": 1}}, [5.0]),  # with both its ends
         ("amplitude", {"bins": {"from": 3.5, "to": 4.5, "count": 2}}, [math.nan, math.nan]),
         ("peak", {"after": 9.0}, math.nan),
         ("mean", {"after": 3.0}, math.nan),
