@@ -36,7 +36,8 @@ class OwnStates(NamedTuple):
         return Following(
             self.between((by.force @ moved).reshape(len(m), 2, len(m), 2)[m, :, m]),
             (self.across.T @ by.force) * size,
-            *(inverse @ rates @ self.across for rates in (by.by_d, by.by_v)),
+            inverse @ by.by_d @ self.across,
+            inverse @ by.by_v @ self.across,
             inverse * size,
         )
 
