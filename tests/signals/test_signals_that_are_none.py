@@ -1,4 +1,5 @@
-"""What is no signal is refused by its argument's name; what was not recorded is left out."""
+"""What is no signal, or what one cannot be asked for, is refused by its argument's name; what was
+not recorded is left out."""
 
 import numpy as np
 import pytest
@@ -127,3 +128,55 @@ def test_resonances_of_a_speed_that_rises_and_falls_are_refused():
     speed, amplitude = (np.append(values, values[::-1]) for values in (PHI, PEAK))
     with pytest.raises(InputError, match=r"^speed = 0 to 0 rad/s: rises by 100 rad/s and falls by"):
         vibration.resonances(speed, amplitude)
+
+
+@pytest.mark.parametrize("function", ["order_track", "cascade", "poincare", "whirl"])
+def test_a_signal_of_too_few_turns_is_refused_with_its_length(function):
+    t = np.linspace(0, 0.01, 50)
+    with pytest.raises(vibration.TooFewTurns, match="holds 0 whole turns"):
+        getattr(vibration, function)(t, 300.0 * t, t + 0j)
+
+
+def test_contacts_and_powers_of_less_than_a_turn_are_refused():
+    t = np.linspace(0, 0.01, 50)
+    with pytest.raises(vibration.TooFewTurns, match="holds 0 whole turns"):
+        vibration.contact(t, 300.0 * t, t, t)
+    with pytest.raises(vibration.TooFewTurns, match="holds 0 whole turns"):
+        vibration.power_by_sink(t, 300.0 * t, {"friction": t})
+
+
+@pytest.mark.parametrize("turns", [0, True, 1.5, "4"])
+@pytest.mark.parametrize(
+    ("function", "more"),
+    [
+        ("order_track", ()),
+        ("cascade", ()),
+        ("whirl", ()),
+        ("displacement", ()),
+        ("orbit", (300.0,)),
+        ("full_spectrum", (300.0,)),
+    ],
+)
+def test_a_number_of_turns_that_cannot_be_is_refused_by_its_name(function, more, turns):
+    t = np.linspace(0, 1, 5000)
+    with pytest.raises(InputError, match=rf"^turns = {turns!r}: must be an integer, at least 1"):
+        getattr(vibration, function)(t, 300.0 * t, t + 0j, *more, turns=turns)
+
+
+def test_what_else_a_signal_cannot_be_asked_for_is_refused_by_its_name():
+    t = np.linspace(0, 1, 5000)
+    signal = t, 300.0 * t, t + 0j
+    with pytest.raises(InputError, match=r"^lines = 0: must be"):
+        vibration.cascade(*signal, lines=0)
+    with pytest.raises(InputError, match=r"^orders: at least one"):
+        vibration.order_track(*signal, [])
+    with pytest.raises(InputError, match=r"^speed = nan rad/s: must be finite"):
+        vibration.orbit(*signal, np.nan)
+    with pytest.raises(InputError, match=r"^per_turn = 0: must be"):
+        vibration.poincare(*signal, per_turn=0)
+    with pytest.raises(InputError, match=r"^most_order = -1: must be"):
+        vibration.cascade(*signal, most_order=-1)
+    with pytest.raises(InputError, match=r"^least = 0: must be"):
+        vibration.resonances(t, t, 0)
+    with pytest.raises(InputError, match=r"^pieces = 0: must be"):
+        vibration.time_share(*signal, pieces=0)
