@@ -9,7 +9,6 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu import vibration
-from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
 
 TURN = 2 * np.pi
