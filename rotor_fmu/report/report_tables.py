@@ -139,9 +139,8 @@ def _amplification(track: vibration.OrderTrack) -> float | str:
 
 def _passes(speed: np.ndarray) -> bool:
     """Return whether a run goes one way through speeds wide apart, as a resonance requires."""
-    ways = np.sign(np.diff(speed[:: max(len(speed) // 50, 1)]))
     span = np.abs(speed)
-    return bool(abs(ways.sum()) == len(ways) and span.max() > 1.3 * span.min())
+    return vibration.goes_one_way(speed) and bool(span.max() > 1.3 * span.min())
 
 
 def _contacts(run: Recording, of: str) -> str:

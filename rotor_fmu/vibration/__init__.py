@@ -29,7 +29,7 @@ from .orbits import (
     whirl,
     whirl_of,
 )
-from .orders import OrderTrack, Resonance, order_track, order_track_of, resonances
+from .orders import OrderTrack, Resonance, goes_one_way, order_track, order_track_of, resonances
 from .recorded import TooFewRows, TooFewTurns
 from .spectra import (
     Cascade,

@@ -158,6 +158,12 @@ def order_track_of(
     return OrderTrack(*at, tuple(orders), forward, backward)
 
 
+def goes_one_way(speed: np.ndarray) -> bool:
+    """Return whether a speed, shape (m,), goes back nowhere by more than a tenth of its range."""
+    back = [(side * speed - np.minimum.accumulate(side * speed)).max(initial=0) for side in (1, -1)]
+    return not len(speed) or bool(min(back) <= _BACK * np.ptp(speed))
+
+
 def resonances(
     speed: np.ndarray, amplitude: np.ndarray, least: float = 0.1, t: np.ndarray | None = None
 ) -> list[Resonance]:
@@ -175,12 +181,8 @@ def resonances(
         time = np.full(len(n), np.nan)
     else:
         n, a, time = finite(speed=speed, amplitude=amplitude, t=t)
-    rose, fell = ((side * n - np.minimum.accumulate(side * n)).max(initial=0.0) for side in (1, -1))
-    if min(rose, fell) > _BACK * np.ptp(n):
-        raise InputError(
-            f"speed = {n[0]:g} to {n[-1]:g} rad/s: rises by {rose:g} rad/s and falls by {fell:g} "
-            "rad/s; must go one way"
-        )
+    if not goes_one_way(n):
+        raise InputError(f"speed: {n.min():g} to {n.max():g} rad/s, up and down; must go one way")
     order = np.argsort(n, kind="stable")
     n, a, time = n[order], a[order], time[order]
     floor = least * a.max(initial=0.0)

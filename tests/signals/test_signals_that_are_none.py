@@ -126,8 +126,14 @@ def test_samples_too_few_for_a_path_are_refused(function, per_turn):
 
 def test_resonances_of_a_speed_that_rises_and_falls_are_refused():
     speed, amplitude = (np.append(values, values[::-1]) for values in (PHI, PEAK))
-    with pytest.raises(InputError, match=r"^speed = 0 to 0 rad/s: rises by 100 rad/s and falls by"):
+    with pytest.raises(InputError, match=r"^speed: 0 to 100 rad/s, up and down; must go one way$"):
         vibration.resonances(speed, amplitude)
+
+
+@pytest.mark.parametrize(("back", "one_way"), [(5.0, True), (20.0, False)])
+def test_a_speed_goes_one_way_though_it_goes_back_a_little(back, one_way):
+    speed = np.append(np.linspace(0.0, 60.0, 999), [60.0 - back, 100.0])
+    assert vibration.goes_one_way(speed) == vibration.goes_one_way(-speed) == one_way
 
 
 @pytest.mark.parametrize("function", ["order_track", "cascade", "poincare", "whirl"])
