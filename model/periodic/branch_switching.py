@@ -28,10 +28,6 @@ _MOST_BRANCHES = 24
 def follow_switched(search: BranchSearch) -> None:
     """Follow the branches from all bifurcations, also from those on the new branches."""
     branches = search.result.branches
-    if search.result.task.is_whirl:
-        text = "branches that begin at bifurcations of a whirl by itself are not followed"
-        search.result.notes.append(Message(text, "few-branches"))
-        return
     for branch in branches:  # which grows
         for bifurcation in branch.bifurcations:
             if bifurcation.kind not in (DOUBLING, BRANCHING):

@@ -27,7 +27,8 @@ from .mesh import POINTS
 
 _SAMPLED = np.array([*POINTS[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
 _LEAST, _MOST = 96, 1024  # steps a turn
-_KEPT = 200.0  # modes up to so many times the highest frequency of the orbit are kept
+_KEPT = 200.0  # modes up to so many times the highest frequency of the orbit are kept,
+_KEPT_ANYHOW = 2  # and so many of a motion that is slower than all modes
 
 
 class Multipliers(NamedTuple):
@@ -218,6 +219,7 @@ def modal_basis(
     # of the symmetric part of K, mass-normalized
     squares, shapes = scipy.linalg.eigh(0.5 * (K + K.T), M)
     slow = squares < (_KEPT * frequencies.highest) ** 2
+    slow[:_KEPT_ANYHOW] = True
     P, rest = shapes[:, slow], shapes[:, ~slow]
     n = P.shape[1]
     frequency = frequencies.frequency

@@ -13,6 +13,7 @@ from ..quantities import QuantityError
 
 TOLERANCE = 1e-9  # of Newton's last correction, where equations are as exact as that
 _LEAST_DAMPING = 1e-3  # factor of a correction
+_MOST_LEAST = 4  # corrections with it: the residual has a minimum near by, or a corner, but no root
 _ROUNDING_RESIDUAL = 1e-9  # a smaller residual is rounding
 _SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is predicted, with a margin
 
@@ -41,8 +42,9 @@ class NotConverged(RuntimeError):
 
 
 def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
-    """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`."""
-    x, corrections = x.copy(), []
+    """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`,
+    also where corrections along which the residual does not decrease recur."""
+    x, corrections, failed = x.copy(), [], 0
     for _ in range(iterations):
         residual, jacobian = equations.linearized(x, value)
         step = -solve_linear(jacobian, residual)
@@ -54,8 +56,11 @@ def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 4
         damping = damping_factor(equations, residual, x, value, step, 0.0, most)
         corrections.append(damping * size)
         x += damping * step
+        failed += most > damping <= _LEAST_DAMPING
         if size <= equations.tolerance * (1.0 + np.linalg.norm(x)):
             return x
+        if failed == _MOST_LEAST:
+            break
     raise NotConverged(corrections)
 
 

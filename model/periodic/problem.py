@@ -21,6 +21,7 @@ from .harmonic_count import Accuracy
 from .linear_structure import CondensedMachine
 
 SPEED = "speed"
+_SLOWEST = 1e-6  # rad/s, a turn in ten weeks; a machine that turns slower is one of wrong units
 KEPT = 8  # machines, or equations, at the last values of a parameter
 
 Machines = Callable[[float], CondensedMachine]  # of a value of the parameter
@@ -131,11 +132,15 @@ def check(rotor: Rotor, task: Task) -> None:
         raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
     if task.is_whirl and task.turns != 1:
         raise PeriodicError(f"period = {task.turns}: must be 1 with whirl, whose period is its own")
+    if task.is_whirl and task.follows_bifurcations:
+        raise PeriodicError("branches: not with whirl, at whose bifurcations none are followed")
     check_parts(rotor)
     _check_returning(rotor)
     speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)
     for speed in speeds:
         check_positive("speed", speed, "rad/s", PeriodicError)
+        if speed < _SLOWEST:
+            raise PeriodicError(f"speed = {speed:g} rad/s: must be at least {_SLOWEST:g} rad/s")
         for allowed in speed_ranges(rotor):
             if not allowed.holds(speed):
                 raise PeriodicError(allowed.beyond.format(speed=speed))

@@ -22,6 +22,7 @@ _MOST_GUESSES = 8
 _LOWERED = (0.0, 0.1, 0.3, 0.6, 0.9)  # in clearances, where rest is looked for
 _CLEAR = 0.2  # clearances, that a motion may come nearer to pads that bear nothing
 _IDLE = 1e-9  # of the largest force by a state: one of a pad that bears nothing
+_EDGE = 1e-6  # of a state's size: as near to where a pad just bears nothing is rounding
 _SIZES = (0.7, 0.5, 0.9, 0.3, 0.1)  # of whirls, in clearances
 
 
@@ -99,7 +100,8 @@ class _RestOnFilms:
         circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         around = _CLEAR * (circle[:, None] * laws.length[:, None]).reshape(len(angles), -1)
         near = laws.at_rest(np.vstack([d, d + around]), of.speed)[-1]
-        at = laws.tangents(d[None], 0 * d[None], near[:1], scale, of.speed)
+        back = near[:1] - _EDGE * scale  # where a pad that is just at its edge bears nothing
+        at = laws.tangents(d[None], 0 * d[None], back, scale, of.speed)
         acts = np.abs(at.by_states * scale).max(axis=(0, 1), initial=0.0)
         return np.where(acts > _IDLE * acts.max(initial=0.0), near[0], near.min(axis=0)) / scale
 

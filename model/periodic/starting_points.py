@@ -77,8 +77,7 @@ def guesses(
             yield settled(_PERIODS[0], circle, machine.expanded(parts, amplitudes(circle.b)))
     except (StepFailure, EquilibriumError) as error:
         failures.append(str(error))
-    at_rest = at_rest or rest_position(problem, value)
-    if at_rest is not None:
+    if not machine.laws.has_moving_films and (at_rest := rest_position(problem, value)):
         yield at_rest
 
 

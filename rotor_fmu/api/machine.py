@@ -221,7 +221,8 @@ def response(
     start : Solution, optional
         A motion of `at` or `points` of an earlier result, from which alone branches are followed.
     branches : bool, optional
-        Whether branches that begin at period doublings and branch points are followed too.
+        Whether branches that begin at period doublings and branch points are followed too; not with
+        `whirl`.
 
     Returns
     -------

@@ -317,10 +317,7 @@ def _unit_of(option: str, name: str, units: Mapping[str, str]) -> str:
 
 def _pairs(option: str, texts: list[str] | None, unit_of: Callable[[str], str]) -> dict[str, float]:
     """Return values in SI units of each `NAME=VALUE`."""
-    result = {}
-    for text in texts or []:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not equals:
-            raise InputError(f"{option} {text}: must be NAME=VALUE")
-        result[name] = in_si(f"{option} {name} =", value, unit_of(name))
-    return result
+    from ..runs.settings_text import named_texts
+
+    given = named_texts(option, texts or []).items()
+    return {name: in_si(f"{option} {name} =", value, unit_of(name)) for name, value in given}

@@ -77,7 +77,7 @@ def speed_range(text: str | None, points: int, option: str = "--speed") -> np.nd
 
 def number_range(text: str, points: int, option: str, si: str) -> np.ndarray:
     """Numbers in an SI unit of `FROM:TO[:POINTS]`, or a single one; a unit stands behind one of the
-    ends, or behind both."""
+    ends, or behind both; points: without POINTS, 2 where the caller takes the ends alone."""
     pieces = text.split(":")
     if len(pieces) == 1:
         return np.array([in_si(option, text, si)])
@@ -93,13 +93,17 @@ def number_range(text: str, points: int, option: str, si: str) -> np.ndarray:
 def _ends(pieces: list[str], points: int, shown: str) -> tuple[float, float, int, str]:
     """Return both ends, the number of points and the unit, empty where there is none."""
     ends = [split(piece) for piece in pieces[:2]]
+    for which, piece, end in zip(("FROM", "TO"), pieces, ends, strict=False):
+        if end is None and piece.strip():
+            raise InputError(f"{shown}: {which} must be a finite number, not {piece.strip()}")
     try:
         count = int(pieces[2]) if len(pieces) > 2 else points
         (low, unit), (high, other) = (end for end in ends if end is not None)
         if len(pieces) > 3:
             raise ValueError
     except ValueError as error:
-        raise InputError(f"{shown}: must be FROM:TO or FROM:TO:POINTS") from error
+        form = "FROM:TO" if points == 2 else "FROM:TO or FROM:TO:POINTS"
+        raise InputError(f"{shown}: must be {form}") from error
     if unit and other and unit.lower() != other.lower():
         raise InputError(f"{shown}: must have one unit, not {unit} and {other}")
     return low, high, count, unit or other

@@ -104,6 +104,8 @@ def response_request(
         if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
         check_names(rotor.parameters(), [name])
+        if name in parameters:
+            raise InputError(f"{name}: is varied; it cannot be given one value too")
         held, ends = number("speed", speed), numbers("over", over[1:])
     is_list = isinstance(ends, (tuple, list)) or getattr(ends, "ndim", 0) == 1
     if not is_list or len(ends) != 2:

@@ -15,6 +15,22 @@ from ..units import number
 _TRUTHS = {"true": True, "false": False, "1": True, "0": False}
 
 
+def named_texts(option: str, texts: Sequence[str]) -> dict[str, str]:
+    """Return the values, as given, by name from the `NAME=VALUE` texts of an option.
+
+    Raises `InputError` for another form, and for a repeated name.
+    """
+    values: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            raise InputError(f"{option} {text}: must be NAME=VALUE")
+        if name in values:
+            raise InputError(f"{option} {name}: is given twice")
+        values[name] = value
+    return values
+
+
 def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
     """Return the values by name from `NAME=VALUE` texts; choices may be given by number or by name.
 
@@ -22,16 +38,11 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
     """
     known = {v.name: v for v in table if not v.is_observed}
     values = {}
-    for text in settings:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not equals:
-            raise InputError(f"--set {text}: must be NAME=VALUE")
+    for name, value in named_texts("--set", settings).items():
         observed = next((v for v in table if v.is_observed and v.name == name), None)
         if observed is not None:
             raise InputError(f"--set {name}: is an output, which the model computes")
         variable = known[known_name("--set", name, known, OTHER_NAMES)]
-        if name in values:
-            raise InputError(f"--set {name}: is given twice")
         values[name] = value_of(f"--set {name}", variable, value)
         if variable.is_unset_at_start and values[name] == variable.start:
             raise InputError(
@@ -51,7 +62,7 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
     every = interface(rotor, is_free)
     table = [v for v in every if v.choices or v.name.startswith(PREFIX)]
     others = {v.name for v in every} - {v.name for v in table}
-    for name in (text.partition("=")[0].strip() for text in settings):
+    for name in named_texts("--set", settings):
         if name in others:
             raise InputError(f"--set {name}: is neither a parameter of the solver nor a choice")
     values = parse_settings(table, settings)

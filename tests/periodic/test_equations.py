@@ -306,3 +306,23 @@ def test_the_tangents_of_a_race_that_rolls_are_those_of_its_curve():
     above, below = (problem.residual(x, last.value + side * step) for side in (1, -1))
     exact = (above - below) / (2 * step) * problem.parameter.scale
     assert np.linalg.norm(by_speed - exact) < 5e-4 * np.linalg.norm(exact)
+
+
+def test_newtons_method_gives_up_at_a_corner_that_is_a_minimum_of_the_residual():
+    """Where every correction fails, instead of trying as many as it has."""
+
+    class _Corner:
+        tolerance, damped_beyond = newton.TOLERANCE, 0.0
+        linearizations = 0
+
+        def residual(self, x, value):
+            return 1.0 + np.abs(x)
+
+        def linearized(self, x, value):
+            self.linearizations += 1
+            return self.residual(x, value), np.diag(np.where(x < 0.0, -1.0, 1.0))
+
+    corner = _Corner()
+    with pytest.raises(newton.NotConverged):
+        newton.solve(corner, np.array([0.3]), 0.0)
+    assert corner.linearizations < 20

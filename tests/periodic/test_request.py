@@ -14,6 +14,7 @@ from .machines import FAINT_RUB
         ({"speed": 100.0}, "speed = 100.0: must be FROM and TO"),
         ({"period": 2.5}, "period = 2.5: must be an integer from 1 to 16"),
         ({"period": 2, "whirl": True}, "^period = 2: must be 1 with whirl, "),
+        ({"branches": True, "whirl": True}, "^branches: not with whirl, "),
         ({"harmonics": 5.5}, "harmonics = 5.5: must be an integer from 1 to 500"),
         ({"harmonics": "few"}, "harmonics = few: must be an integer from 1 to 500"),
         ({"seeds": 5}, "^seeds = 5: must be a list of numbers$"),

@@ -8,7 +8,9 @@ import scipy.linalg
 from rotor_fmu.model.periodic.fourier import basis
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
-from .machines import OMEGA, jeffcott
+import rotor_fmu as rf
+
+from .machines import CLEARANCE, FAINT, FAINT_RUB, OMEGA, jeffcott
 
 _GAUSS = np.array([0.5 - math.sqrt(3) / 6, 0.5 + math.sqrt(3) / 6])
 
@@ -107,3 +109,11 @@ def test_multipliers_are_those_of_hills_method(curve):
     for point in rubbing[:: len(rubbing) // 5]:
         sizes = -np.sort(-np.abs(hill(linear, point.orbit, 6)))
         assert np.abs(point.multipliers[:4]) == pytest.approx(sizes[:4], rel=1e-4)
+
+
+def test_a_motion_far_slower_than_all_modes_is_stable():
+    """Which it would have none of, and moves as far as the unbalance bends the support."""
+    result = rf.response(FAINT_RUB, speed=(0.001, 0.0011), step=3.0)
+    assert all(point.is_stable for point in result.points)
+    still = FAINT * CLEARANCE * (0.001 / OMEGA) ** 2
+    assert result.amplitude(result.points[0], "disc") == pytest.approx(still, rel=1e-6)

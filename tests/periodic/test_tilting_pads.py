@@ -101,3 +101,15 @@ def test_pads_that_bear_and_do_not_move_have_the_derivatives_of_their_rates():
     above, below = np.split(laws.forces(still, still, states, SPEED).rates, 2)
     assert seen == pytest.approx((above - below).T / (2 * step), rel=1e-4, abs=1e-6 * SPEED)
     assert (np.diag(seen) < -0.1 * SPEED).all()
+
+
+@pytest.mark.parametrize("pivot", [0.0, 1e8])
+def test_pads_without_preload_of_a_vertical_rotor_leave_it_to_its_other_supports(pivot):
+    """None bears at rest, where each is at the edge of bearing: it whirls between them freely."""
+    result = rf.response(on_pads(0.0, pivot=pivot), speed=(SPEED, 1.01 * SPEED), step=3.0)
+    (branch,) = result.branches
+    assert branch.ends == ("start", "end of the range")
+    free = 8.0 * 2e-6 * SPEED**2 / abs(10.0 - 8.0 * SPEED**2 + 10.0j * SPEED)
+    (point,) = result.at(SPEED)
+    assert np.hypot(*point.orbit.b[1:3, 0]) == pytest.approx(free, rel=1e-6)
+    assert result.check(point, 5).stays
