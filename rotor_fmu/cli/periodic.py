@@ -179,15 +179,15 @@ def _show(result: "ResponseResult", out: Path) -> None:
 def write_response(
     result: "ResponseResult", name: str, summary: dict[str, Any], folder: Path
 ) -> None:
-    """Write the picture, the page and the numbers of a response; name: of the machine."""
+    """Write the numbers, the picture and the page of a response; name: of the machine."""
     from ..periodic.response_page import response_page
     from ..plotting.figure_style import save
     from ..report.run_page import write_page
 
+    write_json(summary, folder / "response.json")  # first, at once: the pictures take seconds
     if result.points:
         save(result.figure(), folder / "response.png")
         write_page(lambda: response_page(result, name), folder / "response.html")
-    write_json(summary, folder / "response.json")
 
 
 @contextmanager

@@ -23,7 +23,7 @@ def named_texts(option: str, texts: Sequence[str]) -> dict[str, str]:
     values: dict[str, str] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
-        if not equals:
+        if not (name and equals):
             raise InputError(f"{option} {text}: must be NAME=VALUE")
         if name in values:
             raise InputError(f"{option} {name}: is given twice")

@@ -30,6 +30,7 @@ from ..processes import run_anew
         (["--hold", "1e300"], "stop = 1e+300 s: would give 2.5e+302 rows at the communication st"),
         (["--preset", "robusd"], "did you mean robust?"),
         (["--set", "gravity"], "--set gravity: must be NAME=VALUE"),
+        (["--set", "=3"], "--set =3: must be NAME=VALUE"),
         (["--set", "gravity=heavy"], "--set gravity = heavy: must be a number, in m/s2"),
         (["--set", "gravity=nan"], "--set gravity = nan: must be"),
         (["--set", "gravity=-1"], "--set gravity = -1: must be a finite number >= 0 m/s2"),

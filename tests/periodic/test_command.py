@@ -10,6 +10,7 @@ from rotor_fmu.model.periodic.starting_points import Persistence
 from rotor_fmu.model.simulation import StepFailure
 
 import rotor_fmu as rf
+from rotor_fmu.plotting import figure_style
 
 from .machines import jeffcott
 
@@ -109,6 +110,18 @@ def test_a_curve_whose_check_is_stopped_is_written(process, tmp_path, monkeypatc
     assert {"response.json", "response.png", "response.html"} <= {
         path.name for path in (tmp_path / "out").iterdir()
     }
+
+
+def test_a_curve_whose_picture_is_stopped_has_its_numbers(process, tmp_path, monkeypatch):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(figure_style, "save", stopped)
+    asked = ("--speed", "100:110", "--out", "out")
+    done = process("response", "--rotor", str(JEFFCOTT), *asked)
+    assert done.returncode == 130
+    assert done.stderr.splitlines()[-1].startswith("rotor-fmu: stopped")
+    assert json.loads((tmp_path / "out" / "response.json").read_text())["branches"]
 
 
 def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process, tmp_path):
