@@ -2,9 +2,11 @@
 
 import numpy as np
 from matplotlib.text import Text
+from rotor_fmu.model.linear.stability_levels import LEAST_LOG_DEC, StabilityCase
 
 from rotor_fmu.linear import answers
 from rotor_fmu.linear.linear_plots import FAINT
+from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
 
 from ..toml_text import table
@@ -60,3 +62,15 @@ def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_no
     for i, box in enumerate(boxes):
         assert not box.count_overlaps(boxes[:i])
         assert not any(box.contains(*dot) for dot in dots)
+
+
+def test_the_decrements_of_stability_level_2_are_written_beside_the_required_one():
+    values = (-1.4, 0.09, 0.3)
+    cases = [StabilityCase(f"case {value}", value, 100.0, value, 100.0) for value in values]
+    figure = StabilityLevel2(300.0, tuple(cases)).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    required = axes.transData.transform([LEAST_LOG_DEC, 0.0])[0]
+    boxes = [Text.get_window_extent(text) for text in axes.texts]
+    assert len(boxes) == len(values)
+    assert all(box.x0 > required for box in boxes)
