@@ -33,10 +33,12 @@ class OwnStates(NamedTuple):
         size = np.abs(moved).max(axis=1)
         size[size == 0.0] = 1.0
         inverse /= size[:, None]
+        by_d, by_v = (inverse @ rates @ self.across for rates in (by.by_d, by.by_v))
         return Following(
             self.between((by.force @ moved).reshape(len(m), 2, len(m), 2)[m, :, m]),
             (self.across.T @ by.force) * size,
-            *(inverse @ rates @ self.across for rates in (by.by_d, by.by_v)),
+            by_d,
+            by_v,
             inverse * size,
         )
 
