@@ -1,10 +1,14 @@
 """Pictures of linear analyses: what is read in them covers nothing else."""
 
 import numpy as np
+import pytest
 from matplotlib.text import Text
+from rotor_fmu.model.linear.amplification import Peak
 from rotor_fmu.model.linear.stability_levels import LEAST_LOG_DEC, StabilityCase
+from rotor_fmu.model.linear.unbalance_check import ProbeCritical
 
 from rotor_fmu.linear import answers
+from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
@@ -74,3 +78,13 @@ def test_the_decrements_of_stability_level_2_are_written_beside_the_required_one
     boxes = [Text.get_window_extent(text) for text in axes.texts]
     assert len(boxes) == len(values)
     assert all(box.x0 > required for box in boxes)
+
+
+@pytest.mark.parametrize("factor", [0.5, 3.0, 3e4])
+def test_what_is_critically_damped_is_written_within_the_picture_of_amplification_factors(factor):
+    peak = Peak(100.0, 1e-5, 100.0 - 50.0 / factor, 100.0 + 50.0 / factor)
+    figure = CriticalPeaks((ProbeCritical(1, "x", peak, None),)).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    words = Text.get_window_extent(axes.texts[0])
+    assert axes.bbox.y0 < words.y0 < words.y1 < axes.bbox.y1
