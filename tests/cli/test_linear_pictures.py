@@ -7,6 +7,7 @@ from rotor_fmu.model.linear.amplification import Peak
 from rotor_fmu.model.linear.stability_levels import LEAST_LOG_DEC, StabilityCase
 from rotor_fmu.model.linear.unbalance_check import ProbeCritical
 
+from rotor_fmu.balancing.result import Balancing, Vibration
 from rotor_fmu.linear import answers
 from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
@@ -88,3 +89,18 @@ def test_what_is_critically_damped_is_written_within_the_picture_of_amplificatio
     (axes,) = figure.axes
     words = Text.get_window_extent(axes.texts[0])
     assert axes.bbox.y0 < words.y0 < words.y1 < axes.bbox.y1
+
+
+def test_a_balancing_at_several_speeds_has_a_picture_of_each():
+    """Whose vibrations differ in size: at 30 rad/s they are a dot beside those at 300 rad/s."""
+    seen = [
+        Vibration(2, axis, speed, speed**2 * 1e-9, 0.0, 0.0)
+        for speed in (30.0, 300.0)
+        for axis in "xy"
+    ]
+    numbers = {"influence": np.zeros((4, 1)), "rank": 1, "touches": False, "settles": True}
+    found = Balancing((), tuple(seen), (), service_speed=300.0, messages=(), **numbers)
+    slow, fast = found.figure().axes
+    assert [text.get_text() for text in slow.texts] == ["2x", "2y"]
+    assert (slow.get_title(loc="left") or slow.get_title()).endswith("; at 4.7746 Hz")
+    assert fast.viewLim.width == pytest.approx(100.0 * slow.viewLim.width)
