@@ -32,8 +32,10 @@ _AROUND = np.concatenate([-_ABOVE[::-1], _ABOVE])
 _ROUNDING = 1e-10  # of the largest answer: what is smaller has no peaks
 _FLAT = 1e-4  # of a peak: what rises less is rounding beside an undamped mode that nothing drives
 # Of a speed: so near a peak, though far from how exactly it is found, the response is the same on
-# both sides, in what it falls by; less than that, of the peak, is rounding.
-_BESIDE, _FALLS = 1e-6, 1e-8
+# both sides, in what it falls by; less than that, of the peak, is rounding. At the nearer distance
+# a step shows though it is small; at the other one though its edge is not sharp: whether a pad
+# bears there depends, within rounding, on where its equilibrium was looked for from.
+_BESIDE, _FALLS = (1e-6, 1e-5), 1e-8
 # Damping ratio: a sharper peak is not looked at more closely. Ten times as close, the rounding of
 # some machines rises by 1e-5.
 _SHARPEST = 1e-5 / (2 * math.pi)
@@ -141,8 +143,11 @@ def _is_step(response: Callable[[float], float], speed: float, largest: float) -
     """Return whether a response does not fall alike on both sides of what was found as its top: it
     has a step there, as where a pad that tilts begins to bear. No mode is near then, and a factor
     of amplification means nothing."""
-    less, more = sorted(1.0 - response(speed * (1.0 + by)) / largest for by in (-_BESIDE, _BESIDE))
-    return max(-less, more) > _FALLS and less < 0.5 * more
+    for apart in _BESIDE:
+        less, more = sorted(1.0 - response(speed * (1.0 + by)) / largest for by in (-apart, apart))
+        if max(-less, more) > _FALLS and less < 0.5 * more:
+            return True
+    return False
 
 
 def inner_peaks(values: np.ndarray) -> list[int]:

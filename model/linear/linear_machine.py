@@ -40,7 +40,6 @@ from .supports import (
     are_linear,
     interfaces,
     not_held,
-    pin_forces,
     rigid_motions,
     seat,
     supports,
@@ -68,8 +67,8 @@ class LinearMachine:
     """A machine for linear analyses.
 
     contacts: `open` or `pinned`; None: open where the machine is held without its contacts, else
-    pinned. Raises `LinearError` for another word. system: where matrices of its unknowns have
-    numbers, with the shaft's strain.
+    pinned. Raises `LinearError` for another word. full: matrices of every dof; system: where those
+    of its unknowns have numbers, with the shaft's strain.
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
@@ -84,7 +83,7 @@ class LinearMachine:
         self._viscous = numbers.eta_v * np.eye(2)
         self._soft = float(_SOFT * numbers.lowest_omega**2)  # what of the masses is no stiffness
         self.supports = supports(rotor)
-        self._full = matrices_of(rotor, self.structure)
+        self.full = matrices_of(rotor, self.structure)
         self.laws = LawsAtRest(self.structure.laws, self.structure.interfaces)
         self._set_contacts(contacts or OPEN)
         if contacts is None and len(self.pinned) and not self.is_held:
@@ -99,7 +98,7 @@ class LinearMachine:
         falls = np.array([e.law.seat is not None for e in interfaces(self.rotor)], bool)
         self._lengths = np.where(self._acts, np.where(falls, self._fall, lengths_of(s)), 0.0)
         self._is_curved = ~are_linear(self.rotor)
-        full, size = self._full, len(s.weight) + len(s.housings) + 1
+        full, size = self.full, len(s.weight) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
         self._unknown = unknown = unknowns(size, held)
@@ -236,7 +235,7 @@ class LinearMachine:
 
         def lead(at: np.ndarray, of_laws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             # not by what is left: that is small numbers of large ones where the shaft is stiff
-            of_laws = of_laws - to_complex(self._tangent(linear.laws.by_d, at))
+            of_laws = of_laws - to_complex(self.tangent(linear.laws.by_d, at))
             return solve(force + onto @ in_plane(of_laws) + self._soft * (M @ at))
 
         return lead
@@ -302,33 +301,11 @@ class LinearMachine:
         none, own = np.zeros(self.system.B.shape[0]), self.laws.states.copy()
         return Linear(speed, self.system, self._M, D, K, self._strain(speed), at, none, laws, own)
 
-    def _tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Return the matrix of tangents by interface, x and y in turn."""
+    def tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Return tangents by interface, shape (interfaces, 2, 2), times what displacements of the
+        unknowns are across each, x and y in turn, shape (2 interfaces,)."""
         d = (self._across @ u).reshape(-1, 2)
         return np.einsum("jab,jb->ja", tangents, d).ravel()
-
-    def loads(
-        self, linear: Linear, u: np.ndarray, pull: np.ndarray, force: np.ndarray, omega: float
-    ) -> np.ndarray:
-        """Return loads on springs, then interfaces, in x, y, shape (springs + interfaces, 2) [N].
-
-        The machine moves as Re(u exp(i omega t)), its elements pulling with `pull`, under `force`,
-        x, y of every dof; at omega = 0 it rests.
-        """
-        s = self.structure
-        whole = self.expand @ u
-        motion = np.column_stack([whole[::2], whole[1::2]])
-        factor = s.springs.stiffness + 1j * omega * s.springs.damping
-        springs = factor[:, None] * motion[s.springs.dof]
-        tangents = linear.laws.by_d + 1j * omega * linear.laws.by_v
-        acting = -self._tangent(tangents, u).reshape(-1, 2).astype(complex)
-        if omega == 0.0:
-            acting = -in_plane(linear.laws.force).reshape(-1, 2).astype(complex)
-        if self.contacts == PINNED and len(self.pinned):
-            left = force - self._full.strained.T @ pull
-            left = left - self._full.resistance(linear.speed, 1j * omega, whole)
-            acting[self.pinned] = pin_forces(self.across, self.pinned, left, acting)
-        return np.concatenate([springs, acting])
 
     def _holds(self, *places: Linear) -> bool:
         """Return whether the stiffness, the mean of these places, resists every rigid motion."""

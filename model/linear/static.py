@@ -12,6 +12,7 @@ from ..quantities import STANDARD_GRAVITY
 from ..structure.structure import total_mass
 from .linear_machine import CHANGE, LinearError, LinearMachine
 from .modes import check_speed
+from .support_loads import support_loads
 
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 _NO_LOAD = 1e-10  # of the rotor's weight: what films bear that nothing loads is their rounding
@@ -66,7 +67,9 @@ def static(
     whole = without_rounding(machine.expand @ linear.rest, CHANGE * s.numbers[0].small)
     x, y = whole[::2], whole[1::2]
     n = 2 * len(machine.nodes)
-    bears = machine.loads(linear, linear.rest, linear.pull, machine.weight + force, 0.0).real
+    bears = support_loads(
+        machine, linear, linear.rest, linear.pull, machine.weight + force, 0.0
+    ).real
     bears = without_rounding(bears, _NO_LOAD * total_mass(s) * STANDARD_GRAVITY)
     return Static(
         speed=speed,

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, InterfaceElement, MountElement, SpringElement
@@ -69,20 +68,6 @@ def rigid_motions(nodes: np.ndarray, size: int) -> np.ndarray:
         motions[plane : 2 * n : 4, 2 + plane] = nodes - nodes.mean()
         motions[2 + plane : 2 * n : 4, 2 + plane] = 1.0
     return motions
-
-
-def pin_forces(
-    across: sp.csr_matrix, pinned: np.ndarray, left: np.ndarray, acting: np.ndarray
-) -> np.ndarray:
-    """Return the forces on the pins, which balance all others, shape (pins, 2) [N].
-
-    across: the interfaces' displacements by those of every dof, the last two ground's; pinned:
-    which interfaces; left: force on every dof [N, N.m] but of the interfaces; acting: of these,
-    those of pins 0.
-    """
-    rows = across[np.column_stack([2 * pinned, 2 * pinned + 1]).ravel()].toarray().T[:-2]
-    left = left - across.T @ acting.ravel()
-    return np.linalg.lstsq(rows, left[:-2], rcond=None)[0].reshape(-1, 2)
 
 
 def unsprung(rotor: Rotor) -> list[str]:

@@ -18,6 +18,7 @@ from . import orbit
 from .linear_machine import LinearMachine
 from .modes import check_speed
 from .static import check_node
+from .support_loads import support_loads
 from .system_at_speed import LinearError
 
 _ROUNDING = 1e-14  # of unbalances at a node: a smaller sum of them is none
@@ -164,7 +165,7 @@ class SteadyWhirl:
         linear = machine.at(speed)
         force = speed**2 * self._pull
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
-        loads = partial(machine.loads, linear, u, pull, force, speed)
+        loads = partial(support_loads, machine, linear, u, pull, force, speed)
         return (machine.expand @ u).reshape(-1, 2), loads
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:

@@ -26,6 +26,7 @@ from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
 from .orbit import AT_REST, lengths_of_nodes
 from .real_matrices import Between, differences
+from .support_loads import support_loads
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
 _APART = 1e-9  # of a matrix: what is smaller is rounding, and couples nothing
@@ -199,7 +200,7 @@ class UndampedMachine:
             linear = machine.loaded(speed)
         except LinearError:
             return np.nan
-        loads = machine.loads(linear, linear.rest, linear.pull, machine.weight, 0.0)
+        loads = support_loads(machine, linear, linear.rest, linear.pull, machine.weight, 0.0)
         load = float(np.linalg.norm(loads[self._held[i]]))
         return float(m * part.k ** (1.0 / m) * load ** (1.0 - 1.0 / m))
 

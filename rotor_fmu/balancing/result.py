@@ -6,14 +6,16 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..display import current, speed_with_unit
 from ..linear.displayed import Displayed
 from ..linear.linear_plots import titled
 from ..linear.linear_tables import Table
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_figure
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_panels
 
+_COLUMNS = 3  # of pictures beside each other
 _LINEAR = 0.1  # of the initial vibration: what a linear machine's differs by from the expected one
 
 
@@ -148,8 +150,21 @@ class Balancing(Displayed):
         return Table(title, heads, [*planes, *left_in_planes, *measured])
 
     def figure(self) -> Figure:
-        """Draw the vibration before and after, in the complex plane."""
-        figure, axes = new_figure(5.4, 5.2)
+        """Draw the vibration before and after, in the complex plane, at each speed for itself."""
+        speeds = list(dict.fromkeys(v.speed for v in self.vibrations))
+        columns = min(len(speeds), _COLUMNS)
+        rows = math.ceil(len(speeds) / columns)
+        figure, panels = new_panels(5.4 * columns, 5.2 * rows, rows, columns)
+        for spare in panels[len(speeds) :]:
+            spare.remove()
+        for axes, speed in zip(panels, speeds, strict=False):
+            self._draw(axes, [v for v in self.vibrations if v.speed == speed])
+            title = titled(self.machine_name, "1x vibration, its angle from the mark")
+            at = f"; at {speed_with_unit(speed)}" if len(speeds) > 1 else ""
+            entitle(axes, title + at)
+        return figure
+
+    def _draw(self, axes: Axes, vibrations: list[Vibration]) -> None:
         d = current()
         axes.axhline(0, color=GREY, lw=0.8)
         axes.axvline(0, color=GREY, lw=0.8)
@@ -158,9 +173,9 @@ class Balancing(Displayed):
             ("expected", "expected", GREEN, "x"),
             ("corrected", "with the correction", BLUE, "s"),
         ):
-            values = np.array([getattr(v, kind) for v in self.vibrations]) * d.amplitude
+            values = np.array([getattr(v, kind) for v in vibrations]) * d.amplitude
             axes.plot(values.real, values.imag, mark, color=color, ms=6, mfc="none", label=label)
-        for v in self.vibrations:
+        for v in vibrations:
             at = v.initial * d.amplitude
             annotate(axes, f"{v.node}{v.axis}", (at.real, at.imag), (5, 4))
         axes.set_aspect("equal", adjustable="datalim")
@@ -168,8 +183,6 @@ class Balancing(Displayed):
         axes.set_xlabel(f"In phase with the mark [{d.amplitude_words}]")
         axes.set_ylabel(f"A quarter of a turn ahead of it [{d.amplitude_words}]")
         axes.legend(frameon=False, fontsize=8)
-        entitle(axes, titled(self.machine_name, "1x vibration, its angle from the mark"))
-        return figure
 
 
 def _polar(value: complex, factor: float) -> tuple[float, float]:

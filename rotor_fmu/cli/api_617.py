@@ -190,7 +190,7 @@ def unbalance(
     check_nodes(machine, "--clearance", gaps)
     check_nodes(machine, "--unbalance", (n for n, _, _ in given or ()), may_repeat=True)
     from ..linear import acceptance, answers
-    from ..linear.where_linearized import where_not_reached
+    from ..linear.where_linearized import where_films_are_left, where_not_reached
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
 
     if mode is not None and ends is not None:
@@ -208,6 +208,8 @@ def unbalance(
     say_where_linearized(machine, [*speeds, *(ends or ())], contacts)
     highest = dict.fromkeys((float(max(speeds, key=abs)), *(ends or ())[1:]))
     for sentence in where_not_reached(machine, highest, contacts):
+        typer.echo(sentence)
+    for sentence in where_films_are_left(machine, result):
         typer.echo(sentence)
     if ends is None:
         ends_of_ways = {float(min(*speeds, 0.0)), float(max(*speeds, 0.0))}

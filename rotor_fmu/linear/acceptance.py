@@ -36,6 +36,7 @@ from .linear_tables import Table
 
 _MET = {True: "yes", False: "NO"}
 _PRINTED, _SEEN = 1e-6, 1e-2  # shares by which stiffnesses differ in a table, and in a picture
+_ROOM = 0.06  # of the height of a picture, for the words below the line of critical damping
 _NARROW = 30  # characters of a label, of which three stand beside each other
 _DASHES: tuple[Any, ...] = ("-", DASHED, DOTTED, (0, (6, 2, 1, 2)), (0, (9, 3)))
 
@@ -198,7 +199,7 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
             middle = {"xycoords": "axes fraction", "ha": "center", "color": LABEL}
             annotate(axes, text, (0.5, 0.7), (0, 0), **middle)
         axes.set_xlim(left=0)
-        plain_ticks(axes.yaxis)
+        _finish(axes)
         return figure
 
 
@@ -229,7 +230,7 @@ class CriticalPeaks(Displayed):
         # the speeds of one sense of rotation begin at 0
         ways = {critical.peak.speed < 0.0 for critical in self.criticals} or {False}
         axes.set_xlim(None if True in ways else 0.0, None if False in ways else 0.0)
-        plain_ticks(axes.yaxis)
+        _finish(axes)
         return figure
 
 
@@ -262,6 +263,13 @@ def _factors(title: str, size: float) -> tuple[Figure, Axes]:
     axes.set(yscale="log", ylabel="Amplification factor [1]", xlabel=current().speed_label)
     entitle(axes, title, size)
     return figure, axes
+
+
+def _finish(axes: Axes) -> None:
+    """Make room for the words in axes of amplification factors, and mark these plainly."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, (DAMPED / high**_ROOM) ** (1.0 / (1.0 - _ROOM))), high)
+    plain_ticks(axes.yaxis)
 
 
 def _mark(axes: Axes, critical: ProbeCritical, color: str) -> None:

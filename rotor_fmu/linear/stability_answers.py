@@ -125,7 +125,7 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         axes.invert_yaxis()
         for at, value in enumerate(values):
             text = f"{value:.3g}" if np.isfinite(value) else "grows without oscillating"
-            annotate(axes, text, (max(value, 0.0), at), (4, 0), va="center")
+            annotate(axes, text, (max(value, LEAST_LOG_DEC), at), (4, 0), va="center")
         axes.margins(x=0.12)
         what = "Least logarithmic decrement of the forward modes [1]"
         axes.set_xlabel(f"{what}; dashed: {LEAST_LOG_DEC:g}")

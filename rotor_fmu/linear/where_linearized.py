@@ -1,16 +1,25 @@
 """What linear answers take for granted: the ends of tables, that something holds the machine,
-where oil films are linearized, how tilting pads follow, and that the machine is stable."""
+where oil films are linearized, how tilting pads follow, that the machine is stable, and that
+journals and rings move little in their films."""
 
 from collections.abc import Collection, Mapping
+
+import numpy as np
 
 from ..display import speed_with_unit
 from ..model.linear.linear_machine import LinearMachine
 from ..model.linear.modes import LEAST_GROWTH, modes
+from ..model.linear.orbit import semi_axes
 from ..model.linear.own_frequency import OwnWhirl, own_whirl
+from ..model.linear.unbalance import UnbalanceResponse
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
+from ..model.parts.base import GROUND
 from ..model.parts.floating_ring_bearing import FloatingRingBearing
 from ..model.parts.journal_bearing import JournalBearing
+from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
+
+_SMALL = 0.5  # of a film's clearance: in a larger motion its coefficients are others
 
 
 def where_linearized(
@@ -77,6 +86,32 @@ def where_not_reached(
         where = f"unstable at {speed_with_unit(speed)}, where its steady response is not reached"
         result.append(f"{where}; {why}")
     return result
+
+
+def where_films_are_left(machine: Rotor, response: UnbalanceResponse) -> list[str]:
+    """Return a sentence for oil films in which a steady response is no small motion."""
+    at_housing = dict(zip(response.housings, range(len(response.housings)), strict=True))
+    taken = []
+    for name, part in machine.named_parts():
+        if not isinstance(part, (JournalBearing, FloatingRingBearing, SqueezeFilmDamper)):
+            continue
+        x, y = response.x[:, part.node - 1], response.y[:, part.node - 1]
+        ring, housing = (getattr(part, which, GROUND) for which in ("ring", "housing"))
+        if ring != GROUND:
+            x, y = (of[:, at_housing[ring]] for of in (response.housing_x, response.housing_y))
+        if housing != GROUND:
+            x = x - response.housing_x[:, at_housing[housing]]
+            y = y - response.housing_y[:, at_housing[housing]]
+        share = semi_axes(x, y)[0] / (part.clearance + getattr(part, "outer_clearance", 0.0))
+        if share.max() > _SMALL:
+            at = speed_with_unit(float(response.speeds[np.argmax(share)]))
+            taken.append(f"{name} {100 * share.max():.3g} % at {at}")
+    if not taken:
+        return []
+    return [
+        f"the response takes more than half of the clearance of oil films: {', '.join(taken)}; "
+        "they are linearized, for small motions: a run has the real one"
+    ]
 
 
 def whirl_in_pads(

@@ -15,7 +15,7 @@ from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, clean_damping, numbers
 from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
-from ..linear.where_linearized import where_linearized, whirl_in_pads
+from ..linear.where_linearized import where_films_are_left, where_linearized, whirl_in_pads
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.own_frequency import OwnWhirl
 from ..model.linear.unbalance import SteadyWhirl
@@ -99,7 +99,8 @@ def machine_report(
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
     whirl = whirl_in_pads(rotor, high, None, options.couplings or {})
-    conclusions = _conclusions(diagram, check, level_1, level_2, whirl, rub)
+    left = where_films_are_left(rotor, response)
+    conclusions = _conclusions(diagram, left, check, level_1, level_2, whirl, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
         "At rest": _at_rest(at_rest),
@@ -265,6 +266,7 @@ def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
 
 def _conclusions(
     diagram: answers.Campbell,
+    left: Iterable[str],
     check: acceptance.UnbalanceCheck,
     level_1: stability_answers.StabilityLevel1,
     level_2: stability_answers.StabilityLevel2,
@@ -281,6 +283,7 @@ def _conclusions(
     messages = dict.fromkeys(message for run in rub.runs for message in run.messages)
     return (
         *_unstable(diagram, check.high),
+        *(Conclusion(f"{sentence[0].upper()}{sentence[1:]}.", False) for sentence in left),
         Conclusion(
             f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
             if near

@@ -1,10 +1,17 @@
 """Pictures of linear analyses: what is read in them covers nothing else."""
 
 import numpy as np
+import pytest
 from matplotlib.text import Text
+from rotor_fmu.model.linear.amplification import Peak
+from rotor_fmu.model.linear.stability_levels import LEAST_LOG_DEC, StabilityCase
+from rotor_fmu.model.linear.unbalance_check import ProbeCritical
 
+from rotor_fmu.balancing.result import Balancing, Vibration
 from rotor_fmu.linear import answers
+from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
+from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
 
 from ..toml_text import table
@@ -60,3 +67,40 @@ def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_no
     for i, box in enumerate(boxes):
         assert not box.count_overlaps(boxes[:i])
         assert not any(box.contains(*dot) for dot in dots)
+
+
+def test_the_decrements_of_stability_level_2_are_written_beside_the_required_one():
+    values = (-1.4, 0.09, 0.3)
+    cases = [StabilityCase(f"case {value}", value, 100.0, value, 100.0) for value in values]
+    figure = StabilityLevel2(300.0, tuple(cases)).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    required = axes.transData.transform([LEAST_LOG_DEC, 0.0])[0]
+    boxes = [Text.get_window_extent(text) for text in axes.texts]
+    assert len(boxes) == len(values)
+    assert all(box.x0 > required for box in boxes)
+
+
+@pytest.mark.parametrize("factor", [0.5, 3.0, 3e4])
+def test_what_is_critically_damped_is_written_within_the_picture_of_amplification_factors(factor):
+    peak = Peak(100.0, 1e-5, 100.0 - 50.0 / factor, 100.0 + 50.0 / factor)
+    figure = CriticalPeaks((ProbeCritical(1, "x", peak, None),)).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    words = Text.get_window_extent(axes.texts[0])
+    assert axes.bbox.y0 < words.y0 < words.y1 < axes.bbox.y1
+
+
+def test_a_balancing_at_several_speeds_has_a_picture_of_each():
+    """Whose vibrations differ in size: at 30 rad/s they are a dot beside those at 300 rad/s."""
+    seen = [
+        Vibration(2, axis, speed, speed**2 * 1e-9, 0.0, 0.0)
+        for speed in (30.0, 300.0)
+        for axis in "xy"
+    ]
+    numbers = {"influence": np.zeros((4, 1)), "rank": 1, "touches": False, "settles": True}
+    found = Balancing((), tuple(seen), (), service_speed=300.0, messages=(), **numbers)
+    slow, fast = found.figure().axes
+    assert [text.get_text() for text in slow.texts] == ["2x", "2y"]
+    assert (slow.get_title(loc="left") or slow.get_title()).endswith("; at 4.7746 Hz")
+    assert fast.viewLim.width == pytest.approx(100.0 * slow.viewLim.width)

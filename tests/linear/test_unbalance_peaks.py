@@ -3,6 +3,7 @@ every output of a command has the same one."""
 
 import json
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -164,6 +165,21 @@ def test_the_clearance_that_is_checked_is_the_one_that_closes_in_the_runs():
     ends = response_with_peaks(rotor, [closing.begin, gap.speed, closing.end], nodes=[4])
     taken = np.interp([closing.begin, closing.end], ends.speeds, ends.major[:, 3])
     np.testing.assert_allclose(taken + closing.sag, gap.clearance, rtol=1e-4)
+
+
+def test_a_step_is_no_critical_speed_where_its_edge_depends_on_what_was_asked_before():
+    """As of a pad that is about to bear: whether it does, within rounding of where it begins to,
+    depends on where its equilibrium was looked for from."""
+    bears = [True]
+
+    @cache
+    def stepped(s):
+        apart = s / 0.7 - 1.0
+        bears[0] = apart < -4e-6 or (bears[0] and apart < 4e-6)
+        return (1.0 if bears[0] else 0.98) / abs(1.0 - s * s + 0.2j * s)
+
+    (found,) = peaks(stepped, np.linspace(0.4, 1.8, 301))
+    assert found.speed == pytest.approx(math.sqrt(1.0 - 0.02), rel=1e-6)
 
 
 @pytest.mark.parametrize("less", [0.5, 0.99])
