@@ -84,10 +84,9 @@ def response_request(
     """Return the request of a response, checked; for the options see `rotor_fmu.response`. Raises
     `InputError`."""
     rotor = rotor_of(machine)
-    if parameters := mapped("parameters", parameters):
-        check_names(rotor.parameters(), parameters)
-        given = {n: number(f"parameters: {n}", v) for n, v in parameters.items()}
-        rotor = rotor.with_values(given)
+    if given := mapped("parameters", parameters):
+        check_names(rotor.parameters(), given)
+        rotor = rotor.with_values({n: number(f"parameters: {n}", v) for n, v in given.items()})
     for of, count, most in (("period", period, 16), ("harmonics", harmonics, 500)):
         if not (isinstance(count, (int, np.integer)) and 1 <= count <= most):
             raise InputError(f"{of} = {count}: must be an integer from 1 to {most}")
@@ -104,7 +103,7 @@ def response_request(
         if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
         check_names(rotor.parameters(), [name])
-        if name in parameters:
+        if name in given:
             raise InputError(f"{name}: is varied; it cannot be given one value too")
         held, ends = number("speed", speed), numbers("over", over[1:])
     is_list = isinstance(ends, (tuple, list)) or getattr(ends, "ndim", 0) == 1
