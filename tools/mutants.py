@@ -39,6 +39,8 @@ _INSTANT = (
     "tests/physics/test_observe.py::test_what_reaches_an_output_within_an_instant_is_declared"
 )
 _LEDGER = "tests/physics/test_energy.py"
+_FORCE = f"{_LEDGER}::test_a_constant_force_works_force_times_way"
+_JUMP = f"{_LEDGER}::test_a_jump_of_the_speed_is_work_of_the_drive"
 
 
 class Mutant(NamedTuple):
@@ -95,9 +97,9 @@ MUTANTS = (
     Mutant(_DOCUMENTS, 'number != "1"', 'number == "1"', _README),
     Mutant(_DOCUMENTS, "rotor != rig() or ", "", _RESULT),
     # the ledger
-    Mutant(_ENERGY, "out[FLOW.external] = external", "out[FLOW.external] = -external", _LEDGER),
+    Mutant(_ENERGY, "out[FLOW.external] = external", "out[FLOW.external] = -external", _FORCE),
     Mutant(_ENERGY, "    out[FLOW.housing] = housing\n", "    out[FLOW.housing] = 0.0\n", _LEDGER),
-    Mutant(_ENERGY, "kinetic -= 0.5 * spin.omega", "kinetic += 0.5 * spin.omega", _LEDGER),
+    Mutant(_ENERGY, "kinetic -= 0.5 * spin.omega", "kinetic += 0.5 * spin.omega", _JUMP),
     Mutant(_ENERGY, "gravity -= m_x * g.real", "gravity += m_x * g.real", _LEDGER),
     Mutant(_ENERGY, "elastic += 0.5 * (housing.kx", "elastic += 0.4 * (housing.kx", _LEDGER),
     Mutant(_OBSERVE, "flows[FLOW.drive] + flows[FLOW.external]", "flows[FLOW.drive]", _LEDGER),
