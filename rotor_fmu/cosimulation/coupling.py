@@ -3,6 +3,7 @@
 import reprlib
 import runpy
 import shutil
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -152,7 +153,7 @@ class Coupling:
         ):
             members = {PARTNER: partner, ROTOR: rotor}
             for table in ("INITIAL", "CONNECTIONS"):
-                self._check_units(table, members)
+                self._check_pairs(table, members)
             for from_side, given, to_side, taken in initial:
                 receiver = members[to_side]
                 receiver.set(receiver.references(taken), [members[from_side].read(given)])
@@ -198,18 +199,19 @@ class Coupling:
     def _connections(self, side: str) -> tuple[Connection, ...]:
         """Return the outputs of one side, each with the connected input of the other."""
         pairs = self._pairs("CONNECTIONS")
-        inputs = [f"{to_side}.{taken}" for _, _, to_side, taken in pairs]
-        for taken in inputs:
-            if inputs.count(taken) > 1:
-                raise InputError(
-                    f"{self.source.name}: CONNECTIONS: {taken}: has {inputs.count(taken)} outputs; "
-                    "must have one"
-                )
         return tuple((given, taken) for from_side, given, _, taken in pairs if from_side == side)
 
-    def _check_units(self, table: str, members: Mapping[str, Member]) -> None:
-        """Raise `InputError` for a pair of a list of the source whose units differ."""
-        for from_side, given, to_side, taken in self._pairs(table):
+    def _check_pairs(self, table: str, members: Mapping[str, Member]) -> None:
+        """Raise `InputError` for a pair of a list of the source whose units differ, and for an
+        input of several outputs; an initial value may be passed on anew."""
+        pairs = self._pairs(table)
+        counts = Counter(f"{to_side}.{taken}" for _, _, to_side, taken in pairs)
+        for taken, count in counts.items():
+            if count > 1 and table == "CONNECTIONS":
+                raise InputError(
+                    f"{self.source.name}: {table}: {taken}: has {count} outputs; must have one"
+                )
+        for from_side, given, to_side, taken in pairs:
             one, other = members[from_side].unit(given), members[to_side].unit(taken)
             if one and other and not are_alike(one, other):
                 raise InputError(

@@ -55,6 +55,14 @@ def coupling(tmp_path_factory):
     return Coupling(source)
 
 
+def changed(folder, right, wrong):
+    """The file of the source with one of its texts replaced."""
+    assert SOURCE.count(right) == 1
+    source = folder / "steady_motor.py"
+    source.write_text(SOURCE.replace(right, wrong))
+    return source
+
+
 def coupled(coupling, fmu, folder, **parameters):
     partner = coupling.build(folder)
     assert partner.name == "SteadyMotor.fmu"
@@ -137,9 +145,7 @@ def test_a_call_that_fails_without_a_message_is_not_laid_to_an_earlier_one(fmu, 
 )
 def test_a_pair_that_does_not_connect_both_is_refused(fmu, tmp_path, table, right, wrong):
     """It would be left out without a word, and the run be that of another coupling."""
-    assert right in SOURCE
-    source = tmp_path / "steady_motor.py"
-    source.write_text(SOURCE.replace(right, wrong))
+    source = changed(tmp_path, right, wrong)
     with pytest.raises(InputError, match=rf"steady_motor\.py: {table}: .* partner\.NAME"):
         coupled(Coupling(source), fmu, tmp_path)
 
@@ -168,9 +174,7 @@ def test_a_connection_of_other_units_or_of_two_outputs_is_refused(
     fmu, tmp_path, right, wrong, expected
 ):
     """It would run, and its numbers be of another machine."""
-    assert SOURCE.count(right) == 1
-    source = tmp_path / "steady_motor.py"
-    source.write_text(SOURCE.replace(right, wrong))
+    source = changed(tmp_path, right, wrong)
     with pytest.raises(InputError, match=rf"^steady_motor\.py: {expected}"):
         coupled(Coupling(source), fmu, tmp_path)
 
