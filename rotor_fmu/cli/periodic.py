@@ -222,7 +222,7 @@ def _varied(
     """Return the range of speeds, or the one speed, and the quantity that is varied instead."""
     if over is not None:
         return one_speed(speed), _range(over, "--over", units)
-    ends = speed_range(speed, 2)
+    ends = speed_range(speed, None)
     if len(ends) != 2:
         raise InputError(f"--speed {speed}: must be FROM:TO")
     return (float(ends[0]), float(ends[1])), None
@@ -303,7 +303,7 @@ def _range(text: str, option: str, units: Mapping[str, str]) -> tuple[str, float
     name, equals, ends = (part.strip() for part in text.partition("="))
     if not equals or ends.count(":") != 1:
         raise InputError(f"{option} {text}: must be NAME=FROM:TO")
-    low, high = number_range(ends, 2, f"{option} {name} =", _unit_of(option, name, units))
+    low, high = number_range(ends, None, f"{option} {name} =", _unit_of(option, name, units))
     return name, float(low), float(high)
 
 

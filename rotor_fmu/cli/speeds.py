@@ -65,8 +65,9 @@ def _check_size(option: str, text: str, speed: float) -> None:
         raise InputError(f"{option} {text}: must be at most {_FASTEST:g} rad/s in size")
 
 
-def speed_range(text: str | None, points: int, option: str = "--speed") -> np.ndarray:
-    """Speeds [rad/s] of `FROM:TO[:POINTS]`, or of a single one; none of None."""
+def speed_range(text: str | None, points: int | None, option: str = "--speed") -> np.ndarray:
+    """Speeds [rad/s] of `FROM:TO[:POINTS]`, or of a single one; none of None; points: see
+    `number_range`."""
     if text is None:
         return np.array([])
     speeds = number_range(text, points, option, "rad/s")
@@ -75,9 +76,9 @@ def speed_range(text: str | None, points: int, option: str = "--speed") -> np.nd
     return speeds
 
 
-def number_range(text: str, points: int, option: str, si: str) -> np.ndarray:
+def number_range(text: str, points: int | None, option: str, si: str) -> np.ndarray:
     """Numbers in an SI unit of `FROM:TO[:POINTS]`, or a single one; a unit stands behind one of the
-    ends, or behind both; points: without POINTS, 2 where the caller takes the ends alone."""
+    ends, or behind both; points: without POINTS; None: the option takes the ends alone."""
     pieces = text.split(":")
     if len(pieces) == 1:
         return np.array([in_si(option, text, si)])
@@ -90,19 +91,19 @@ def number_range(text: str, points: int, option: str, si: str) -> np.ndarray:
     return np.linspace(low * scale, high * scale, count)
 
 
-def _ends(pieces: list[str], points: int, shown: str) -> tuple[float, float, int, str]:
+def _ends(pieces: list[str], points: int | None, shown: str) -> tuple[float, float, int, str]:
     """Return both ends, the number of points and the unit, empty where there is none."""
     ends = [split(piece) for piece in pieces[:2]]
     for which, piece, end in zip(("FROM", "TO"), pieces, ends, strict=False):
         if end is None and piece.strip():
             raise InputError(f"{shown}: {which} must be a finite number, not {piece.strip()}")
     try:
-        count = int(pieces[2]) if len(pieces) > 2 else points
+        count = int(pieces[2]) if len(pieces) > 2 else points or 2
         (low, unit), (high, other) = (end for end in ends if end is not None)
-        if len(pieces) > 3:
+        if len(pieces) > (3 if points else 2):
             raise ValueError
     except ValueError as error:
-        form = "FROM:TO" if points == 2 else "FROM:TO or FROM:TO:POINTS"
+        form = "FROM:TO" if points is None else "FROM:TO or FROM:TO:POINTS"
         raise InputError(f"{shown}: must be {form}") from error
     if unit and other and unit.lower() != other.lower():
         raise InputError(f"{shown}: must have one unit, not {unit} and {other}")
@@ -121,7 +122,7 @@ def operating_range(
             return (own[0], own[-1]) if own else None
         speed = rated_speed(rated, machine)
         return speed, speed
-    ends = speed_range(text, 2, "--range")
+    ends = speed_range(text, None, "--range")
     if len(ends) != 2 or ends[0] <= 0:
         raise InputError(f"--range {text}: must be FROM:TO, both above 0")
     return float(ends[0]), float(ends[1])
