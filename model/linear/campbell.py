@@ -109,7 +109,8 @@ class _Follower:
     def __init__(self, machine: LinearMachine, count: int) -> None:
         self._at = cache(lambda speed: machine_modes(machine, speed, count))
         mass, _, _ = machine.rotor_matrices()
-        moving = (machine.expand / machine.expand.sum(axis=0)).tocsr()[:-2]  # all but ground
+        # of every dof but ground's; those that a pin makes one unknown share its mass
+        moving = (machine.expand / machine.expand.sum(axis=0)).tocsr()[:-2]
         self._mass = (moving @ mass @ moving.T).tocsr()
         self.onward = Following(
             lambda modes: modes.damped,

@@ -86,7 +86,7 @@ class LinearMachine:
         self.full = matrices_of(rotor, self.structure)
         self.laws = LawsAtRest(self.structure.laws, self.structure.interfaces)
         self._set_contacts(contacts or OPEN)
-        if contacts is None and len(self.pinned) and not self.is_held:
+        if contacts is None and self.has_contacts and not self.is_held:
             self._set_contacts(PINNED)
 
     def _set_contacts(self, contacts: str) -> None:
@@ -132,6 +132,11 @@ class LinearMachine:
             off = (self._linear(turning, self._within_films(*places)) for places in fallen)
             self._is_held_turning = self._holds(*off)
         self.is_held = self._is_held_loaded or self._is_held_turning
+
+    @property
+    def has_contacts(self) -> bool:
+        """Whether there is a clearance contact."""
+        return len(self.pinned) > 0
 
     @property
     def support_dofs(self) -> np.ndarray:

@@ -30,7 +30,7 @@ def support_loads(
     acting = -machine.tangent(tangents, u).reshape(-1, 2).astype(complex)
     if omega == 0.0:
         acting = -in_plane(linear.laws.force).reshape(-1, 2).astype(complex)
-    if machine.contacts == PINNED and len(machine.pinned):
+    if machine.contacts == PINNED and machine.has_contacts:
         left = force - machine.full.strained.T @ pull
         left = left - machine.full.resistance(linear.speed, 1j * omega, whole)
         acting[machine.pinned] = _pin_forces(machine.across, machine.pinned, left, acting)

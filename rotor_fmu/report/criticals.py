@@ -63,7 +63,7 @@ def criticals_of(run: Recording) -> Criticals:
         return Criticals((), "")
     nearest = sorted(found, key=abs)[:_MOST]
     hz = tuple(sorted(speed / TURN for speed in nearest))
-    return Criticals(hz, machine.contacts if len(machine.pinned) else "")
+    return Criticals(hz, machine.contacts if machine.has_contacts else "")
 
 
 def _within(rotor: Rotor, lowest: float, highest: float) -> list[float]:

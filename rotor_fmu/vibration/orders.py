@@ -176,11 +176,9 @@ def resonances(
     from scipy.signal import find_peaks  # which takes longer than the rest of this package
 
     check_positive("least", least)
-    n, a = finite(speed=speed, amplitude=amplitude)
-    if t is None:
-        time = np.full(len(n), np.nan)
-    else:
-        n, a, time = finite(speed=speed, amplitude=amplitude, t=t)
+    of_time = {} if t is None else {"t": t}
+    n, a, *times = finite(speed=speed, amplitude=amplitude, **of_time)
+    time = times[0] if times else np.full(len(n), np.nan)
     if not goes_one_way(n):
         raise InputError(f"speed: {n.min():g} to {n.max():g} rad/s, up and down; must go one way")
     order = np.argsort(n, kind="stable")
