@@ -4,12 +4,13 @@
 whirl moves in a film that is mostly stiffer then, and has less damping.
 """
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
 from ..machine.rotor import Rotor
 from .linear_machine import LinearMachine
-from .modes import DEFAULT_COUNT, modes_of
+from .modes import DEFAULT_COUNT, LEAST_GROWTH, modes_of
 
 
 class OwnWhirl(NamedTuple):
@@ -19,6 +20,16 @@ class OwnWhirl(NamedTuple):
     log_dec: float
     frequency: float
     synchronous: float
+
+    @property
+    def growth(self) -> float:
+        """Rate at which it grows, negative where it decays [1/s]."""
+        return -self.log_dec * self.frequency / (2 * math.pi)
+
+    @property
+    def is_growing(self) -> bool:
+        """Whether it grows by more than rounding."""
+        return self.log_dec < -LEAST_GROWTH
 
 
 @lru_cache(maxsize=4)  # several sentences about an answer ask for it

@@ -189,10 +189,10 @@ class _Bench:
 def _settling(rotor: Rotor, speed: float) -> float:
     """Return in how many turns a machine settles at a speed [rad/s], infinite without damping."""
     found, in_pads = modes(rotor, speed), whirl_in_pads(rotor, speed, None, {})
-    of_pads = [] if in_pads is None else [-in_pads.log_dec * in_pads.frequency / (2 * math.pi)]
+    of_pads = [in_pads.growth] if in_pads else []
     roots = [*found.eigenvalues.real[found.is_held], *found.decays, *of_pads]
     growth = float(np.max(roots, initial=-math.inf))
-    if found.growth > LEAST_GROWTH or (in_pads and in_pads.log_dec < -LEAST_GROWTH):
+    if found.growth > LEAST_GROWTH or (in_pads and in_pads.is_growing):
         raise InputError(
             f"balancing speed = {speed:g} rad/s: the machine is unstable there and does not settle "
             f"(a motion grows by {growth:.3g} 1/s)"

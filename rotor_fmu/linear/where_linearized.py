@@ -80,7 +80,7 @@ def where_not_reached(
         why = "`rotor-fmu campbell` has the threshold"
         if modes(machine, speed, contacts=contacts).growth <= LEAST_GROWTH:
             whirl = whirl_in_pads(machine, speed, contacts, {})
-            if whirl is None or whirl.log_dec >= -LEAST_GROWTH:
+            if not (whirl and whirl.is_growing):
                 continue
             why = f"a whirl of {speed_with_unit(whirl.frequency)} grows, which its pads follow"
         where = f"unstable at {speed_with_unit(speed)}, where its steady response is not reached"
