@@ -43,6 +43,11 @@ _FORCE = f"{_LEDGER}::test_a_constant_force_works_force_times_way"
 _JUMP = f"{_LEDGER}::test_a_jump_of_the_speed_is_work_of_the_drive"
 
 
+_WHIRLS = "tests/linear/test_whirls.py::test_"
+_OWN_WHIRLS = f"{_WHIRLS}rings_and_pads_follow_each_whirl_at_its_own_frequency"
+_IDLE_PAD = f"{_WHIRLS}a_pad_that_bears_nothing_does_not_make_a_machine_free"
+
+
 class Mutant(NamedTuple):
     """A file with `old`, which stands in it once, replaced; the test that must see it."""
 
@@ -58,6 +63,7 @@ _PYTHON_FMU = f"{_PACKING}/python_fmu.py"
 _DOCUMENTS = f"{_PACKING}/documents.py"
 _OF_TERMINALS = "rotor_fmu/fmi/terminals.py"
 _ENERGY = "model/time_loop/energy.py"
+_SURVEY = "model/stability/matrices.py"
 _OBSERVE = "model/time_loop/observe.py"
 
 MUTANTS = (
@@ -103,6 +109,9 @@ MUTANTS = (
     Mutant(_ENERGY, "gravity -= m_x * g.real", "gravity += m_x * g.real", _LEDGER),
     Mutant(_ENERGY, "elastic += 0.5 * (housing.kx", "elastic += 0.4 * (housing.kx", _LEDGER),
     Mutant(_OBSERVE, "flows[FLOW.drive] + flows[FLOW.external]", "flows[FLOW.drive]", _LEDGER),
+    Mutant(_SURVEY, "if interface.vibrating > 0:", "if interface.vibrating < 0:", _OWN_WHIRLS),
+    Mutant(_SURVEY, "size + at, row] = force", "size + at, row] = -force", _OWN_WHIRLS),
+    Mutant(_SURVEY, "        if stays:\n", "        if False:\n", _IDLE_PAD),
     Mutant(_OBSERVE, "LAW_LOSSES[i] for i in losses", "LAW_LOSSES[-i] for i in losses", _LEDGER),
 )  # fmt: skip
 

@@ -235,6 +235,11 @@ class Law:
         """
         return self.of_part(part)[1] if self.of_part else self.outputs
 
+    @property
+    def vibrates(self) -> bool:
+        """Whether its states follow a vibration, and may be unknowns of the linearized machine."""
+        return self.vibrate is not None and self.linearize is not None
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Law) and self.name == other.name
 

@@ -3,11 +3,11 @@
 import math
 
 from ..kernels.band import add_product, solve
-from ..kernels.functions import direction, inverse, scaled
+from ..kernels.functions import direction, scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
-from ..parts.law import Kinematics
-from ..step.laws import law_gap, law_vibrate, relative, side_of
+from ..parts.law import Kinematics, StateSlopes
+from ..step.laws import law_gap, law_linearize, law_vibrate, relative, side_of
 
 # Which interfaces with a wall are closed: none, all, those that carry the machine at rest, or the
 # one of this number.
@@ -36,9 +36,8 @@ def fill_tangents(structure, survey, motion, trial, omega):
     """Fill in the laws' tangents at this speed of rotation [rad/s]: in equilibrium, but for walls
     at a small penetration, their surfaces slipping in the sense of the rotation.
 
-    A journal that whirls along a wall does not move against the wall's damping. Pads that tilt
-    follow a vibration with the frequency of rotation. trial: the laws' internal states,
-    overwritten.
+    A journal that whirls along a wall does not move against the wall's damping. trial: the laws'
+    internal states, overwritten by those in equilibrium.
     """
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
@@ -69,16 +68,29 @@ def _fill_wall_tangent(structure, survey, motion, trial, j, omega):
 
 @jit_not_inlined
 def _fill_tangent(structure, survey, motion, trial, j, d, omega, sliding):
-    """Fill in the tangent of interface j at a displacement [m] and a spin past it [rad/s]."""
+    """Fill in the tangent of interface j at a displacement [m] and a spin past it [rad/s], where
+    its law's states are in equilibrium."""
     interface = structure.interfaces[j]
+    kinematics = Kinematics(d, 0.0j, omega, sliding, 0.0)
+    states = trial[interface.internal_state :]
     _force, p_d, q_d, p_v, q_v = law_vibrate(
         structure.laws,
         interface,
-        Kinematics(d, 0.0j, omega, sliding, 0.0),
+        kinematics,
         abs(omega),
         motion.internal_state[interface.internal_state :],
-        trial[interface.internal_state :],
+        states,
     )
+    if interface.vibrating > 0:
+        at = interface.first_vibrating
+        slopes = StateSlopes(
+            *(survey.rates[at:], survey.force_by_states[at:]),
+            *(survey.rates_by_d[at:], survey.rates_by_v[at:], survey.rates_by_states[at:, at:]),
+        )
+        solved = survey.solved[interface.internal_state :]
+        _force, p_d, q_d, p_v, q_v = law_linearize(
+            structure.laws, interface, kinematics, states, solved, slopes
+        )
     survey.p_d[j], survey.q_d[j] = p_d, q_d
     survey.p_v[j], survey.q_v[j] = p_v, q_v
 
@@ -184,8 +196,9 @@ def _fill_matrices(structure, survey, basis, mass):
 
 @jit
 def fill_system_matrix(structure, survey, seats, speed, case):
-    """Fill in A at one speed [rad/s] in one case, for x = (q, v / scale), q the x of all dofs and
-    housings, then their y; scale: the machine's lowest frequency [rad/s]."""
+    """Fill in A at one speed [rad/s] in one case, for x = (q, v / scale, s), q the x of all dofs
+    and housings, then their y, s the states of laws that follow a vibration; scale: the machine's
+    lowest frequency [rad/s]."""
     numbers = structure.numbers[0]
     scale = numbers.lowest_omega
     sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
@@ -193,8 +206,9 @@ def fill_system_matrix(structure, survey, seats, speed, case):
     coarse = survey.in_use[0]
     half = coarse + len(structure.housings)
     size = 2 * half
+    states = 2 * size + len(survey.rates)
     A = survey.A
-    A[: 2 * size, : 2 * size] = 0.0
+    A[:states, :states] = 0.0
     for i in range(size):
         A[i, size + i] = 1.0
     for i in range(half):
@@ -218,15 +232,23 @@ def fill_system_matrix(structure, survey, seats, speed, case):
         if acts or is_closed(structure.interfaces, j, case):
             _add_force(survey, half, j, 0, survey.p_d[j], survey.q_d[j])
             _add_force(survey, half, j, size, survey.p_v[j], survey.q_v[j])
+        _add_states(survey, half, j, structure.interfaces[j], scale)
     for h in range(len(structure.housings)):
         m_x, m_y = masses(structure.housings[h])
-        for k in range(2 * size):
+        for k in range(states):
             A[size + coarse + h, k] /= m_x
             A[size + half + coarse + h, k] /= m_y
     for i in range(size, 2 * size):
         for k in range(size):
             A[i, k] /= scale * scale
             A[i, size + k] /= scale
+        for k in range(2 * size, states):
+            A[i, k] /= scale * scale
+    for i in range(2 * size, states):
+        for k in range(size):
+            A[i, k] /= scale
+        for k in range(2 * size, states):
+            A[i, k] /= scale
 
 
 @jit
@@ -247,57 +269,27 @@ def _add_force(survey, half, j, first, p, q):
 
 
 @jit
-def fill_eigenvector(survey, size, root):
-    """Fill in the displacements of the eigenvector of A, of 2 size states, for a root, by inverse
-    iteration."""
-    for i in range(size):
-        survey.vector[i] = complex(1.0, 1.0 / (1.0 + i))
-    for _ in range(2):
-        for i in range(size):
-            for k in range(size):
-                survey.D[i, k] = -root * survey.A[size + i, size + k] - survey.A[size + i, k]
-            survey.D[i, i] += root * root
-        _solve_complex(survey.D, survey.vector[:size])
-        largest = 0.0
-        for i in range(size):
-            largest = max(largest, abs(survey.vector[i].real), abs(survey.vector[i].imag))
-        for i in range(size):
-            survey.vector[i] = survey.vector[i] * (1.0 / largest)
-
-
-@jit
-def _square(z):
-    return z.real * z.real + z.imag * z.imag
-
-
-@jit
-def _solve_complex(a, x):
-    """Overwrite x, shape (m,), by a^-1 x of the first m rows and columns of a, by elimination with
-    pivots; a vanishing pivot is replaced by rounding."""
-    m = len(x)
-    size = 0.0
-    for i in range(m):
-        for k in range(m):
-            size = max(size, _square(a[i, k]))
-    least = 1e-17 * math.sqrt(size)
-    for k in range(m):
-        pivot = k
-        for i in range(k + 1, m):
-            if _square(a[i, k]) > _square(a[pivot, k]):
-                pivot = i
-        if pivot != k:
-            for j in range(k, m):
-                a[k, j], a[pivot, j] = a[pivot, j], a[k, j]
-            x[k], x[pivot] = x[pivot], x[k]
-        if _square(a[k, k]) < least * least:
-            a[k, k] = complex(least, 0.0)
-        over = inverse(a[k, k])
-        for i in range(k + 1, m):
-            ratio = a[i, k] * over
-            for j in range(k + 1, m):
-                a[i, j] -= ratio * a[k, j]
-            x[i] -= ratio * x[k]
-    for i in range(m - 1, -1, -1):
-        for j in range(i + 1, m):
-            x[i] -= a[i, j] * x[j]
-        x[i] *= inverse(a[i, i])
+def _add_states(survey, half, j, interface, scale):
+    """Add the force of interface j by its states that follow a vibration, and their rates; one
+    that stays where it is, which is no free motion, gets the rate -scale."""
+    size = 2 * half
+    for own in range(interface.first_vibrating, interface.first_vibrating + interface.vibrating):
+        row = 2 * size + own
+        stays = True
+        for plane in range(2):
+            e = 1j if plane else 1.0 + 0.0j
+            force = (e.conjugate() * survey.force_by_states[own]).real
+            by_d = (e.conjugate() * survey.rates_by_d[own]).real
+            by_v = (e.conjugate() * survey.rates_by_v[own]).real
+            stays = stays and by_d == 0.0 and by_v == 0.0
+            for i in range(half):
+                at = plane * half + i
+                survey.A[size + at, row] = force * survey.push[j, i]
+                survey.A[row, at] = by_d * survey.pick[j, i]
+                survey.A[row, size + at] = by_v * survey.pick[j, i]
+        for k in range(interface.vibrating):
+            by_state = survey.rates_by_states[own, interface.first_vibrating + k]
+            stays = stays and by_state == 0.0
+            survey.A[row, 2 * size + interface.first_vibrating + k] = by_state
+        if stays:
+            survey.A[row, row] = -scale

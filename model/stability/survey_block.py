@@ -15,6 +15,10 @@ MOST_DOFS = 24  # of the shaft; a longer one is reduced first
 MOST_WHIRLS = 64  # number of whirls that are kept, those that grow fastest
 _MODES = 12
 _PAYS = 0.75  # a basis for one wall is used with at most this share of the dofs of all walls'
+# Displacements of the machine, x and y, with the states of laws that follow a vibration, and these
+# with the velocities.
+_UNKNOWNS = "2 * (coarse + housings) + vibrating_states"
+_STATES = "4 * (coarse + housings) + vibrating_states"
 # Columns of `WhirlSurvey.whirls`: real and imaginary part of the root, sense, contact state, speed.
 WHIRL = places(("growth", "omega", "is_backward", "case", "speed"))
 
@@ -27,8 +31,9 @@ class WhirlSurvey(NamedTuple):
     interface of the present basis, -1 for that of all. The rest are work arrays, `half` being the
     coarse dofs and the housings: M^-1 times K, C, G and K_shaft; of each interface the displacement
     it sees, and M^-1 times its force; the tangents dF = p z + q conj(z) with respect to
-    displacement [N/m] and velocity [N.s/m]; the machine x' = A x in real coordinates, and a copy
-    that the eigenvalue solver overwrites; one root's equation and its vector; all roots.
+    displacement [N/m] and velocity [N.s/m], and the `StateSlopes` of the laws' states that follow a
+    vibration, those of the law staying; the machine x' = A x in real coordinates, and a copy that
+    the eigenvalue solver overwrites; one root's equation and its vector; all roots.
 
     whirls: the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward,
     `case` (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN
@@ -55,12 +60,18 @@ class WhirlSurvey(NamedTuple):
     q_d: Annotated[np.ndarray, complex, "interfaces"]
     p_v: Annotated[np.ndarray, complex, "interfaces"]
     q_v: Annotated[np.ndarray, complex, "interfaces"]
-    A: Annotated[np.ndarray, float, "4 * (coarse + housings)", "4 * (coarse + housings)"]
-    work: Annotated[np.ndarray, float, "4 * (coarse + housings)", "4 * (coarse + housings)"]
-    D: Annotated[np.ndarray, complex, "2 * (coarse + housings)", "2 * (coarse + housings)"]
-    vector: Annotated[np.ndarray, complex, "2 * (coarse + housings)"]
-    re: Annotated[np.ndarray, float, "4 * (coarse + housings)"]
-    im: Annotated[np.ndarray, float, "4 * (coarse + housings)"]
+    solved: Annotated[np.ndarray, float, "internal_states"]
+    rates: Annotated[np.ndarray, float, "vibrating_states"]
+    force_by_states: Annotated[np.ndarray, complex, "vibrating_states"]
+    rates_by_d: Annotated[np.ndarray, complex, "vibrating_states"]
+    rates_by_v: Annotated[np.ndarray, complex, "vibrating_states"]
+    rates_by_states: Annotated[np.ndarray, float, "vibrating_states", "vibrating_states"]
+    A: Annotated[np.ndarray, float, _STATES, _STATES]
+    work: Annotated[np.ndarray, float, _STATES, _STATES]
+    D: Annotated[np.ndarray, complex, _UNKNOWNS, _UNKNOWNS]
+    vector: Annotated[np.ndarray, complex, _UNKNOWNS]
+    re: Annotated[np.ndarray, float, _STATES]
+    im: Annotated[np.ndarray, float, _STATES]
     along: Annotated[np.ndarray, complex, "n"]
     product: Annotated[np.ndarray, complex, "n"]
     column: Annotated[np.ndarray, float, "coarse"]

@@ -14,12 +14,12 @@ import math
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from .eigenvalues import eigenvalues
+from .eigenvector import fill_eigenvector
 from .matrices import (
     ALL,
     OPEN,
     REST,
     fill_basis_matrices,
-    fill_eigenvector,
     fill_rest_tangents,
     fill_system_matrix,
     fill_tangents,
@@ -177,7 +177,7 @@ def _is_free(structure, survey):
 @jit
 def states_of(structure, survey):
     """Return the number of states of the machine in the present basis."""
-    return 4 * (survey.in_use[0] + len(structure.housings))
+    return 4 * (survey.in_use[0] + len(structure.housings)) + len(survey.rates)
 
 
 @jit
@@ -250,13 +250,13 @@ def _record_whirls(run, speed, case):
     them [s]."""
     structure, survey = run.structure, run.survey
     shortest = math.inf
-    states = states_of(structure, survey)
-    for i in range(states):
+    half = survey.in_use[0] + len(structure.housings)
+    for i in range(states_of(structure, survey)):
         root = complex(survey.re[i], survey.im[i])
         if not is_growing(root):
             continue
-        fill_eigenvector(survey, states // 2, root)
-        is_backward = _is_reversed(structure, survey, states // 4, case) == (speed >= 0.0)
+        fill_eigenvector(survey, 2 * half, root)
+        is_backward = _is_reversed(structure, survey, half, case) == (speed >= 0.0)
         shortest = min(shortest, _longest_step(run, root))
         _insert_whirl(survey, root * structure.numbers[0].lowest_omega, is_backward, case, speed)
     return shortest

@@ -216,10 +216,11 @@ def _mechanism(
     rows: list[list[tuple]] = [[] for _ in LAWS]
     interfaces = []
     tables: list[float] = []
-    internal_state = 0
+    internal_state = first_vibrating = 0
     for i, element in _of_kind(InterfaceElement, elements):
         code = LAWS.index(element.law)
         states = len(element.law.states_of(element.source))
+        vibrating = states if element.law.vibrates else 0
         interfaces.append(
             (
                 code,
@@ -228,6 +229,8 @@ def _mechanism(
                 places[element.housing],
                 internal_state,
                 states,
+                first_vibrating,
+                vibrating,
                 outputs[i],
                 element.law.has_wall,
                 element.law.has_wall and not element.law.turns,
@@ -241,6 +244,7 @@ def _mechanism(
             tables += table.ravel().tolist()
         rows[code].append(record)
         internal_state += states
+        first_vibrating += vibrating
     laws = tuple(_rows(law.dtype, of) for law, of in zip(LAWS, rows, strict=True))
     return _rows(HOUSING, housings), _rows(INTERFACE, interfaces), (*laws, np.array(tables))
 

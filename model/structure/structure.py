@@ -28,9 +28,12 @@ BOW = _record("state", "")
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `dof`: the node's deflection, or the place of the housing that moves instead (`on_shaft`); `end`:
 # the housing's place in a motion, behind the dofs, or that of ground, the last;
-# `internal_state`: where the states of the law begin; `slips`: whether it has a wall that does not
-# turn.
-INTERFACE = _record("law row dof end internal_state states out has_wall slips", "length")
+# `internal_state`: where the states of the law begin; `first_vibrating`, `vibrating`: where among
+# all states of laws that vibrate (`Law.vibrates`) its own begin, and how many it has; `slips`:
+# whether it has a wall that does not turn.
+INTERFACE = _record(
+    "law row dof end internal_state states first_vibrating vibrating out has_wall slips", "length"
+)
 # Numbers of a machine. From its parts: whether the internal damping rotates; is_supported: whether
 # springs and soft laws support it, and not its clearances alone; base_load: index of the base's
 # acceleration among the loads, or -1; eta_v [s], eta_h [1], mass_damping [1/s]; gravity [m/s2], and
@@ -125,6 +128,7 @@ def sizes_of(structure: Structure) -> dict[str, int]:
     return sizes | {
         "size": sizes["n"] + sizes["housings"] + 1,
         "internal_states": int(states.sum()),
+        "vibrating_states": int(structure.interfaces.vibrating.sum()),
         "most_states": int(states.max(initial=0)),
     }
 

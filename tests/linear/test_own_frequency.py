@@ -17,9 +17,10 @@ from ..toml_text import table
 SPEED = 1000.0
 
 
-def on_pads(q):
+def on_pads(q, **changes):
     """Text of a disc between tilting pads, with a cross coupling [N/m]."""
     pads = {"pads": [math.radians(54 + 72 * i) for i in range(5)], "arc": 0.9, "preload": 0.3}
+    pads |= changes
     film = {"journal_radius": 0.04, "length": 0.04, "clearance": 6e-5, "viscosity": 0.015}
     text = table("material", young=2.1e11, density=7850.0)
     text += table("shaft", nodes=[0.0, 0.5, 1.0], diameters=[0.08, 0.08])

@@ -6,6 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.kernel import interpreted
+from rotor_fmu.model.linear.linear_machine import LinearMachine
+from rotor_fmu.model.linear.modes import modes_of
+from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.settings import PRESETS, choose
@@ -16,9 +19,12 @@ from benchmarks.growth import refined, with_bearings
 from papers.integrators.members import chung_hulbert, hht, newmark
 
 from ..growing_whirls import found_last
+from ..known import EXAMPLES
 from ..machines import jeffcott, jeffcott_stiffness
+from ..toml_text import table
 from ..validation.whip import OVERHUNG, overhung_machine, run_down
 from ..validation.windows import rig
+from .test_own_frequency import on_pads
 
 resolving_step, seen_growth = (
     interpreted(resolution.resolving_step),
@@ -93,6 +99,41 @@ def test_the_overhung_machine_has_the_root_that_an_eigenvalue_solver_finds():
     assert result[0].root == pytest.approx(11.3704 + 7976.255j, rel=1e-5)
     assert result[0].is_backward
     assert whirls(overhung_machine(mu=0.02)) == ()
+
+
+PADS = {
+    "massless": {},
+    "with inertia": {"pad_inertia": 1e-4},
+    "on elastic pivots": {"pivot_stiffness": 2e8},
+    "both": {"pad_inertia": 1e-4, "pivot_stiffness": 2e8},
+}
+TURBOCHARGER = EXAMPLES / "turbocharger" / "rotor.toml"
+OWN_WHIRLS = {
+    "rings, at the first threshold": (TURBOCHARGER.read_text(encoding="utf-8"), 500.0, 1),
+    "rings": (TURBOCHARGER.read_text(encoding="utf-8"), 1e4, 3),
+} | {f"pads, {name}": (on_pads(2e6, **kind), 1000.0, 1) for name, kind in PADS.items()}
+
+
+@pytest.mark.parametrize("machine", OWN_WHIRLS)
+def test_rings_and_pads_follow_each_whirl_at_its_own_frequency(machine):
+    """A run's own whirls are those of `modes`, which `test_campbell` has from dense matrices."""
+    text, speed, count = OWN_WHIRLS[machine]
+    rotor = parse_rotor(text)
+    found = [w.root for w in whirls(rotor, speed=speed) if w.speed == speed]
+    linear = LinearMachine(rotor)
+    roots = modes_of(linear, linear.at(speed), 12, pads_whirl=True).eigenvalues
+    growing = sorted(roots[roots.real > 0.0], key=lambda root: -root.real)
+    assert len(growing) == count
+    np.testing.assert_allclose(found, growing, rtol=1e-6)
+
+
+def test_a_pad_that_bears_nothing_does_not_make_a_machine_free():
+    """Its tilt stays anywhere, but the pads hold the rotor with its wall open."""
+    lying = table("[contact]", node=2, journal_radius=0.05, clearance=5e-6, k=1e7, mu=0.1)
+    rotor = parse_rotor(on_pads(5e6, preload=0.0) + lying)
+    sim = Simulation(rotor, speed=SPEED, warn=lambda message: None)
+    assert any(sim._run.memory.seats)
+    assert () in {w.closed for w in found_last(sim) if w.speed == SPEED}
 
 
 @pytest.mark.parametrize("preset", sorted(PRESETS))
