@@ -91,7 +91,7 @@ def _linearizing(law: Law) -> Callable:
 law_force = dispatcher([law.force for law in LAWS])
 law_tangent = dispatcher([law.tangent for law in LAWS])
 law_vibrate = dispatcher([_vibrating(law) for law in LAWS])
-law_linearize = dispatcher([_linearizing(law) for law in LAWS])
+_linearize = dispatcher([_linearizing(law) for law in LAWS])
 law_gap = dispatcher([law.gap for law in LAWS], takes_tables=False)
 law_breaks = dispatcher([law.breaks for law in LAWS])
 law_rates = dispatcher([law.rates for law in LAWS])
@@ -105,6 +105,12 @@ def law_tangent_called(laws, interface, kinematics, weights, free, internal_stat
     """Return `law_tangent`, not inlined because it is large: for all calls but the iterations of a
     step."""
     return law_tangent(laws, interface, kinematics, weights, free, internal_state)
+
+
+@jit_not_inlined
+def law_linearize(laws, interface, kinematics, internal_state, solved, slopes):
+    """Return what `Law.linearize` does, not inlined because it is large."""
+    return _linearize(laws, interface, kinematics, internal_state, solved, slopes)
 
 
 @jit

@@ -4,9 +4,9 @@ its rows. See `stage_problem`."""
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..kernels.lu import factorize_dense
-from ..parts.law import Kinematics, Weights
+from ..parts.law import Kinematics, StateSlopes
 from ..schemes.radau import STAGES, A
-from .laws import law_force, law_rates, law_tangent_called
+from .laws import law_force, law_linearize, law_rates
 
 # Step of the finite differences, as a share of a state and its change, and its least value; of a
 # displacement, as a share of the interface's length.
@@ -28,13 +28,40 @@ def _fill_tangent(structure, h, stages, i, j):
     first, count = interface.internal_state, interface.states
     tangent, moving = stages.tangent[i, j], kinematics_of_stage(stages, i, j)
     states, spare = stages.internal_state[i, first:], stages.trial_state
-    for column in range(2):
-        weights = Weights(1.0 - column, 1.0 * column, 0.0)
-        _, p, q = law_tangent_called(structure.laws, interface, moving, weights, states, spare)
-        tangent[0, 2 * column], tangent[1, 2 * column] = (p + q).real, (p + q).imag
-        tangent[0, 2 * column + 1], tangent[1, 2 * column + 1] = (q - p).imag, (p - q).real
-    if count == 0:
-        return
+    slopes = StateSlopes(
+        *(stages.trial_rate, stages.force_by_states, stages.rates_by_d, stages.rates_by_v),
+        stages.rates_by_states,
+    )
+    stages.rates_by_states[:count, :count] = 0.0
+    _, p_d, q_d, p_v, q_v = law_linearize(structure.laws, interface, moving, states, spare, slopes)
+    for column, p, q in ((0, p_d, q_d), (2, p_v, q_v)):
+        tangent[0, column], tangent[1, column] = (p + q).real, (p + q).imag
+        tangent[0, column + 1], tangent[1, column + 1] = (q - p).imag, (p - q).real
+    if interface.vibrating > 0:
+        _store_slopes(tangent, slopes, count)
+    elif count > 0:
+        _fill_differences(structure, h, stages, i, j)
+
+
+@jit
+def _store_slopes(tangent, slopes, count):
+    """Store the derivatives of force and rates by states, and those of the rates by motion."""
+    for s in range(count):
+        force, by_d, by_v = slopes.force[s], slopes.by_d[s], slopes.by_v[s]
+        tangent[0, 4 + s], tangent[1, 4 + s] = force.real, force.imag
+        tangent[2 + s, 0], tangent[2 + s, 1] = by_d.real, by_d.imag
+        tangent[2 + s, 2], tangent[2 + s, 3] = by_v.real, by_v.imag
+        for k in range(count):
+            tangent[2 + s, 4 + k] = slopes.by_states[s, k]
+
+
+@jit
+def _fill_differences(structure, h, stages, i, j):
+    """Fill in the same as differences, for a law that does not have them."""
+    interface = structure.interfaces[j]
+    first, count = interface.internal_state, interface.states
+    tangent, moving = stages.tangent[i, j], kinematics_of_stage(stages, i, j)
+    states, spare = stages.internal_state[i, first:], stages.trial_state
     d_step = _SHARE * interface.length
     v_step = d_step * (1.0 / h) + _SHARE * modulus(moving.velocity)
     for column in range(4 + count):

@@ -53,8 +53,7 @@ class Stages(NamedTuple):
     derivatives of forces and rates with respect to displacement, velocity, and states. jacobian,
     solution, pivots: of Newton's method; unknowns: indices of the unknowns, of a force with its
     stage, interface and axis. housing: accelerations by forces on the housings, in x and in y;
-    housing_d, housing_v: displacements and velocities. scratch, trial_state, trial_rate: scratch of
-    single calls.
+    housing_d, housing_v: displacements and velocities. The rest is scratch of single calls.
     """
 
     key: Annotated[np.ndarray, float, "4"]
@@ -103,6 +102,10 @@ class Stages(NamedTuple):
     unknowns: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states", "4"]
     trial_state: Annotated[np.ndarray, float, "most_states"]
     trial_rate: Annotated[np.ndarray, float, "most_states"]
+    force_by_states: Annotated[np.ndarray, complex, "most_states"]
+    rates_by_d: Annotated[np.ndarray, complex, "most_states"]
+    rates_by_v: Annotated[np.ndarray, complex, "most_states"]
+    rates_by_states: Annotated[np.ndarray, float, "most_states", "most_states"]
 
 
 @jit
