@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from rotor_fmu.cosimulation.master import Side, points
+from rotor_fmu.cosimulation.master import CoupledFmus
 from rotor_fmu.errors import InputError
 
 
@@ -14,16 +14,13 @@ class Counted:
     def __init__(self):
         self.steps = []
 
-    def references(self, *names):
-        return list(names)
-
     def begin(self):
         pass
 
-    def get(self, references):
-        return [0.0 for _ in references]
+    def get(self, names):
+        return {}
 
-    def set(self, references, values):
+    def set(self, values):
         pass
 
     def step(self, t, h):
@@ -38,11 +35,13 @@ class Counted:
         (0.5, 0.3, [0.3, 0.2]),
         (0.3, 0.1, [0.1, 0.1, 0.1]),  # though 0.3 / 0.1 is less than 3
         (3 * 0.1, 0.1, [0.1, 0.1, 0.1]),  # and this more
+        (1e-9, 1e-2, [1e-9]),
     ],
 )
 def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengths):
     one, other = Counted(), Counted()
-    seen = [point.t for point in points(Side(one, (), ()), Side(other, (), ()), stop, step)]
+    coupled = CoupledFmus({"one": one, "other": other}, (), {}, ())
+    seen = [point.t for point in coupled.points(stop, step)]
     assert seen[0] == 0.0
     assert seen[-1] == pytest.approx(stop, rel=1e-12)
     for member in (one, other):
@@ -53,8 +52,8 @@ def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengt
 @pytest.mark.parametrize("name", ["stop", "step"])
 @pytest.mark.parametrize("value", [0.0, -0.1, math.inf, math.nan])
 def test_a_run_that_is_none_is_refused(name, value):
-    one, other = Counted(), Counted()
+    one = Counted()
     length = {"stop": 1.0, "step": 0.1, name: value}
     with pytest.raises(InputError, match=rf"^{name} = .* s: must be > 0 and finite$"):
-        list(points(Side(one, (), ()), Side(other, (), ()), **length))
+        list(CoupledFmus({"one": one}, (), {}, ()).points(**length))
     assert not one.steps
