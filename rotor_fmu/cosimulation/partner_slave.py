@@ -13,14 +13,17 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability
 from pythonfmu import Real as FmiReal
 
-try:
-    from rotor_fmu_wrapper import hold, settle_exit  # beside this file in the FMU
-except ImportError:
-    from rotor_fmu.fmi.python.wrapper import hold, settle_exit  # in the source tree
+try:  # beside this file in the FMU
+    from rotor_fmu_wrapper import INTERRUPTED, held, in_one_line, settle_exit
+    from rotor_fmu_wrapper import hold as hold
+except ImportError:  # in the source tree
+    from rotor_fmu.fmi.python.wrapper import INTERRUPTED, held, in_one_line, settle_exit
+    from rotor_fmu.fmi.python.wrapper import hold as hold
 
 # name, causality, unit, start, lowest value allowed, description
 Listed = tuple[str, str, str, float | None, float | None, str]
 BEGUN: Listed = ("begun", "local", "1", None, None, "1 once the initialization has ended")
+_LONGEST = 700  # characters of a message, as of the rotor's FMU
 
 
 class Refused(ValueError):
@@ -32,17 +35,19 @@ class Refused(ValueError):
 
 
 def described(call: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a call from the host so that an error leaves the slave alive: the wrapper drops its
-    references to it on any exception."""
+    """Wrap a call from the host so that an error, of the partner's own code too, leaves the slave
+    alive: the wrapper drops its references to it on any exception."""
 
     @functools.wraps(call)
     def guarded(self: Fmi2Slave, *arguments: object) -> Any:
         try:
             return call(self, *arguments)
-        except Refused:
-            self.log_queue.clear()
-            hold(self, self.log_queue, type(self))
-            raise
+        except BaseException as error:  # whatever leaves here unheld would crash the host
+            held(self)
+            said = str(error) if isinstance(error, Refused) else f"{type(error).__name__}: {error}"
+            if isinstance(error, KeyboardInterrupt):
+                said = INTERRUPTED
+            raise Refused(in_one_line(said)[:_LONGEST]) from None
 
     return guarded
 
@@ -61,7 +66,10 @@ class TableSlave(Fmi2Slave):
         settle_exit(self.resources)
         # the module's name in the FMU follows its content
         self.guid = uuid.uuid5(uuid.NAMESPACE_URL, type(self).__module__)
+        taken = set(dir(self))
         for name, causality, _, start, _, text in self.VARIABLES:
+            if name in taken:
+                raise Refused(f"VARIABLES: {name}: is an attribute of the slave already")
             setattr(self, name, start or 0.0)
             is_parameter = causality == "parameter"
             initial = {"parameter": Fmi2Initial.exact, "input": None}
@@ -79,7 +87,7 @@ class TableSlave(Fmi2Slave):
     @described
     def get_real(self, references: Sequence[int]) -> list[float]:
         """Return the values of Reals."""
-        return [getattr(self, self._entry("getReal", reference)[0]) for reference in references]
+        return [self._number(self._entry("getReal", reference)[0]) for reference in references]
 
     @described
     def set_real(self, references: Sequence[int], values: Sequence[float]) -> None:
@@ -135,9 +143,15 @@ class TableSlave(Fmi2Slave):
     def step(self, t: float, h: float) -> None:
         """Carry out the slave's step from t over h [s]."""
 
+    def _number(self, name: str) -> float:
+        try:
+            return float(getattr(self, name))
+        except (TypeError, ValueError):
+            raise Refused(f"{name} = {getattr(self, name)!r}: must be a number") from None
+
     def _check(self, causalities: tuple[str, ...]) -> None:
         for name, causality, unit, _, low, _ in self.VARIABLES:
-            value = getattr(self, name)
+            value = self._number(name)
             if causality in causalities and not math.isfinite(value):
                 raise Refused(f"{name} = {value} {unit}: must be a finite number")
             if causality in causalities and low is not None and value < low:

@@ -212,6 +212,11 @@ def test_a_parameter_that_is_no_number_is_refused_by_its_name(coupling, fmu, tmp
         ("    BEGUN,", '    ("begun", "output", "1", None, None, ""),', "VARIABLES: has no BEGUN$"),
         ("VARIABLES = (\n", "VARIABLES = (BEGUN,\n", "VARIABLES: begun: is listed 2 times$"),
         ('("work"', '("to do"', "VARIABLES: to do: must be the name of an attribute of the slave$"),
+        (
+            '("work"',
+            '("guid"',
+            "SteadyMotor: VARIABLES: guid: is an attribute of the slave already$",
+        ),
         ("50.0", "'50'", "VARIABLES: rate: start = '50': must be a number$"),
         ("50.0", "1e999", "VARIABLES: rate: start = inf: must be a finite number$"),
         (
