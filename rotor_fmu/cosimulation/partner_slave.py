@@ -7,18 +7,19 @@ import functools
 import math
 import uuid
 from abc import abstractmethod
+from array import array
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability
 from pythonfmu import Real as FmiReal
 
-try:  # beside this file in the FMU
-    from rotor_fmu_wrapper import INTERRUPTED, held, in_one_line, settle_exit
-    from rotor_fmu_wrapper import hold as hold
-except ImportError:  # in the source tree
-    from rotor_fmu.fmi.python.wrapper import INTERRUPTED, held, in_one_line, settle_exit
-    from rotor_fmu.fmi.python.wrapper import hold as hold
+try:
+    import rotor_fmu_wrapper as wrapper  # beside this file in the FMU
+except ImportError:
+    from rotor_fmu.fmi.python import wrapper  # in the source tree
+
+hold = wrapper.hold  # for scripts of partners
 
 # name, causality, unit, start, lowest value allowed, description
 Listed = tuple[str, str, str, float | None, float | None, str]
@@ -43,11 +44,11 @@ def described(call: Callable[..., Any]) -> Callable[..., Any]:
         try:
             return call(self, *arguments)
         except BaseException as error:  # whatever leaves here unheld would crash the host
-            held(self)
+            wrapper.held(self)
             said = str(error) if isinstance(error, Refused) else f"{type(error).__name__}: {error}"
             if isinstance(error, KeyboardInterrupt):
-                said = INTERRUPTED
-            raise Refused(in_one_line(said)[:_LONGEST]) from None
+                said = wrapper.INTERRUPTED
+            raise Refused(wrapper.in_one_line(said)[:_LONGEST]) from None
 
     return guarded
 
@@ -63,7 +64,7 @@ class TableSlave(Fmi2Slave):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
-        settle_exit(self.resources)
+        wrapper.settle_exit(self.resources)
         # the module's name in the FMU follows its content
         self.guid = uuid.uuid5(uuid.NAMESPACE_URL, type(self).__module__)
         taken = set(dir(self))
@@ -116,6 +117,30 @@ class TableSlave(Fmi2Slave):
                 f"{call}: value reference {reference}: must be from 0 to {len(self.VARIABLES) - 1}"
             )
         return self.VARIABLES[reference]
+
+    # --- state: all variables, after the FMU's identifier ---
+
+    @described
+    def _get_fmu_state(self) -> bytes:
+        values = array("d", (self._number(name) for name, *_ in self.VARIABLES))
+        return self.guid.bytes + values.tobytes()
+
+    @wrapper.HeldFromLookUp
+    @described
+    def _set_fmu_state(self, state: bytes) -> None:
+        guid, values = state[: len(self.guid.bytes)], state[len(self.guid.bytes) :]
+        if guid != self.guid.bytes or len(values) != 8 * len(self.VARIABLES):
+            raise Refused("the FMU state is damaged, or of another FMU")
+        for (name, *_), value in zip(self.VARIABLES, array("d", values), strict=True):
+            setattr(self, name, value)
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> bytes:
+        return state  # is checked when it is set: here the host would not get the reason
 
     # --- steps ---
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rotor_fmu.cosimulation.coupling import Coupling
-from rotor_fmu.cosimulation.master import coupled
+from rotor_fmu.cosimulation.master import CoupledRun, coupled
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.fmi.packing.machine_files import machine_of
@@ -63,6 +63,7 @@ class Spring(TableSlave):
 
 def built(folder, name, text):
     """The FMU of a source."""
+    folder.mkdir(exist_ok=True)
     source = folder / name
     source.write_text(text)
     return Coupling(source).build(folder)
@@ -151,6 +152,16 @@ def test_variables_of_all_types_are_set_and_read_as_numbers(fmu, native_3, versi
         assert member.get(given) == {name: float(value) for name, value in given.items()}
 
 
+def test_a_tunable_parameter_is_connected_and_so_is_an_integer_without_unit(motor, native_3):
+    pairs = [("motor.begun", "rotor.bearing[1].mu"), ("rotor.solver.steps", "motor.tau")]
+    recorded = {"rotor": ["bearing[1].mu"], "motor": ["tau"]}
+    with coupled({"motor": motor, "rotor": native_3}, pairs, recorded=recorded) as opened:
+        run = opened.run(3e-3, 1e-3)
+    assert run["rotor"]["bearing[1].mu"].tolist() == [0.05, 1.0, 1.0, 1.0]
+    assert run["motor"]["tau"].tolist() == [0.0, *run["rotor"]["solver.steps"][:-1]]
+    assert run["rotor"]["solver.steps"][1] > 0
+
+
 def test_an_fmu_that_cannot_be_coupled_is_refused(fmu, tmp_path, monkeypatch):
     other = tmp_path / "Other.fmu"
     with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(other, "w") as archive:
@@ -206,3 +217,21 @@ def test_ctrl_c_in_a_step_of_an_fmu_is_no_error_of_the_fmu(fmu, tmp_path):
         coupling.run({"partner": partner, "rotor": fmu}, 0.1, 1e-3, progress=seen.append)
     assert seen == [0.0, 1e-3]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_run_is_saved_whole_or_not_at_all_with_names_of_any_kind(tmp_path, monkeypatch):
+    run = CoupledRun(np.arange(2.0), {"rotor": {"disc [m] x": np.ones(2)}, "t": {"w": np.zeros(2)}})
+    run.save(tmp_path / "run.npz")
+    read = CoupledRun.load(tmp_path / "run.npz")
+    assert (read.t == run.t).all()
+    assert {fmu: [*read[fmu]] for fmu in read.values} == {"rotor": ["disc [m] x"], "t": ["w"]}
+    before = (tmp_path / "run.npz").read_bytes()
+
+    def fails(part, **columns):
+        part.write_bytes(b"half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez_compressed", fails)
+    with pytest.raises(OSError, match="No space left"):
+        run.save(tmp_path / "run.npz")
+    assert [file.read_bytes() for file in tmp_path.iterdir()] == [before]

@@ -39,3 +39,38 @@ def test_what_the_code_of_a_partner_raises_is_its_message_and_the_host_lives(
     done = run_python(FAILING.format(fmu=str(partner)))
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == [f"SteadyMotor.fmu: {expected}"] * 40
+
+
+STATES = """
+import ctypes
+from pathlib import Path
+from rotor_fmu.cosimulation.member import Member
+messages = []
+with Member(Path({other!r}), {{}}, messages) as other:
+    of_other = other._fmu.serializeFMUstate(other._fmu.getFMUState())
+with Member(Path({fmu!r}), {{"rate": 7.0}}, messages) as member:
+    fmu = member._fmu
+    member.begin()
+    whole = fmu.serializeFMUstate(fmu.getFMUState())
+    for _ in range(20):
+        for bytes_of in (b"", b"garbage", whole[:-8], whole + whole[-8:], of_other):
+            try:
+                fmu.setFMUState(fmu.deSerializeFMUstate(bytes_of))
+            except Exception:
+                print(messages[-1])
+        try:
+            fmu.setFMUState(ctypes.c_void_p(0))
+        except Exception:
+            print("NULL")
+    print(fmu.serializeFMUstate(fmu.getFMUState()) == whole, member.get(["rate"]))
+"""
+
+
+def test_a_state_that_is_none_is_refused_and_changes_nothing(tmp_path):
+    partner = built(tmp_path, "steady_motor.py", SOURCE)
+    other = built(tmp_path / "other", "steady_motor.py", f"{SOURCE}\n# another")
+    done = run_python(STATES.format(fmu=str(partner), other=str(other)))
+    assert done.returncode == 0, done.stderr
+    *said, last = done.stdout.splitlines()
+    assert said == [*["the FMU state is damaged, or of another FMU"] * 5, "NULL"] * 20
+    assert last == "True {'rate': 7.0}"
