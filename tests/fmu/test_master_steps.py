@@ -1,6 +1,7 @@
 """The communication points of the Jacobi master."""
 
 import math
+from itertools import islice
 
 import pytest
 
@@ -35,6 +36,8 @@ class Counted:
         (0.5, 0.3, [0.3, 0.2]),
         (0.3, 0.1, [0.1, 0.1, 0.1]),  # though 0.3 / 0.1 is less than 3
         (3 * 0.1, 0.1, [0.1, 0.1, 0.1]),  # and this more
+        (0.3000000000000001, 0.1, [0.1, 0.1, 0.1]),
+        (1.0, 0.4998, [0.4998, 0.4998, 0.0004]),  # a thousandth of a step is one
         (1e-9, 1e-2, [1e-9]),
     ],
 )
@@ -47,6 +50,12 @@ def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengt
     for member in (one, other):
         assert [h for _, h in member.steps] == pytest.approx(lengths, rel=1e-9)
         assert [t for t, _ in member.steps] == pytest.approx(seen[:-1], abs=1e-12)
+
+
+def test_a_run_whose_number_of_steps_is_no_number_begins_as_any_other():
+    one = Counted()
+    assert len([*islice(CoupledFmus({"one": one}, (), {}, ()).points(1e300, 1e-300), 3)]) == 3
+    assert one.steps == [(0.0, 1e-300), (1e-300, 1e-300)]
 
 
 @pytest.mark.parametrize("name", ["stop", "step"])
