@@ -2,7 +2,9 @@
 
 import re
 import signal
+import sys
 import zipfile
+from contextlib import suppress
 
 import fmpy
 import numpy as np
@@ -91,7 +93,8 @@ def test_three_fmus_exchange_what_they_had_at_the_last_point(tmp_path):
     ]
     given = {"left": {"J": 0.2, "start": 0.01}, "spring": {"k": 30.0}}
     fmus = {"left": wheel, "spring": spring, "right": wheel}
-    with coupled(fmus, pairs, [("left.J", "right.J")], given, {"left": ["w"]}) as opened:
+    initial = [("left.J", "right.J"), ("right.J", "left.J")]  # the first of them is first
+    with coupled(fmus, pairs, initial, given, {"left": ["w"]}) as opened:
         run = opened.run(0.5, 1e-2)
     phi, w, tau = np.array([0.01, 0.0]), np.zeros(2), np.zeros(2)
     for n in range(51):
@@ -184,9 +187,22 @@ def test_an_array_and_a_text_are_no_single_numbers(native_3, monkeypatch):
         monkeypatch.setattr(variable, "type", "String")
         with pytest.raises(InputError, match=r"\.fmu: w: is a String; must be a number$"):
             member.get(["w"])
+        with pytest.raises(InputError, match=r"\.fmu: w = 3\.0: String; must be a text$"):
+            member.set({"w": 3.0})
         monkeypatch.setattr(variable, "dimensions", [3])
         with pytest.raises(InputError, match=r"\.fmu: w: is an array; must be a single value$"):
             member.variable("w")
+
+
+def test_a_message_that_all_is_well_is_no_reason_for_a_failure(native_3, monkeypatch):
+    def fails(t, h):
+        member._log(None, 0, b"logAll", b"as it should be")
+        raise fmpy.fmi1.FMICallException("fmi3DoStep", 3)
+
+    with Member(native_3, {}, []) as member:
+        monkeypatch.setattr(member._fmu, "doStep", fails)
+        with pytest.raises(RunFailed, match="fmi3DoStep failed with status 3"):
+            member.step(0.0, 1.0)
 
 
 def test_an_fmu_that_asks_to_end_the_simulation_ends_the_run(native_3, monkeypatch):
@@ -200,10 +216,14 @@ def test_an_fmu_that_asks_to_end_the_simulation_ends_the_run(native_3, monkeypat
 def test_a_run_that_is_through_terminates_its_fmus(fmu, tmp_path):
     mark = tmp_path / "terminated"
     end = f"    def terminate(self):\n        open({str(mark)!r}, 'x').close()\n"
-    partner = built(tmp_path, "steady_motor.py", SOURCE + end)
+    partner, search_path = built(tmp_path, "steady_motor.py", SOURCE + end), [*sys.path]
     with Member(partner, {}, []):
         pass
-    assert not mark.exists()  # it had not begun
+    with suppress(ZeroDivisionError), Member(partner, {}, []) as member:
+        member.begin()
+        1 / 0  # noqa: B018
+    assert not mark.exists()  # the one had not begun, the other has failed
+    assert sys.path == search_path
     with Member(partner, {}, []) as member:
         member.begin()
     assert mark.exists()
