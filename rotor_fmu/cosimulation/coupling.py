@@ -150,7 +150,7 @@ class Coupling:
 
 def _reason(error: BaseException) -> str:
     """Return what an exception of a source's code says, in one line."""
-    is_refused = type(error).__name__ == partner_slave.Refused.__name__  # of whichever copy
+    is_refused = type(error).__name__ == wrapper.CallFailed.__name__  # of whichever copy
     return " ".join((f"{error}" if is_refused else f"{type(error).__name__}: {error}").split())
 
 

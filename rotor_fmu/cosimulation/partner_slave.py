@@ -19,20 +19,14 @@ try:
 except ImportError:
     from rotor_fmu.fmi.python import wrapper  # in the source tree
 
-hold = wrapper.hold  # for scripts of partners
+# for scripts of partners: an invalid input, parameter or call raises `Refused` with a message that
+# names it and says what is allowed
+hold, Refused = wrapper.hold, wrapper.CallFailed
 
 # name, causality, unit, start, lowest value allowed, description
 Listed = tuple[str, str, str, float | None, float | None, str]
 BEGUN: Listed = ("begun", "local", "1", None, None, "1 once the initialization has ended")
 _LONGEST = 700  # characters of a message, as of the rotor's FMU
-
-
-class Refused(ValueError):
-    """An invalid input, parameter or call; the message names it and says what is allowed."""
-
-    def __repr__(self) -> str:
-        """Return the message alone, which pythonfmu's wrapper logs."""
-        return str(self)
 
 
 def described(call: Callable[..., Any]) -> Callable[..., Any]:

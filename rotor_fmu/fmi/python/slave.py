@@ -20,20 +20,19 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from . import CHECKSUMS
-from .wrapper import INTERRUPTED, HeldFromLookUp, held, in_one_line, settle_exit
+from .wrapper import (
+    INTERRUPTED,
+    CallFailed,
+    HeldFromLookUp,
+    held,
+    in_one_line,
+    settle_exit,
+)
 
 TABLE = "machine.table"  # the machine, in an FMU's resources
 _LIBRARIES = {"linux": "linux64.so", "win32": "win64.dll"}
 _MOST_ROOMS = 64
 _WARNING, _DISCARD = 1, 2  # of FMI's statuses
-
-
-class CallFailed(RuntimeError):
-    """A call that failed; its message goes to the host."""
-
-    def __repr__(self) -> str:
-        """Return the sentence alone: the wrapper logs the representation."""
-        return str(self)
 
 
 @ctypes.CFUNCTYPE(None, ctypes.py_object, c_int, c_char_p)

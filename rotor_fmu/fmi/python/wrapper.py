@@ -11,6 +11,14 @@ INTERRUPTED = "interrupted by the user"
 _settled: set[str] = set()
 
 
+class CallFailed(RuntimeError):
+    """A call that failed; its message goes to the host."""
+
+    def __repr__(self) -> str:
+        """Return the sentence alone: the wrapper logs the representation."""
+        return str(self)
+
+
 def hold(*objects: object) -> None:
     """Take one more reference to each object.
 
