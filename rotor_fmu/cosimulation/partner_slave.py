@@ -142,15 +142,15 @@ class TableSlave(Fmi2Slave):
     def exit_initialization_mode(self) -> None:
         """Check what was set, and begin."""
         self._check(("input", "parameter"))
-        self.begun = 1.0
         self.begin()
+        self.begun = 1.0
 
     @described
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Check the inputs and step from `current_time` over `step_size` [s]."""
         self._check(("input",))
         if not (step_size > 0 and math.isfinite(step_size)):
-            raise Refused(f"doStep over {step_size:g} s: the step must be > 0")
+            raise Refused(f"doStep over {step_size:g} s: the step must be > 0 and finite")
         self.step(current_time, step_size)
         return True
 

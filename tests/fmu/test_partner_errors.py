@@ -2,6 +2,9 @@
 
 import pytest
 
+from rotor_fmu.cosimulation.member import Member
+from rotor_fmu.errors import RunFailed
+
 from ..processes import run_python
 from .test_coupling import SOURCE
 from .test_members import built
@@ -74,3 +77,14 @@ def test_a_state_that_is_none_is_refused_and_changes_nothing(tmp_path):
     *said, last = done.stdout.splitlines()
     assert said == [*["the FMU state is damaged, or of another FMU"] * 5, "NULL"] * 20
     assert last == "True {'rate': 7.0}"
+
+
+def test_a_beginning_that_is_refused_can_be_made_with_other_parameters(tmp_path):
+    begin = "if self.w_start > 120: raise ValueError('too fast')\n        self.w = self.w_start"
+    text = SOURCE.replace("self.w = self.w_start", begin)
+    with Member(built(tmp_path, "steady_motor.py", text), {"w_start": 130.0}, []) as member:
+        with pytest.raises(RunFailed, match=r"ValueError: too fast$"):
+            member.begin()
+        member.set({"w_start": 110.0})
+        member.begin()
+        assert member.get(["w"]) == {"w": 110.0}

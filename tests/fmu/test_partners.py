@@ -118,6 +118,9 @@ def test_what_it_cannot_take_it_refuses_and_goes_on(partner, built):
             assert "all variables are Real" in refused(messages, fmu.setInteger, [gain], [1])
             assert "all variables are Real" in refused(messages, fmu.setBoolean, [gain], [True])
             assert "all variables are Real" in refused(messages, fmu.setString, [gain], ["a"])
-        assert "the step must be > 0" in refused(messages, fmu.doStep, 0.0, 0.0)
+        for h in (0.0, math.inf, math.nan):
+            assert f"doStep over {h:g} s: the step must be > 0" in refused(
+                messages, fmu.doStep, 0.0, h
+            )
         member.step(0.0, partner.step)
         assert member.get([partner.parameter]) == given
