@@ -17,14 +17,14 @@ from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 from rotor_fmu.examples import copy_system_files
 
-from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
+from rotor_fmu.cosimulation.coupling import Coupling
+from rotor_fmu.cosimulation.master import CoupledRun
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import fmu_in
 from rotor_fmu.output_options import with_output_options, write_json
 from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_panels, save
-from rotor_fmu.runs.run_down import interrupts_noted
 from rotor_fmu.runs.run_files import clear
 
 HERE = Path(__file__).resolve().parent
@@ -109,18 +109,16 @@ def _stored(out: Path, fmus: tuple[Path, Path], name: str, case: RunUp) -> Coupl
         return CoupledRun.load(path)
     path.parent.mkdir(exist_ok=True)
     columns = (*Progress.get_default_columns()[:-1], TimeRemainingColumn())
-    with (
-        Progress(*columns, console=_console, transient=True) as bar,
-        interrupts_noted() as interrupts,
-    ):
+    with Progress(*columns, console=_console, transient=True) as bar:
         task = bar.add_task(f"drive train, {case.title}", total=case.stop)
-
-        def progress(t: float) -> None:
-            if interrupts:
-                raise KeyboardInterrupt
-            bar.update(task, completed=t)
-
-        coupled = couple(*fmus, case.stop, case.step, case.drive, case.rotor, progress)
+        coupled = couple(
+            *fmus,
+            case.stop,
+            case.step,
+            case.drive,
+            case.rotor,
+            lambda t: bar.update(task, completed=t),
+        )
     coupled.save(path)
     return coupled
 
@@ -135,19 +133,20 @@ def couple(
     *progress: Any,
 ) -> CoupledRun:
     """Run both FMUs to `stop` [s] with the communication step `step` [s] and parameters by name."""
-    fmus, recorded = (drive_fmu, rotor_fmu), (OF_THE_DRIVE, OF_THE_ROTOR)
-    return COUPLING.run(*fmus, stop, step, drive, rotor, *recorded, *progress)
+    fmus = {"partner": drive_fmu, "rotor": rotor_fmu}
+    recorded = {"partner": OF_THE_DRIVE, "rotor": OF_THE_ROTOR}
+    return COUPLING.run(fmus, stop, step, {"partner": drive, "rotor": rotor}, recorded, *progress)
 
 
 def hz_of(run: CoupledRun) -> np.ndarray:
     """Speed of the rotor [Hz], shape (n,)."""
-    return run.partner["w"] / (2 * np.pi)
+    return run["partner"]["w"] / (2 * np.pi)
 
 
 def residual(run: CoupledRun) -> np.ndarray:
     """Energy lost between the FMUs: what left the drive train less what the rotor took, shape (n,)
     [J]."""
-    return run.partner["work_out"] - run.rotor["energy.drive_work"]
+    return run["partner"]["work_out"] - run["rotor"]["energy.drive_work"]
 
 
 def mean_load(run: CoupledRun) -> tuple[np.ndarray, np.ndarray]:
@@ -155,8 +154,8 @@ def mean_load(run: CoupledRun) -> tuple[np.ndarray, np.ndarray]:
     rotor less its kinetic energy of rotation, by the angle turned."""
     every = round(_MEAN_OVER / (run.t[1] - run.t[0]))
     at = slice(None, None, every)
-    w, phi = run.partner["w"][at], run.partner["phi"][at]
-    work = run.rotor["energy.drive_work"][at] - 0.5 * run.rotor["J"][0] * w**2
+    w, phi = run["partner"]["w"][at], run["partner"]["phi"][at]
+    work = run["rotor"]["energy.drive_work"][at] - 0.5 * run["rotor"]["J"][0] * w**2
     turned = np.diff(phi)
     moving = turned > math.pi
     hz = (w[1:] + w[:-1]) / (4 * math.pi)
@@ -165,7 +164,7 @@ def mean_load(run: CoupledRun) -> tuple[np.ndarray, np.ndarray]:
 
 def peak_hz(run: CoupledRun, axis: str) -> float:
     """Speed at which disc 3 swings widest along an axis [Hz]."""
-    return float(hz_of(run)[np.argmax(run.rotor[f"disc[3].{axis}_amp"])])
+    return float(hz_of(run)[np.argmax(run["rotor"][f"disc[3].{axis}_amp"])])
 
 
 def rms(values: np.ndarray) -> float:
@@ -188,8 +187,8 @@ def summary(runs: dict[str, CoupledRun], study: dict[str, list[CoupledRun]]) -> 
             "end_acceleration_hz_per_s": float(
                 (hz_of(run)[-1] - hz_of(run)[-501]) / (run.t[-1] - run.t[-501])
             ),
-            "end_x_um": float(run.rotor["disc[3].x_amp"][-1]) * 1e6,
-            "work_J": float(run.partner["work_out"][-1]),
+            "end_x_um": float(run["rotor"]["disc[3].x_amp"][-1]) * 1e6,
+            "work_J": float(run["partner"]["work_out"][-1]),
             "largest_residual_J": float(np.abs(residual(run)).max()),
         }
     report["x_peak_hz"], report["y_peak_hz"] = (peak_hz(runs["ample"], axis) for axis in "xy")
@@ -264,11 +263,13 @@ def power_figure(study: dict[str, list[CoupledRun]]) -> Figure:
     communication step."""
     figure, (left, right) = new_panels(8.6, 3.8, 1, 2)
     run = study["held"][0]
-    out_of, into = run.partner["tau_coupling"], run.rotor["tau"]
-    left.plot(run.t, out_of * run.partner["w"], color=BLUE, lw=1.6, label="out of the drive train")
+    out_of, into = run["partner"]["tau_coupling"], run["rotor"]["tau"]
+    left.plot(
+        run.t, out_of * run["partner"]["w"], color=BLUE, lw=1.6, label="out of the drive train"
+    )
     left.plot(
         run.t[::4],
-        (into * run.partner["w"])[::4],
+        (into * run["partner"]["w"])[::4],
         "o",
         color=ORANGE,
         ms=4,

@@ -24,7 +24,6 @@ from rotor_fmu.model.kernels.cache import private_folder, user_cache
 from rotor_fmu.model.message_templates import Message
 
 from rotor_fmu.cosimulation.coupling import Coupling
-from rotor_fmu.cosimulation.master import points
 from rotor_fmu.errors import InputError, RunFailed, optional
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import fmu_in, package_name
@@ -123,7 +122,7 @@ class CoupledRuns(MachineRuns):
         proposed = ("phi", "w", *usual(self.machine.rotor), *self.samples(False), *of_drive)
         names = tuple(dict.fromkeys(name for name in proposed if name in units))
         seen: list[tuple[float, ...]] = []
-        messages: list[Message] = []
+        messages: Sequence[Message] = []
         how, failure = self.how, None
         try:
             with self._coupled(values, names) as (rows, how, messages):
@@ -137,27 +136,26 @@ class CoupledRuns(MachineRuns):
     @contextmanager
     def _coupled(
         self, values: Mapping[str, float], names: Sequence[str]
-    ) -> Iterator[tuple[Iterator[tuple[float, ...]], Excitation, list[Message]]]:
+    ) -> Iterator[tuple[Iterator[tuple[float, ...]], Excitation, Sequence[Message]]]:
         """Yield two FMUs that are ready to run: the points of the run, each its time and the named
         values; the excitation; and the FMUs' messages."""
         how, of_machine = self.split(values)
         of_drive = {name: how.numbers[number] for name, number in NUMBERS.items()}
+        at = [
+            ("partner", name.removeprefix(DRIVE)) if name.startswith(DRIVE) else ("rotor", name)
+            for name in names
+        ]
         with COUPLING.open(
-            *fmus(self.toml),
-            {"continuation": 1.0, **of_drive},
-            of_machine,
-            [name.removeprefix(DRIVE) for name in names if name.startswith(DRIVE)],
-            [name for name in names if not name.startswith(DRIVE)],
-        ) as (drive, rotor):
-            outputs = [*(f"{DRIVE}{name}" for name in drive.outputs), *rotor.outputs]
-            at = [outputs.index(name) for name in names]
+            dict(zip(("partner", "rotor"), fmus(self.toml), strict=True)),
+            {"partner": {"continuation": 1.0, **of_drive}, "rotor": of_machine},
+            {side: [name for of, name in at if of == side] for side in ("partner", "rotor")},
+        ) as coupled:
 
             def rows() -> Iterator[tuple[float, ...]]:
-                for point in points(drive, rotor, how.numbers["stop"], how.numbers["step"]):
-                    seen = (*point.one, *point.other)
-                    yield point.t, *(seen[i] for i in at)
+                for point in coupled.points(how.numbers["stop"], how.numbers["step"]):
+                    yield point.t, *(point.values[side][name] for side, name in at)
 
-            yield rows(), how, rotor.member.messages
+            yield rows(), how, coupled.messages
 
 
 def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window:

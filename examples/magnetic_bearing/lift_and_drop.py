@@ -19,7 +19,8 @@ from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 from rotor_fmu.examples import copy_system_files
 
-from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
+from rotor_fmu.cosimulation.coupling import Coupling
+from rotor_fmu.cosimulation.master import CoupledRun
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
 from rotor_fmu.fmi.packing.machine_files import machine_of
@@ -112,21 +113,21 @@ def couple(
 ) -> CoupledRun:
     """Run both FMUs to `stop` [s] with the communication step `step` [s] and parameters by name;
     the rotor starts at rest in its touchdown bearings."""
-    parameters = control, {"w_start": 0.0, **rotor}
-    return COUPLING.run(
-        control_fmu, rotor_fmu, stop, step, *parameters, OF_THE_CONTROL, OF_THE_ROTOR, progress
-    )
+    fmus = {"partner": control_fmu, "rotor": rotor_fmu}
+    parameters = {"partner": control, "rotor": {"w_start": 0.0, **rotor}}
+    recorded = {"partner": OF_THE_CONTROL, "rotor": OF_THE_ROTOR}
+    return COUPLING.run(fmus, stop, step, parameters, recorded, progress)
 
 
 def work_lost(run: CoupledRun) -> np.ndarray:
     """Work of the magnets less what the rotor took, at every sample but the last, shape (n - 1,)
     [J]."""
-    return run.partner["work"][1:] - run.rotor["energy.external_work"][:-1]
+    return run["partner"]["work"][1:] - run["rotor"]["energy.external_work"][:-1]
 
 
 def summary(run: CoupledRun, off: float) -> dict[str, Any]:
     """Figures of a run that is switched off at a time [s]."""
-    t, rotor = run.t, run.rotor
+    t, rotor = run.t, run["rotor"]
     up = t < off
     dropped = ~up
     peak = int(np.argmax(np.where(up, rotor["body[1].x_amp"], 0.0)))
@@ -148,7 +149,7 @@ def summary(run: CoupledRun, off: float) -> dict[str, Any]:
         "lost_in_the_drop_J": sum(last[name] - at_off[name] for name in losses),
         "ledger_open_by_J": last["energy.residual"] - at_off["energy.residual"],
         "work_lost_between_FMUs_J": float(np.abs(work_lost(run)).max()),
-        "largest_work_J": float(np.abs(run.partner["work"]).max()),
+        "largest_work_J": float(np.abs(run["partner"]["work"]).max()),
     }
 
 
@@ -178,11 +179,11 @@ def run_up_figure(run: CoupledRun, off: float) -> Figure:
     figure, (lift, currents, swing) = new_panels(6.4, 7.6, 3)
     first = run.t < _LIFTED
     t = 1e3 * run.t[first]
-    lift.plot(t, 1e6 * run.rotor["left_magnet.y"][first], color=BLUE)
+    lift.plot(t, 1e6 * run["rotor"]["left_magnet.y"][first], color=BLUE)
     lift.set(ylabel="Height y [µm]", xlim=(0, t[-1]))
     lift.set_title("Lifted out of the touchdown bearings", loc="left", fontsize=10)
     for name, colour, label in (("a", BLUE, "upper coil"), ("b", ORANGE, "lower coil")):
-        currents.plot(t, run.partner[f"left_iy{name}"][first], color=colour, label=label)
+        currents.plot(t, run["partner"][f"left_iy{name}"][first], color=colour, label=label)
     currents.set(ylabel="Current [A]", xlabel="Time [ms]", xlim=(0, t[-1]))
     currents.legend(frameon=False)
     up = (run.t > _LIFTED) & (run.t < off)
@@ -190,7 +191,7 @@ def run_up_figure(run: CoupledRun, off: float) -> Figure:
         ("body[1].x_amp", BLUE, "first impeller"),
         ("body[2].x_amp", ORANGE, "motor"),
     ):
-        swing.plot(run.rotor["w"][up], 1e6 * run.rotor[name][up], color=colour, label=label)
+        swing.plot(run["rotor"]["w"][up], 1e6 * run["rotor"][name][up], color=colour, label=label)
     swing.set(xlabel="Speed [rad/s]", ylabel="Amplitude X [µm]", xlim=(0, None), ylim=(0, None))
     swing.set_title("Through the critical speed", loc="left", fontsize=10)
     swing.legend(frameon=False, loc="upper left")
@@ -201,7 +202,7 @@ def orbit_figure(run: CoupledRun, off: float) -> Figure:
     """The journal in its left race after the drop, coloured by the time."""
     figure, axes = new_figure(5.6, 4.8)
     down = run.t >= off
-    x, y = (1e3 * run.rotor[f"touchdown_bearing[1].{axis}"][down] for axis in "xy")
+    x, y = (1e3 * run["rotor"][f"touchdown_bearing[1].{axis}"][down] for axis in "xy")
     angle = np.linspace(0, 2 * math.pi, 200)
     gap = 1e3 * CLEARANCE
     axes.plot(gap * np.cos(angle), gap * np.sin(angle), color=GREY)
@@ -217,13 +218,15 @@ def drop_figure(run: CoupledRun, off: float) -> Figure:
     """Speeds of rotor and races, contact force, and where the energy goes, over the time."""
     figure, (speed, force, energy) = new_panels(6.4, 7.2, 3, share_x=True)
     shown = run.t > off - _BEFORE
-    t, rotor = 1e3 * (run.t[shown] - off), {k: v[shown] for k, v in run.rotor.items()}
+    t, rotor = 1e3 * (run.t[shown] - off), {k: v[shown] for k, v in run["rotor"].items()}
     speed.plot(t, rotor["w"], color=GREY, label="rotor")
     speed.plot(t, rotor["touchdown_bearing[1].race"], color=BLUE, label="left race")
     speed.plot(t, rotor["touchdown_bearing[2].race"], "--", color=ORANGE, label="right race")
     speed.set(ylabel="Speed [rad/s]")
     force.plot(t, rotor["touchdown_bearing[1].fn"], color=BLUE, lw=0.7, label="left race")
-    force.plot(t, run.partner["left_fy"][shown], color=GREEN, lw=1.2, label="left magnet, upwards")
+    force.plot(
+        t, run["partner"]["left_fy"][shown], color=GREEN, lw=1.2, label="left magnet, upwards"
+    )
     force.set(ylabel="Force [N]")
     for name, colour, label in (
         ("friction_loss", ORANGE, "lost to friction"),

@@ -1,90 +1,226 @@
-"""A Jacobi master: at each communication point each of two FMUs gets the other's last outputs, then
-both step."""
+"""A Jacobi master: at each communication point every FMU gets the others' last outputs, then all
+step."""
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+import reprlib
+from array import array
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import NamedTuple
+from itertools import count
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import check_positive
+from ..errors import InputError, check_positive, known_name
+from ..files import unfinished
+from ..fmi.variables import are_alike
+from ..interrupts import interrupts_noted
+from ..model.message_templates import Message
 from .member import Member
 
-# (output of one FMU, connected input of the other)
-Connection = tuple[str, str]
 _WHOLE = 1e-6  # of a step, by which a run of whole steps may miss its end
+NONE: Mapping[str, Any] = {}
 
 
-@dataclass(frozen=True)
-class Side:
-    """One of the two FMUs: its connections to the other, and its further recorded variables."""
+class Connection(NamedTuple):
+    """An output and the input that takes its value, each by the name of its FMU and its own."""
 
-    member: Member
-    connections: Sequence[Connection]
-    recorded: Sequence[str]
-
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of all variables read from it at a communication point."""
-        return (*(output for output, _ in self.connections), *self.recorded)
+    sender: str
+    output: str
+    receiver: str
+    input: str
 
 
 class Point(NamedTuple):
-    """A communication point t [s], and the values of both FMUs in the order of `outputs`."""
+    """A communication point t [s], and the values there of each FMU by name."""
 
     t: float
-    one: list[float]
-    other: list[float]
+    values: Mapping[str, Mapping[str, float]]
 
 
-def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
-    """Yield the communication points of two initialized FMUs to `stop` [s], `step` [s] apart, the
-    last after what is left of a step; both leave the initialization mode at the first. Raises
-    `RunFailed`, and `InputError` for a stop or step that is not positive and finite."""
-    for name, value in (("stop", stop), ("step", step)):
-        check_positive(name, value, "s")
-    sides = (one, other)
-    read = [side.member.references(*side.outputs) for side in sides]
-    inputs = [
-        receiver.member.references(*(name for _, name in sender.connections))
-        for sender, receiver in ((one, other), (other, one))
-    ]
+@dataclass(frozen=True)
+class CoupledRun:
+    """A coupled run at its communication points t [s]: `run[FMU][VARIABLE]` is what was read of an
+    FMU; each of shape (n,)."""
 
-    def outputs(t: float) -> Point:
-        return Point(t, one.member.get(read[0]), other.member.get(read[1]))
+    t: np.ndarray
+    values: Mapping[str, Mapping[str, np.ndarray]]
 
-    for side in sides:
-        side.member.begin()
-    point = outputs(0.0)
-    yield point
-    steps = math.ceil(stop / step - _WHOLE)
-    for n in range(steps):
-        other.member.set(inputs[0], point.one[: len(one.connections)])
-        one.member.set(inputs[1], point.other[: len(other.connections)])
-        end = (n + 1) * step
-        is_cut = end > stop + _WHOLE * step
-        for side in sides:
-            side.member.step(n * step, stop - n * step if is_cut else step)
-        point = outputs(stop if is_cut else end)
+    def __getitem__(self, fmu: str) -> Mapping[str, np.ndarray]:
+        """Return the variables of an FMU."""
+        return self.values[fmu]
+
+    def save(self, path: Path) -> None:
+        """Write the run to a .npz file, whole or not at all."""
+        columns: dict[str, Any] = {
+            f"{fmu} {name}": column
+            for fmu, recorded in self.values.items()
+            for name, column in recorded.items()
+        }
+        with unfinished(path) as part:
+            np.savez_compressed(part, t=self.t, **columns)
+
+    @classmethod
+    def load(cls, path: Path) -> "CoupledRun":
+        """Read a run that `save` wrote."""
+        values: dict[str, dict[str, np.ndarray]] = {}
+        with np.load(path) as data:
+            for key in data.files:
+                fmu, _, name = key.partition(" ")
+                if name:
+                    values.setdefault(fmu, {})[name] = data[key]
+            return cls(data["t"], values)
+
+
+@dataclass(frozen=True)
+class CoupledFmus:
+    """FMUs in the initialization mode by name, their connections, the names of the variables to
+    read of each, and what they have logged so far."""
+
+    members: Mapping[str, Member]
+    connections: Sequence[Connection]
+    read: Mapping[str, Sequence[str]]
+    messages: Sequence[Message]
+
+    def points(self, stop: float, step: float) -> Iterator[Point]:
+        """Yield the communication points to `stop` [s], `step` [s] apart, the last after what is
+        left of a step; all FMUs leave the initialization mode at the first. Raises `RunFailed`, and
+        `InputError` for a stop or step that is not positive and finite."""
+        for name, value in (("stop", stop), ("step", step)):
+            check_positive(name, value, "s")
+        inputs = {
+            name: [c for c in self.connections if c.receiver == name] for name in self.members
+        }
+        for member in self.members.values():
+            member.begin()
+        point = self._at(0.0)
         yield point
+        for n in count():
+            for name, member in self.members.items():
+                member.set({c.input: point.values[c.sender][c.output] for c in inputs[name]})
+            end = (n + 1) * step
+            is_cut = end > stop + _WHOLE * step
+            for member in self.members.values():
+                member.step(n * step, stop - n * step if is_cut else step)
+            point = self._at(stop if is_cut else end)
+            yield point
+            if end >= stop - _WHOLE * step:
+                return
+
+    def run(
+        self, stop: float, step: float, progress: Callable[[float], None] = lambda t: None
+    ) -> CoupledRun:
+        """Run to `stop` [s] with the communication step `step` [s], and return what was read.
+
+        progress: called with the time [s] at each communication point, ends the run by raising.
+        Errors are those of `points`; Ctrl-C ends the run between two steps.
+        """
+        rows = []
+        with interrupts_noted() as interrupts:
+            for point in self.points(stop, step):
+                seen = (point.values[fmu][name] for fmu in self.read for name in self.read[fmu])
+                rows.append(array("d", (point.t, *seen)))
+                progress(point.t)
+                if interrupts:
+                    raise KeyboardInterrupt
+        t, *columns = np.array(rows).T
+        left = iter(columns)
+        return CoupledRun(
+            t, {fmu: {name: next(left) for name in names} for fmu, names in self.read.items()}
+        )
+
+    def _at(self, t: float) -> Point:
+        return Point(t, {name: self.members[name].get(read) for name, read in self.read.items()})
 
 
-def run_jacobi(
-    one: Side, other: Side, stop: float, step: float, progress: Callable[[float], None]
-) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Run two initialized FMUs to `stop` [s] with the communication step `step` [s].
+@contextmanager
+def coupled(
+    fmus: Mapping[str, Path],
+    connections: Any,
+    initial: Any = (),
+    parameters: Mapping[str, Mapping[str, Any]] = NONE,
+    recorded: Mapping[str, Sequence[str]] = NONE,
+    tables: tuple[str, str] = ("connections", "initial"),
+) -> Iterator[CoupledFmus]:
+    """Yield FMUs in the initialization mode, with their initial values exchanged.
 
-    Returns the communication points, shape (n,) [s], and the values read from each by name, shape
-    (n,). Both leave the initialization mode. `progress` gets the time at each communication point,
-    and ends the run by raising. Errors are those of `points`.
+    fmus: files of FMUs, or the folders into which they were extracted, by name; connections: pairs
+    (output, input), each `FMU.VARIABLE`, passed on at every communication point; initial: pairs
+    passed on one after another now; parameters: of each FMU by name, set before the initialization;
+    recorded: variables of each FMU to read beside those that are passed on; tables: how messages
+    call the two lists of pairs. Raises `RunFailed` where a call of one of the FMUs fails, and
+    `InputError` for an unknown name, and a pair that connects other units, or an input that has its
+    value from another pair.
     """
-    seen = []
-    for point in points(one, other, stop, step):
-        seen.append(point)
-        progress(point.t)
-    recorded = [
-        dict(zip(side.outputs, np.array(rows).reshape(len(seen), -1).T, strict=True))
-        for side, rows in ((one, [p.one for p in seen]), (other, [p.other for p in seen]))
-    ]
-    return np.array([point.t for point in seen]), recorded[0], recorded[1]
+    for what, given in (("parameters:", parameters), ("recorded:", recorded)):
+        for name in given:
+            known_name(what, name, fmus)
+    always, first = (
+        [_connection(table, row, fmus) for row in check_rows(table, rows, "output", "input")]
+        for table, rows in zip(tables, (connections, initial), strict=True)
+    )
+    messages: list[Message] = []
+    with ExitStack() as open_members:
+        members = {
+            name: open_members.enter_context(Member(fmu, parameters.get(name, {}), messages))
+            for name, fmu in fmus.items()
+        }
+        for table, passed, settable in (
+            (tables[1], first, ("input", "parameter")),
+            (tables[0], always, ("input",)),
+        ):
+            for connection in passed:
+                _check(table, connection, members, settable)
+        for taken, outputs in Counter((c.receiver, c.input) for c in always).items():
+            if outputs > 1:
+                raise InputError(
+                    f"{tables[0]}: {'.'.join(taken)}: has {outputs} outputs; must have one"
+                )
+        for c in first:
+            members[c.receiver].set({c.input: members[c.sender].get([c.output])[c.output]})
+        read = {name: dict.fromkeys(c.output for c in always if c.sender == name) for name in fmus}
+        for name, names in recorded.items():
+            read[name] |= dict.fromkeys(names)
+        seen = {name: tuple(names) for name, names in read.items()}
+        yield CoupledFmus(members, always, seen, messages)
+
+
+def check_rows(table: str, rows: Any, *columns: str) -> list[Any]:
+    """Return the rows of a table, which begin with two words; `InputError` for others."""
+    for row in rows if isinstance(rows, (list, tuple)) else [rows]:
+        is_row = isinstance(row, (list, tuple)) and len(row) == len(columns)
+        if not is_row or not all(isinstance(word, str) for word in row[:2]):
+            raise InputError(f"{table}: {reprlib.repr(row)}: each must be ({', '.join(columns)})")
+    return list(rows)
+
+
+def _connection(table: str, row: Sequence[str], fmus: Mapping[str, Path]) -> Connection:
+    """Return a pair as a connection; `InputError` unless it connects two of the FMUs."""
+    (sender, _, output), (receiver, _, taken) = (end.partition(".") for end in row)
+    if sender not in fmus or receiver not in fmus or sender == receiver:
+        raise InputError(
+            f"{table}: {row[0]!r}, {row[1]!r}: each must be FMU.VARIABLE, of different FMUs among "
+            f"{', '.join(fmus)}"
+        )
+    return Connection(sender, output, receiver, taken)
+
+
+def _check(
+    table: str, c: Connection, members: Mapping[str, Member], settable: Sequence[str]
+) -> None:
+    """Raise `InputError` for a connection whose units differ, or that ends where nothing can be
+    set."""
+    output, taken = members[c.sender].variable(c.output), members[c.receiver].variable(c.input)
+    is_tunable = (taken.causality, taken.variability) == ("parameter", "tunable")
+    if taken.causality not in settable and not is_tunable:
+        raise InputError(
+            f"{table}: {c.receiver}.{c.input}: is of causality {taken.causality}; must be "
+            f"{' or '.join(settable)}"
+        )
+    if output.unit and taken.unit and not are_alike(output.unit, taken.unit):
+        raise InputError(
+            f"{table}: {c.sender}.{c.output} [{output.unit}], {c.receiver}.{c.input} "
+            f"[{taken.unit}]: must have the same unit"
+        )

@@ -7,6 +7,7 @@ import functools
 import math
 import uuid
 from abc import abstractmethod
+from array import array
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
@@ -14,35 +15,34 @@ from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability
 from pythonfmu import Real as FmiReal
 
 try:
-    from rotor_fmu_wrapper import hold, settle_exit  # beside this file in the FMU
+    import rotor_fmu_wrapper as wrapper  # beside this file in the FMU
 except ImportError:
-    from rotor_fmu.fmi.python.wrapper import hold, settle_exit  # in the source tree
+    from rotor_fmu.fmi.python import wrapper  # in the source tree
+
+# for scripts of partners: an invalid input, parameter or call raises `Refused` with a message that
+# names it and says what is allowed
+hold, Refused = wrapper.hold, wrapper.CallFailed
 
 # name, causality, unit, start, lowest value allowed, description
 Listed = tuple[str, str, str, float | None, float | None, str]
 BEGUN: Listed = ("begun", "local", "1", None, None, "1 once the initialization has ended")
-
-
-class Refused(ValueError):
-    """An invalid input, parameter or call; the message names it and says what is allowed."""
-
-    def __repr__(self) -> str:
-        """Return the message alone, which pythonfmu's wrapper logs."""
-        return str(self)
+_LONGEST = 700  # characters of a message, as of the rotor's FMU
 
 
 def described(call: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a call from the host so that an error leaves the slave alive: the wrapper drops its
-    references to it on any exception."""
+    """Wrap a call from the host so that an error, of the partner's own code too, leaves the slave
+    alive: the wrapper drops its references to it on any exception."""
 
     @functools.wraps(call)
     def guarded(self: Fmi2Slave, *arguments: object) -> Any:
         try:
             return call(self, *arguments)
-        except Refused:
-            self.log_queue.clear()
-            hold(self, self.log_queue, type(self))
-            raise
+        except BaseException as error:  # whatever leaves here unheld would crash the host
+            wrapper.held(self)
+            said = str(error) if isinstance(error, Refused) else f"{type(error).__name__}: {error}"
+            if isinstance(error, KeyboardInterrupt):
+                said = wrapper.INTERRUPTED
+            raise Refused(wrapper.in_one_line(said)[:_LONGEST]) from None
 
     return guarded
 
@@ -58,10 +58,13 @@ class TableSlave(Fmi2Slave):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
-        settle_exit(self.resources)
+        wrapper.settle_exit(self.resources)
         # the module's name in the FMU follows its content
         self.guid = uuid.uuid5(uuid.NAMESPACE_URL, type(self).__module__)
+        taken = set(dir(self))
         for name, causality, _, start, _, text in self.VARIABLES:
+            if name in taken:
+                raise Refused(f"VARIABLES: {name}: is an attribute of the slave already")
             setattr(self, name, start or 0.0)
             is_parameter = causality == "parameter"
             initial = {"parameter": Fmi2Initial.exact, "input": None}
@@ -79,7 +82,7 @@ class TableSlave(Fmi2Slave):
     @described
     def get_real(self, references: Sequence[int]) -> list[float]:
         """Return the values of Reals."""
-        return [getattr(self, self._entry("getReal", reference)[0]) for reference in references]
+        return [self._number(self._entry("getReal", reference)[0]) for reference in references]
 
     @described
     def set_real(self, references: Sequence[int], values: Sequence[float]) -> None:
@@ -109,21 +112,45 @@ class TableSlave(Fmi2Slave):
             )
         return self.VARIABLES[reference]
 
+    # --- state: all variables, after the FMU's identifier ---
+
+    @described
+    def _get_fmu_state(self) -> bytes:
+        values = array("d", (self._number(name) for name, *_ in self.VARIABLES))
+        return self.guid.bytes + values.tobytes()
+
+    @wrapper.HeldFromLookUp
+    @described
+    def _set_fmu_state(self, state: bytes) -> None:
+        guid, values = state[: len(self.guid.bytes)], state[len(self.guid.bytes) :]
+        if guid != self.guid.bytes or len(values) != 8 * len(self.VARIABLES):
+            raise Refused("the FMU state is damaged, or of another FMU")
+        for (name, *_), value in zip(self.VARIABLES, array("d", values), strict=True):
+            setattr(self, name, value)
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> bytes:
+        return state  # is checked when it is set: here the host would not get the reason
+
     # --- steps ---
 
     @described
     def exit_initialization_mode(self) -> None:
         """Check what was set, and begin."""
         self._check(("input", "parameter"))
-        self.begun = 1.0
         self.begin()
+        self.begun = 1.0
 
     @described
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Check the inputs and step from `current_time` over `step_size` [s]."""
         self._check(("input",))
         if not (step_size > 0 and math.isfinite(step_size)):
-            raise Refused(f"doStep over {step_size:g} s: the step must be > 0")
+            raise Refused(f"doStep over {step_size:g} s: the step must be > 0 and finite")
         self.step(current_time, step_size)
         return True
 
@@ -135,9 +162,15 @@ class TableSlave(Fmi2Slave):
     def step(self, t: float, h: float) -> None:
         """Carry out the slave's step from t over h [s]."""
 
+    def _number(self, name: str) -> float:
+        try:
+            return float(getattr(self, name))
+        except (TypeError, ValueError):
+            raise Refused(f"{name} = {getattr(self, name)!r}: must be a number") from None
+
     def _check(self, causalities: tuple[str, ...]) -> None:
         for name, causality, unit, _, low, _ in self.VARIABLES:
-            value = getattr(self, name)
+            value = self._number(name)
             if causality in causalities and not math.isfinite(value):
                 raise Refused(f"{name} = {value} {unit}: must be a finite number")
             if causality in causalities and low is not None and value < low:

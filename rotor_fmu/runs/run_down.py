@@ -2,12 +2,9 @@
 
 import math
 import shutil
-import signal
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +15,7 @@ from ..errors import RunFailed
 from ..fmi.binding import build_simulation, load_names
 from ..fmi.log import read_message
 from ..fmi.variables import Variable
+from ..interrupts import interrupts_noted
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
 from ..model.settings import Settings
@@ -154,21 +152,6 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
     return Run(
         np.asarray(rows["time"]), columns, status_of(messages, failure), tuple(messages), wall
     )
-
-
-@contextmanager
-def interrupts_noted() -> Iterator[list[int]]:
-    """Defer Ctrl-C until between two steps: raised inside the FMU, it would be one of its
-    errors."""
-    interrupts: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield interrupts
-        return
-    before = signal.signal(signal.SIGINT, lambda number, frame: interrupts.append(number))
-    try:
-        yield interrupts
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., None]) -> Any:

@@ -66,8 +66,9 @@ def changed(folder, right, wrong):
 def coupled(coupling, fmu, folder, **parameters):
     partner = coupling.build(folder)
     assert partner.name == "SteadyMotor.fmu"
-    recorded = ["work"], ["w", "energy.drive_work"]
-    return coupling.run(partner, fmu, 0.2, 1e-3, parameters, {}, *recorded)
+    recorded = {"partner": ["work"], "rotor": ["w", "energy.drive_work"]}
+    fmus = {"partner": partner, "rotor": fmu}
+    return coupling.run(fmus, 0.2, 1e-3, {"partner": parameters}, recorded)
 
 
 def test_the_script_of_the_how_to_is_a_flywheel_that_its_load_brakes(fmu, tmp_path):
@@ -78,30 +79,31 @@ def test_the_script_of_the_how_to_is_a_flywheel_that_its_load_brakes(fmu, tmp_pa
     coupling = Coupling(source)
     partner = coupling.build(tmp_path)
     assert partner.name == "Flywheel.fmu"
-    run = coupling.run(partner, fmu, 0.05, 1e-3, {"J": 0.2}, {}, ["w"], ["tau_load"])
-    assert run.partner["w"][0] == 100.0
-    impulse = np.cumsum(run.rotor["tau_load"][:-1]) * 1e-3
+    fmus = {"partner": partner, "rotor": fmu}
+    run = coupling.run(fmus, 0.05, 1e-3, {"partner": {"J": 0.2}})
+    assert run["partner"]["w"][0] == 100.0
+    impulse = np.cumsum(run["rotor"]["tau_load"][:-1]) * 1e-3
     assert np.abs(impulse).max() > 0
-    np.testing.assert_allclose(0.2 * (run.partner["w"][1:] - 100.0), -impulse, rtol=1e-6)
+    np.testing.assert_allclose(0.2 * (run["partner"]["w"][1:] - 100.0), -impulse, rtol=1e-6)
 
 
 def test_each_fmu_gets_what_the_other_gave_at_the_last_communication_point(coupling, fmu, tmp_path):
     run = coupled(coupling, fmu, tmp_path, rate=20.0)
     np.testing.assert_allclose(run.t, np.arange(201) * 1e-3)
-    np.testing.assert_allclose(run.partner["w"], 100.0 + 20.0 * run.t)
+    np.testing.assert_allclose(run["partner"]["w"], 100.0 + 20.0 * run.t)
     # the rotor continues the speed linearly from the last two values, the first being held
-    np.testing.assert_allclose(run.rotor["w"][2:], run.partner["w"][1:-1] + 0.02)
-    paid = np.cumsum(run.rotor["tau"][:-1] * run.partner["w"][:-1]) * 1e-3
-    np.testing.assert_allclose(run.partner["work"][1:], paid)
+    np.testing.assert_allclose(run["rotor"]["w"][2:], run["partner"]["w"][1:-1] + 0.02)
+    paid = np.cumsum(run["rotor"]["tau"][:-1] * run["partner"]["w"][:-1]) * 1e-3
+    np.testing.assert_allclose(run["partner"]["work"][1:], paid)
     # that the rotor took, but for the torque that is held over a step
-    taken = run.rotor["energy.drive_work"][-1]
+    taken = run["rotor"]["energy.drive_work"][-1]
     assert paid[-1] == pytest.approx(taken, rel=0.05)
 
 
 def test_the_initial_values_are_exchanged_before_the_first_step(coupling, fmu, tmp_path):
     run = coupled(coupling, fmu, tmp_path, w_start=150.0, rate=0.0)
-    assert run.rotor["w"][0] == 150.0
-    assert run.rotor["w"][-1] == 150.0
+    assert run["rotor"]["w"][0] == 150.0
+    assert run["rotor"]["w"][-1] == 150.0
 
 
 def test_what_the_partner_refuses_ends_the_run_with_its_sentence(coupling, fmu, tmp_path):
@@ -146,7 +148,7 @@ def test_a_call_that_fails_without_a_message_is_not_laid_to_an_earlier_one(fmu, 
 def test_a_pair_that_does_not_connect_both_is_refused(fmu, tmp_path, table, right, wrong):
     """It would be left out without a word, and the run be that of another coupling."""
     source = changed(tmp_path, right, wrong)
-    with pytest.raises(InputError, match=rf"steady_motor\.py: {table}: .* partner\.NAME"):
+    with pytest.raises(InputError, match=rf"steady_motor\.py: {table}: .* FMU\.VARIABLE"):
         coupled(Coupling(source), fmu, tmp_path)
 
 
@@ -207,9 +209,50 @@ def test_a_parameter_that_is_no_number_is_refused_by_its_name(coupling, fmu, tmp
         ('"input"', '"inputt"', "VARIABLES: tau: 'inputt': must be one of input, output, param"),
         ("CONNECTIONS", "CONNECTION", "has no table CONNECTIONS"),
         ("    BEGUN,\n", "", "VARIABLES: has no BEGUN"),
-        ("    VARIABLES = VARIABLES\n", "", "SteadyMotor: has no VARIABLES$"),
+        ("    BEGUN,", '    ("begun", "output", "1", None, None, ""),', "VARIABLES: has no BEGUN$"),
+        ("VARIABLES = (\n", "VARIABLES = (BEGUN,\n", "VARIABLES: begun: is listed 2 times$"),
+        ('("work"', '("to do"', "VARIABLES: to do: must be the name of an attribute of the slave$"),
+        (
+            '("work"',
+            '("guid"',
+            "SteadyMotor: VARIABLES: guid: is an attribute of the slave already$",
+        ),
+        ("50.0", "'50'", "VARIABLES: rate: start = '50': must be a number$"),
+        ("50.0", "1e999", "VARIABLES: rate: start = inf: must be a finite number$"),
+        (
+            "100.0, 0.0",
+            "100.0, -1e999",
+            "VARIABLES: w_start: minimum = -inf: must be a finite numb",
+        ),
+        ('"work")', "3)", "VARIABLES: work: 'J', 3: unit and description must be texts$"),
+        ('"J"', "None", "VARIABLES: work: None, 'work': unit and description must be texts$"),
+        (
+            "hold(globals())",
+            "class B(TableSlave): pass",
+            "B, SteadyMotor: must have one subclass of",
+        ),
+        (
+            '"partner.tau"))\nI',
+            '"partner.work"))\nI',
+            r"CONNECTIONS: partner\.work: is of causality output; must be input$",
+        ),
+        (
+            '"rotor.tau", "partner.tau"))\nI',
+            '"rotor.w", "partner.w_start"))\nI',
+            r"CONNECTIONS: partner\.w_start: is of causality parameter; must be input$",
+        ),
+        (
+            '"partner.w_start", "rotor.speed")',
+            '"partner.w_start", "rotor.w")',
+            r"INITIAL: rotor\.w: is of causality local; must be input or parameter$",
+        ),
+        (
+            "    VARIABLES = VARIABLES\n",
+            "",
+            "SteadyMotor: must have the line VARIABLES = VARIABLES$",
+        ),
         ("def step", "def steps", "SteadyMotor: has no step$"),
-        ("SteadyMotor(TableSlave)", "SteadyMotor", "has no subclass of TableSlave"),
+        ("SteadyMotor(TableSlave)", "SteadyMotor", "none: must have one subclass of TableSlave$"),
     ],
 )
 def test_a_table_that_no_fmu_can_have_is_refused(fmu, tmp_path, right, wrong, expected):
@@ -268,7 +311,7 @@ def test_a_file_that_is_no_fmu_is_refused_in_one_line(
     partner = coupling.build(tmp_path)
     monkeypatch.setattr(tempfile, "tempdir", str(extracted))
     with pytest.raises(InputError, match=expected) as refused:
-        coupling.run(partner, other, 0.1, 1e-3, {}, {}, [], [])
+        coupling.run({"partner": partner, "rotor": other}, 0.1, 1e-3)
     assert "\n" not in str(refused.value)
     assert not list(extracted.iterdir())
 

@@ -26,12 +26,11 @@ def radii(tmp_path_factory):
         seen = []
         held = {"speed": speeds[0], "speed_continuation": 1}
         with Member(fmu, held, []) as rotor:
-            output, where = rotor.references("speed"), rotor.references("disc.x", "disc.y")
             rotor.begin()
             for n, speed in enumerate(speeds):
-                rotor.set(output, [speed])
+                rotor.set({"speed": speed})
                 rotor.step(n * HELD, HELD)
-                seen.append(math.hypot(*rotor.get(where)) / 1e-3)
+                seen.append(math.hypot(*rotor.get(["disc.x", "disc.y"]).values()) / 1e-3)
         return np.array(seen)
 
     return result

@@ -64,12 +64,11 @@ def test_it_gives_what_the_model_gives(free_fmu):
 
 def test_a_state_goes_from_one_instance_to_another(free_fmu):
     def march(rotor, t):
-        references = rotor.references("w", "phi", "a", "tau", "bearing[1].fn")
         seen = []
         for i in range(20):
-            rotor.set(rotor.references("tau_drive"), [0.01 * i])
+            rotor.set({"tau_drive": 0.01 * i})
             rotor.step(t + i * 1e-3, 1e-3)
-            seen.append(rotor.get(references))
+            seen.append(rotor.get(["w", "phi", "a", "tau", "bearing[1].fn"]))
         return seen
 
     with Member(free_fmu, {"w_start": 170.0}, []) as one:

@@ -74,14 +74,13 @@ def test_building_twice_gives_the_same_bytes(partner, built, tmp_path):
 def test_it_goes_on_from_a_saved_state(partner, built):
     with Member(built, {}, []) as member:
         member.begin()
-        seen, inputs = member.references(*partner.seen), member.references(*partner.inputs)
 
         def march(first):
             rows = []
             for i in range(first, first + 300):
-                member.set(inputs, [partner.size * math.cos(i)] * len(inputs))
+                member.set(dict.fromkeys(partner.inputs, partner.size * math.cos(i)))
                 member.step(i * partner.step, partner.step)
-                rows.append(member.get(seen))
+                rows.append(member.get(partner.seen))
             return rows
 
         before = march(0)
@@ -103,11 +102,13 @@ def test_what_it_cannot_take_it_refuses_and_goes_on(partner, built):
     messages = []
     with Member(built, {}, messages) as member:
         fmu = member._fmu
-        (gain,), (output,) = member.references(partner.parameter), member.references(partner.output)
-        (given,) = member.get([gain])
+        names = (partner.parameter, partner.output)
+        gain, output = (member.variable(name).valueReference for name in names)
+        given, count = member.get([partner.parameter]), len(partner.coupling.variables)
         member.begin()
         for _ in range(20):  # a reference too few and the host would be gone
-            assert "value reference 999: must be from 0" in refused(messages, fmu.getReal, [999])
+            message = refused(messages, fmu.getReal, [count])
+            assert f"value reference {count}: must be from 0 to {count - 1}" in message
             message = refused(messages, fmu.setReal, [gain], [1.0])
             assert f"{partner.parameter}: is fixed once" in message
             message = refused(messages, fmu.setReal, [output], [1.0])
@@ -117,6 +118,9 @@ def test_what_it_cannot_take_it_refuses_and_goes_on(partner, built):
             assert "all variables are Real" in refused(messages, fmu.setInteger, [gain], [1])
             assert "all variables are Real" in refused(messages, fmu.setBoolean, [gain], [True])
             assert "all variables are Real" in refused(messages, fmu.setString, [gain], ["a"])
-        assert "the step must be > 0" in refused(messages, fmu.doStep, 0.0, 0.0)
+        for h in (0.0, math.inf, math.nan):
+            assert f"doStep over {h:g} s: the step must be > 0" in refused(
+                messages, fmu.doStep, 0.0, h
+            )
         member.step(0.0, partner.step)
-        assert member.get([gain]) == [given]
+        assert member.get([partner.parameter]) == given

@@ -215,16 +215,18 @@ def through(fmu, t, forces, takes_slopes):
     """disc[3].x after every communication step of an FMU, each of which ends at a point."""
     start = {"speed": 150.0, "disc[2].fx": forces[0].real, "disc[2].fy": forces[0].imag}
     with Member(fmu, start, []) as rotor:
-        inputs, seen = rotor.references("disc[2].fx", "disc[2].fy"), rotor.references("disc[3].x")
+        inputs = ("disc[2].fx", "disc[2].fy")
+        references = [rotor.variable(name).valueReference for name in inputs]
         rotor.begin()
         ends = []
         for i in range(len(t) - 1):
-            rotor.set(inputs, [forces[i].real, forces[i].imag])
+            rotor.set(dict(zip(inputs, (forces[i].real, forces[i].imag), strict=True)))
             slope = (forces[i + 1] - forces[i]) / (t[i + 1] - t[i])
             if takes_slopes:
-                rotor.slopes(inputs, [slope.real, slope.imag])
+                slopes = [slope.real, slope.imag]
+                rotor._fmu.setRealInputDerivatives(references, [1, 1], slopes)
             rotor.step(t[i], t[i + 1] - t[i])
-            ends += rotor.get(seen)
+            ends += rotor.get(["disc[3].x"]).values()
         return np.array(ends)
 
 

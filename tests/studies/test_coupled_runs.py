@@ -50,18 +50,16 @@ def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):
     for i, torque in enumerate((0.05, 0.1)):
         parameters = {"w_start": 180.0, "w_target": 200.0, "tau_max": torque, "continuation": 1.0}
         run = COUPLING.run(
-            *fmus(rig_toml()),
+            dict(zip(("partner", "rotor"), fmus(rig_toml()), strict=True)),
             stop=1.0,
             step=2e-3,
-            partner_parameters=parameters,
-            rotor_parameters={"solver.tolerance": 1e-3},
-            of_partner=["work_out"],
-            of_rotor=["disc[3].x_amp"],
+            parameters={"partner": parameters, "rotor": {"solver.tolerance": 1e-3}},
+            recorded={"partner": ["work_out"], "rotor": ["disc[3].x_amp"]},
         )
         # between two communication points the rotor goes on with the speed that it was given
-        assert data.w.values[i] == pytest.approx(run.partner["w"][-1], abs=0.01)
-        assert data.work.values[i] == run.partner["work_out"][-1]
-        assert data.X.values[i] == np.abs(run.rotor["disc[3].x_amp"]).max()
+        assert data.w.values[i] == pytest.approx(run["partner"]["w"][-1], abs=0.01)
+        assert data.work.values[i] == run["partner"]["work_out"][-1]
+        assert data.X.values[i] == np.abs(run["rotor"]["disc[3].x_amp"]).max()
         assert data.taken.values[i] == pytest.approx(data.work.values[i], rel=1e-3)
 
 

@@ -20,21 +20,19 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from . import CHECKSUMS
-from .wrapper import HeldFromLookUp, hold, settle_exit
+from .wrapper import (
+    INTERRUPTED,
+    CallFailed,
+    HeldFromLookUp,
+    held,
+    in_one_line,
+    settle_exit,
+)
 
 TABLE = "machine.table"  # the machine, in an FMU's resources
-INTERRUPTED = "interrupted by the user"
 _LIBRARIES = {"linux": "linux64.so", "win32": "win64.dll"}
 _MOST_ROOMS = 64
 _WARNING, _DISCARD = 1, 2  # of FMI's statuses
-
-
-class CallFailed(RuntimeError):
-    """A call that failed; its message goes to the host."""
-
-    def __repr__(self) -> str:
-        """Return the sentence alone: the wrapper logs the representation."""
-        return str(self)
 
 
 @ctypes.CFUNCTYPE(None, ctypes.py_object, c_int, c_char_p)
@@ -185,15 +183,10 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             self.log(sentence, Fmi2Status(level))
 
     def _failed(self, error: BaseException) -> CallFailed:
-        """Return the exception for an error, a single sentence.
-
-        The wrapper hands queued messages to the host's logger, which may itself be Python, while
-        the exception is pending: so the queue is emptied, and the exception is the message.
-        """
+        """Return the exception for an error, a single sentence."""
         sentence = self._sentence(error)
         self._heard.clear()
-        self.log_queue.clear()
-        hold(self, self.log_queue, type(self))
+        held(self)
         return CallFailed(sentence)
 
     def _sentence(self, error: BaseException) -> str:
@@ -208,9 +201,9 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         return self._print(f"internal error, {type(error).__name__}: {error}")
 
     def _print(self, sentence: str) -> str:
-        """Print an error, since hosts drop messages unless logging was switched on; returns it in
-        one line and without percent signs, which the host's logger would read as a format."""
-        plain = " ".join(sentence.replace("%", " percent").split())
+        """Print an error, since hosts drop messages unless logging was switched on; returns it as
+        their loggers read it."""
+        plain = in_one_line(sentence)
         with suppress(OSError, ValueError):  # a host may have closed it, or have none
             print(f"{self.instance_name}: error: {plain}", file=sys.stderr, flush=True)
         return plain

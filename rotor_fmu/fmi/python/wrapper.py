@@ -7,7 +7,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+INTERRUPTED = "interrupted by the user"
 _settled: set[str] = set()
+
+
+class CallFailed(RuntimeError):
+    """A call that failed; its message goes to the host."""
+
+    def __repr__(self) -> str:
+        """Return the sentence alone: the wrapper logs the representation."""
+        return str(self)
 
 
 def hold(*objects: object) -> None:
@@ -18,6 +27,23 @@ def hold(*objects: object) -> None:
     """
     for item in objects:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(item))
+
+
+def held(slave: Any) -> None:
+    """Take the references that the wrapper drops when the exception being handled leaves the
+    `slave`.
+
+    The wrapper hands queued messages to the host's logger, which may itself be Python, while the
+    exception is pending: so the queue is emptied, and the exception is the message.
+    """
+    slave.log_queue.clear()
+    hold(slave, slave.log_queue, type(slave))
+
+
+def in_one_line(message: str) -> str:
+    """Return a message in one line and without percent signs, which hosts' loggers read as a
+    format."""
+    return " ".join(message.replace("%", " percent").split())
 
 
 class HeldFromLookUp:
@@ -34,11 +60,11 @@ class HeldFromLookUp:
         """Return the bound method; on the class this descriptor."""
         if slave is None:
             return self
-        held = slave, slave.log_queue, type(slave)
-        hold(*held)
+        references = slave, slave.log_queue, type(slave)
+        hold(*references)
 
         def call(*arguments: object) -> object:
-            for item in held:
+            for item in references:
                 ctypes.pythonapi.Py_DecRef(ctypes.py_object(item))
             return self._method(slave, *arguments)
 
