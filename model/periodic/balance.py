@@ -11,15 +11,16 @@ the speed over `turns`, or an unknown for self-excited motions (whirl without un
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from .arclength import ContinuationEquations
 from .force_corners import SampledOrbit
 from .fourier import add_real, amplitudes, coefficients, derivative, products, resized, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
-from .newton import TOLERANCE, by_parameter
+from .newton import by_parameter
 
 _CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
 _PARAMETER_STEP = 1e-7  # of a difference by the parameter, as a share of its scale
@@ -56,7 +57,7 @@ class Parameter:
     scale: float
 
 
-class HarmonicBalance:
+class HarmonicBalance(ContinuationEquations):
     """The harmonic balance equations with H harmonics.
 
     machine_at: gives the machine at a value of the parameter; reference: value of the parameter at
@@ -67,7 +68,7 @@ class HarmonicBalance:
     machine.
     """
 
-    tolerance, damped_beyond = TOLERANCE, 0.0
+    difference = _PARAMETER_STEP
 
     def __init__(
         self,
@@ -84,11 +85,14 @@ class HarmonicBalance:
         length_scale: float = 0.0,
     ) -> None:
         self.machine_at, self.parameter, self.reference = machine_at, parameter, reference
+        self.scale = parameter.scale
         self.H, self.turns, self.is_autonomous = H, turns, is_autonomous
         self._speed, self.omega_scale = speed, omega
         machine = machine_at(reference)
         self.b, self.s = machine.b, machine.laws.states
         self.d = 2 * machine.laws.count
+        # the friction of a race that rolls turns within a hardly larger change of the speed
+        self.is_central = self.s > 0
         self.length_scale = length_scale or machine.length
         if state_scale is None:
             state_scale = machine.laws.state_scales(abs(self.speed_at(reference)))
@@ -219,19 +223,6 @@ class HarmonicBalance:
         self.phase_reference = x[: rows * self.b].reshape(rows, self.b).copy()
         self.phase_reference /= max(np.linalg.norm(derivative(self.phase_reference)), 1e-300)
 
-    def linearized_with_parameter(
-        self, x: np.ndarray, value: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the residual, the Jacobian, shape (size, size), and the derivative with respect to
-        the parameter over its scale."""
-        residual, jacobian = self.linearized(x, value)
-        beside, is_across = partial(self.residual, x), partial(self._is_across, x, value)
-        scale = self.parameter.scale
-        # the friction of a race that rolls turns within a hardly larger change of the speed
-        step, is_central = _PARAMETER_STEP, self.s > 0
-        by = by_parameter(beside, value, residual, scale, step, is_across, is_central)
-        return residual, jacobian, by
-
     def seen(
         self, x: np.ndarray, value: float, direction: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -241,7 +232,7 @@ class HarmonicBalance:
 
         def along(way: float) -> np.ndarray:
             """Return the motion so far along the direction."""
-            at = value + way * self.parameter.scale * direction[-1]
+            at = value + way * self.scale * direction[-1]
             orbit = self.split(x + way * direction[:-1], at)
             whole = self.dynamic_stiffness(at, orbit.omega).whole(amplitudes(orbit.b))
             return (whole[1:] @ self.machine_at(at).probes.T).ravel().view(float)
@@ -249,7 +240,7 @@ class HarmonicBalance:
         motion = along(0.0)
         return motion, by_parameter(along, 0.0, motion, 1.0, _PARAMETER_STEP)
 
-    def _is_across(self, x: np.ndarray, value: float, other: float) -> bool:
+    def is_across(self, x: np.ndarray, value: float, other: float) -> bool:
         """Return whether the same motion touches a wall, or leaves it, all at once between two
         values of the parameter."""
         machines = self.machine_at(value), self.machine_at(other)
@@ -259,7 +250,7 @@ class HarmonicBalance:
         return bool(((here != there).mean(axis=0) > _MOVED).any())
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residual and the Jacobian."""
+        """Return the residual and the Jacobian, shape (size, size)."""
         orbit, machine = self.split(x, value), self.machine_at(value)
         samples, H = self._sampled(orbit, machine), self.H
         laws = machine.laws.tangents(

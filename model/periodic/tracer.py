@@ -129,15 +129,13 @@ class Tracer:
 
     def _trace(self, problem: PeriodicEquations, point: CurvePoint, length: float) -> CurveTrace:
         steps = replace(self.steps, initial=length)
-        scale = problem.parameter.scale
-        return arclength.trace(problem, point, scale, self.low, self.high, steps)
+        return arclength.trace(problem, point, self.low, self.high, steps)
 
     def _is_closed(
         self, problem: PeriodicEquations, start: CurvePoint, before: CurvePoint, point: CurvePoint
     ) -> bool:
         if len(start.x) != len(point.x) or len(before.x) != len(point.x):
             return False
-        scale = problem.parameter.scale
-        step, away = (distance(a, point, scale) for a in (before, start))
-        same = float(start.tangent @ point.tangent + start.tangent_value * point.tangent_value)
-        return 0 < away < _NEAR_START * step and same > 0.9 and before.x is not start.x
+        step, away = (distance(a, point, problem.scale) for a in (before, start))
+        is_same = start.cosine(point) > 0.9 and before.x is not start.x
+        return 0 < away < _NEAR_START * step and is_same
