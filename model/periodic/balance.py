@@ -10,8 +10,8 @@ the speed over `turns`, or an unknown for self-excited motions (whirl without un
 
 import math
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -84,9 +84,8 @@ class HarmonicBalance(ContinuationEquations):
         state_scale: np.ndarray | None = None,
         length_scale: float = 0.0,
     ) -> None:
-        self.machine_at, self.parameter, self.reference = machine_at, parameter, reference
-        self.scale = parameter.scale
-        self.H, self.turns, self.is_autonomous = H, turns, is_autonomous
+        self.machine_at, self.parameter, self.scale = machine_at, parameter, parameter.scale
+        self.turns, self.is_autonomous = turns, is_autonomous
         self._speed, self.omega_scale = speed, omega
         machine = machine_at(reference)
         self.b, self.s = machine.b, machine.laws.states
@@ -97,34 +96,29 @@ class HarmonicBalance(ContinuationEquations):
         if state_scale is None:
             state_scale = machine.laws.state_scales(abs(self.speed_at(reference)))
         self.state_scale = state_scale
-        n = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES_A_HARMONIC * H)))
-        self._samples = n
         self.phase_reference: np.ndarray | None = None
+        self._set(H, reference)
+
+    def _set(self, H: int, reference: float) -> None:
+        """Set the number of harmonics, and scale the equations at a value of the parameter."""
+        self.H, self.reference = H, reference
+        # scales the rates of the internal states [rad/s]
+        self.frequency_scale = abs(self.omega_at(reference)) or self.omega_scale
+        self._samples = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES_A_HARMONIC * H)))
         self._last_stiffness: tuple[tuple[float, float], DynamicStiffness] | None = None
-        base = self.omega_at(reference) or omega
-        S = self.dynamic_stiffness(reference, base).S
+        S = self.dynamic_stiffness(reference, self.omega_at(reference) or self.omega_scale).S
         size = np.abs(S).max(axis=(1, 2), initial=0.0)
         rows = np.concatenate([[size[0]], np.repeat(size[1:], 2)])
         # a free shaft has no stiffness at rest
-        least = max(_LEAST_SHARE * size[min(turns, H)], 1e-9 * size.max(initial=1.0))
+        least = max(_LEAST_SHARE * size[min(self.turns, H)], 1e-9 * size.max(initial=1.0))
         self.row_scale = 1.0 / np.maximum(rows, least)
 
     def modified(self, H: int, reference: float | None = None) -> "HarmonicBalance":
         """Return the equations with another number of harmonics, and another reference value."""
-        other = HarmonicBalance(
-            self.machine_at,
-            self.parameter,
-            self.reference if reference is None else reference,
-            H,
-            speed=self._speed,
-            turns=self.turns,
-            is_autonomous=self.is_autonomous,
-            omega=self.omega_scale,
-            state_scale=self.state_scale,
-            length_scale=self.length_scale,
-        )
+        other = copy(self)
+        other._set(H, self.reference if reference is None else reference)
         if self.phase_reference is not None:
-            other.phase_reference = resized(self.phase_reference, other.H)
+            other.phase_reference = resized(self.phase_reference, H)
         return other
 
     @property
@@ -204,11 +198,6 @@ class HarmonicBalance(ContinuationEquations):
         tail = [self._phase_condition(orbit)] if self.is_autonomous else []
         return np.concatenate([of_b, of_states, tail])
 
-    @cached_property
-    def frequency_scale(self) -> float:
-        """The frequency that scales the rates of the internal states [rad/s]."""
-        return abs(self.omega_at(self.reference)) or self.omega_scale
-
     def _phase_condition(self, orbit: Orbit) -> float:
         """Return the phase condition of a self-excited orbit."""
         assert self.phase_reference is not None
@@ -231,7 +220,6 @@ class HarmonicBalance(ContinuationEquations):
         curve."""
 
         def along(way: float) -> np.ndarray:
-            """Return the motion so far along the direction."""
             at = value + way * self.scale * direction[-1]
             orbit = self.split(x + way * direction[:-1], at)
             whole = self.dynamic_stiffness(at, orbit.omega).whole(amplitudes(orbit.b))
