@@ -117,10 +117,15 @@ def with_tangent(
 ) -> CurvePoint:
     """Return the point at unknowns that solve the equations, its tangent towards larger (direction
     1) or smaller (-1) lambda."""
-    _, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
-    tangent = np.append(-solve_linear(jacobian, by_parameter), 1.0)
+    tangent = _along(equations, x, value)
     tangent *= direction / np.linalg.norm(tangent)
     return CurvePoint(x, value, tangent[:-1], float(tangent[-1]))
+
+
+def _along(equations: ContinuationEquations, x: np.ndarray, value: float) -> np.ndarray:
+    """Return the direction of the curve for lambda that grows by its scale."""
+    _, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
+    return np.append(-solve_linear(jacobian, by_lambda), 1.0)
 
 
 def correct(
@@ -152,8 +157,8 @@ def _newton_in_plane(
     right = np.zeros((n + 1, 2))
     limit = _LARGEST_CHANGE * (1.0 + float(np.linalg.norm(x)))
     for _ in range(_ITERATIONS):
-        residual, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
-        bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_parameter, plane
+        residual, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
+        bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_lambda, plane
         right[:n, 0], right[n, 1] = -residual, 1.0
         step, tangent = solve_linear(bordered, right).T
         size = float(np.linalg.norm(step))
@@ -305,8 +310,7 @@ def _beyond_corner(
     for length in (4 * steps.shortest, 64 * steps.shortest, 1e3 * steps.shortest):
         x = point.x + length * point.tangent
         value = point.value + length * scale * point.tangent_value
-        _, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
-        beyond = np.append(-solve_linear(jacobian, by_parameter), 1.0)
+        beyond = _along(equations, x, value)
         beyond /= np.linalg.norm(beyond)
         for direction in (beyond, -beyond):
             x = point.x + length * direction[:-1]

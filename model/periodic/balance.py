@@ -122,6 +122,16 @@ class HarmonicBalance(ContinuationEquations):
         return other
 
     @property
+    def balance(self) -> "HarmonicBalance":
+        """These equations, as shooting has those of its motions."""
+        return self
+
+    @property
+    def balanced_H(self) -> int:
+        """The number of harmonics, of shooting 0."""
+        return self.H
+
+    @property
     def size(self) -> int:
         """The number of unknowns."""
         return (2 * self.H + 1) * (self.b + self.s) + self.is_autonomous
@@ -181,9 +191,7 @@ class HarmonicBalance(ContinuationEquations):
 
     def _sampled(self, orbit: Orbit, machine: CondensedMachine) -> SampledOrbit:
         d = orbit.b @ machine.B.T
-        return SampledOrbit(
-            machine.laws, d, orbit.states, orbit.omega, self._samples, derivative(d)
-        )
+        return SampledOrbit(machine.laws, d, orbit.states, orbit.omega, self._samples)
 
     def _residual_of(self, orbit, stiffness, machine, samples, laws) -> np.ndarray:
         linear = coefficients(

@@ -16,7 +16,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from .fourier import basis, sampled
+from .fourier import basis, derivative, sampled
 from .laws import Forces, ForcesAndTangents, LawsAlongMotion
 
 _F = TypeVar("_F", Forces, ForcesAndTangents)
@@ -100,19 +100,13 @@ class SampledOrbit:
     """An orbit sampled over its period, and on both sides of each corner.
 
     d, v, states: displacements and velocities of the interfaces and internal states at all
-    instants, the n evenly spaced ones first; omega [rad/s]; rate: coefficients of the derivative of
-    d by the angle.
+    instants, the n evenly spaced ones first; omega [rad/s].
     """
 
     def __init__(
-        self,
-        laws: LawsAlongMotion,
-        d: np.ndarray,
-        states: np.ndarray,
-        omega: float,
-        n: int,
-        rate: np.ndarray,
+        self, laws: LawsAlongMotion, d: np.ndarray, states: np.ndarray, omega: float, n: int
     ) -> None:
+        rate = derivative(d)
         self.n, self.owner, self._laws = n, np.zeros(0, int), laws
         self.d, self.v, self.states = sampled(d, n), omega * sampled(rate, n), sampled(states, n)
         if not len(laws.corner_owner):

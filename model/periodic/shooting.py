@@ -105,7 +105,7 @@ class Shooting(ContinuationEquations):
     internal states.
     """
 
-    is_autonomous = False
+    is_autonomous, balanced_H = False, 0
     tolerance = 1e-7  # below the error of its steps
     damped_beyond = 1e-3  # steps that are chosen anew change the equations a little
     difference = 1e-6

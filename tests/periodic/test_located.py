@@ -12,7 +12,6 @@ from rotor_fmu.model.periodic import arclength
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.floquet import multipliers
 from rotor_fmu.model.periodic.force_corners import SampledOrbit, crossings
-from rotor_fmu.model.periodic.fourier import derivative
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
 import rotor_fmu as rf
@@ -33,7 +32,7 @@ def test_coefficients_of_a_force_with_corners_are_its_integrals(offset, c):
     phase = offset * 2 * np.pi / n
     d = np.zeros((2 * H + 1, 2))
     d[1:3, 0] = amplitude * np.cos(phase), amplitude * np.sin(phase)
-    at = SampledOrbit(laws, d, np.zeros((2 * H + 1, 0)), 100.0, n, derivative(d))
+    at = SampledOrbit(laws, d, np.zeros((2 * H + 1, 0)), 100.0, n)
     seen = at.spectrum(laws.forces(at.d, at.v, at.states, 100.0).force[:, 0], H)
     edge, full = (np.arccos((CLEARANCE + depth) / amplitude) for depth in (0.0, DELTA_C))
 
