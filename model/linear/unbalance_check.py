@@ -14,7 +14,7 @@ from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import OPEN, LinearError
 from .static import check_node, lowest_speed
 from .unbalance import SteadyWhirl
-from .unbalance_peaks import Gap, distance_of, gaps, major_of, with_criticals
+from .unbalance_peaks import Gap, gaps, major_axis, with_criticals
 from .unbalance_placement import vibration_limit
 
 _POINTS = 301
@@ -179,7 +179,7 @@ def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
 
 
 def _level(response: "_Response", node: int, speeds: np.ndarray) -> ProbeLevel:
-    speed, major = largest(partial(major_of, response.whirl, node), speeds)
+    speed, major = largest(partial(major_axis, response.whirl, 2 * (node - 1), -1, 0.0), speeds)
     return ProbeLevel(node, 2 * major, speed)
 
 
@@ -219,7 +219,7 @@ class _Response:
         """Return how much of each clearance is taken."""
         result = []
         for gap in self._gaps:
-            speed, major = largest(partial(distance_of, self.whirl, gap), speeds)
+            speed, major = largest(gap.size(self.whirl), speeds)
             scaled = max(scale, 1.0) * major if major else 0.0
             result.append(ClearanceLevel(gap.name, gap.clearance, major, speed, scaled))
         return result

@@ -2,7 +2,7 @@
 one is narrower than the distance of speeds spaced evenly."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
@@ -31,6 +31,10 @@ class Gap(NamedTuple):
     clearance: float
     dof: int
     end: int
+
+    def size(self, whirl: SteadyWhirl) -> Callable[[float], float]:
+        """Return the major semi-axis of a motion across it [m] as a function of the speed."""
+        return partial(major_axis, whirl, self.dof, self.end, -1.0)
 
 
 def gaps(rotor: Rotor, machine: LinearMachine) -> list[Gap]:
@@ -65,15 +69,11 @@ def _criticals(
     return [(c.speed, c.log_dec / (2 * math.pi)) for c in found]
 
 
-def major_of(whirl: SteadyWhirl, node: int, speed: float) -> float:
-    """Return the major semi-axis of a node (from 1) at a speed [rad/s] in m."""
-    return float(semi_axes(*whirl.at(speed)[2 * (node - 1)])[0])
-
-
-def distance_of(whirl: SteadyWhirl, gap: Gap, speed: float) -> float:
-    """Return the major semi-axis of the motion across a gap at a speed [rad/s] in m."""
+def major_axis(whirl: SteadyWhirl, dof: int, other: int, factor: float, speed: float) -> float:
+    """Return the major semi-axis of the motion of a dof with a factor times that of another one
+    (-1: ground), at a speed [rad/s] in m: of a node, across a gap, or beyond a node."""
     moved = whirl.at(speed)
-    return float(semi_axes(*(moved[gap.dof] - moved[gap.end]))[0])
+    return float(semi_axes(*(moved[dof] + factor * moved[other]))[0])
 
 
 def response_with_peaks(
@@ -92,7 +92,7 @@ def response_with_peaks(
     shown = nodes or whirl.response(close).nodes()
     peaks = {}
     for node in shown:
-        size = partial(major_of, whirl, check_node(whirl.machine, node))
+        size = partial(major_axis, whirl, 2 * (check_node(whirl.machine, node) - 1), -1, 0.0)
         found = tops(size, close, np.array([size(at) for at in close]))
         peaks[node] = tuple(speed for _, speed, _ in found)
     at = np.unique([*close, *(speed for of in peaks.values() for speed in of)])

@@ -8,7 +8,8 @@ the force law makes it jump; Newton's method corrects at right angles to it.
 import math
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from ..quantities import QuantityError
 from .newton import (
     Equations,
     NotConverged,
+    by_parameter,
     damping_factor,
     predicted_correction,
     solve,
@@ -34,20 +36,35 @@ _GROW, _SHRINK = 1.5, 0.5
 _LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
 
 
-class ContinuationEquations(Equations, Protocol):
-    """Equations whose solutions are continued in lambda."""
+class ContinuationEquations(Equations):
+    """Equations whose solutions are continued in lambda; scale: unit of lambda, the length of its
+    range; difference: step of differences by lambda, as a share of its scale, to both sides where
+    is_central."""
+
+    scale: float
+    difference: float
+    is_central = False
 
     def linearized_with_parameter(
         self, x: np.ndarray, value: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the residual, the Jacobian, and the derivative with respect to lambda over its
         scale."""
+        residual, jacobian = self.linearized(x, value)
+        beside, is_across = partial(self.residual, x), partial(self.is_across, x, value)
+        options = self.scale, self.difference, is_across, self.is_central
+        return residual, jacobian, by_parameter(beside, value, residual, *options)
+
+    def is_across(self, x: np.ndarray, value: float, other: float) -> bool:
+        """Return whether the residual has a corner between two values of lambda."""
+        return False
 
     def seen(
         self, x: np.ndarray, value: float, direction: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return what a reader of the curve sees of a solution, shape (n,), in any unit, and its
-        derivative along a direction of the curve (see `CurvePoint.direction`)."""
+        """Return what a reader of the curve sees of a solution beside lambda, shape (n,), in any
+        unit, and its derivative along a direction of the curve (see `CurvePoint.direction`)."""
+        return np.zeros(0), np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -80,6 +97,15 @@ class CurvePoint(NamedTuple):
         """The unit tangent, its component in lambda over its scale last."""
         return np.append(self.tangent, self.tangent_value)
 
+    def cosine(self, other: "CurvePoint") -> float:
+        """Return the cosine of the tangents of two points."""
+        return float(self.tangent @ other.tangent + self.tangent_value * other.tangent_value)
+
+
+def chord(a: CurvePoint, b: CurvePoint, scale: float) -> np.ndarray:
+    """Return the way from one point to another, that in lambda over its scale last."""
+    return np.append(b.x - a.x, (b.value - a.value) / scale)
+
 
 def distance(a: CurvePoint, b: CurvePoint, scale: float) -> float:
     """Return the distance of two points, with lambda over its scale."""
@@ -91,10 +117,15 @@ def with_tangent(
 ) -> CurvePoint:
     """Return the point at unknowns that solve the equations, its tangent towards larger (direction
     1) or smaller (-1) lambda."""
-    _, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
-    tangent = np.append(-solve_linear(jacobian, by_parameter), 1.0)
+    tangent = _along(equations, x, value)
     tangent *= direction / np.linalg.norm(tangent)
     return CurvePoint(x, value, tangent[:-1], float(tangent[-1]))
+
+
+def _along(equations: ContinuationEquations, x: np.ndarray, value: float) -> np.ndarray:
+    """Return the direction of the curve for lambda that grows by its scale."""
+    _, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
+    return np.append(-solve_linear(jacobian, by_lambda), 1.0)
 
 
 def correct(
@@ -102,15 +133,13 @@ def correct(
     x: np.ndarray,
     value: float,
     plane: np.ndarray,
-    scale: float,
     before: np.ndarray | None = None,
 ) -> CurvePoint:
     """Return the point that Newton's method finds at right angles to `plane`; its tangent continues
     in the direction of `before`, by default that of `plane`. Raises `NotConverged`, also where the
     iteration leads to a value that no machine can have."""
-    before = plane if before is None else before
     try:
-        return _newton_in_plane(equations, x, value, plane, scale, before)
+        return _newton_in_plane(equations, x, value, plane, plane if before is None else before)
     except QuantityError as error:
         raise NotConverged() from error
 
@@ -120,18 +149,16 @@ def _newton_in_plane(
     x: np.ndarray,
     value: float,
     plane: np.ndarray,
-    scale: float,
     before: np.ndarray,
 ) -> CurvePoint:
-    """Return the point that Newton's method finds at right angles to a plane."""
     x, corrections = x.copy(), []
-    n = len(x)
+    n, scale = len(x), equations.scale
     bordered = np.zeros((n + 1, n + 1))
     right = np.zeros((n + 1, 2))
     limit = _LARGEST_CHANGE * (1.0 + float(np.linalg.norm(x)))
     for _ in range(_ITERATIONS):
-        residual, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
-        bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_parameter, plane
+        residual, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
+        bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_lambda, plane
         right[:n, 0], right[n, 1] = -residual, 1.0
         step, tangent = solve_linear(bordered, right).T
         size = float(np.linalg.norm(step))
@@ -158,23 +185,20 @@ def _newton_in_plane(
     raise NotConverged(corrections)
 
 
-def step_along(
-    equations: ContinuationEquations, point: CurvePoint, length: float, scale: float
-) -> CurvePoint:
+def step_along(equations: ContinuationEquations, point: CurvePoint, length: float) -> CurvePoint:
     """Return the point so far away along the tangent; raises `NotConverged`."""
     plane = predictor = point.direction
     if len(point.curvature):
         predictor = plane + 0.5 * length * point.curvature
         predictor /= predictor @ plane  # the bend changes no length along the tangent
     x = point.x + length * predictor[:-1]
-    value = point.value + length * scale * predictor[-1]
-    return correct(equations, x, value, plane, scale)
+    value = point.value + length * equations.scale * predictor[-1]
+    return correct(equations, x, value, plane)
 
 
 def trace(
     equations: ContinuationEquations,
     start: CurvePoint,
-    scale: float,
     low: float,
     high: float,
     steps: ContinuationSteps,
@@ -186,7 +210,7 @@ def trace(
     A pair (equations, point) that is sent in replaces the equations and the last point, so that the
     number of harmonics can change on the way.
     """
-    point, length, bend = start, steps.initial, math.inf
+    point, length, bend, scale = start, steps.initial, math.inf, equations.scale
     for _ in range(steps.max_points):
         try:
             ahead = point.value + length * scale * point.tangent_value
@@ -195,19 +219,16 @@ def trace(
                 if point.value == end:
                     return
                 share = (end - point.value) / (scale * point.tangent_value)
-                yield _end_point(equations, point, share, end, scale), length
+                yield _end_point(equations, point, share, end), length
                 return
-            result = step_along(equations, point, length, scale)
-            cosine = float(
-                result.tangent @ point.tangent + result.tangent_value * point.tangent_value
-            )
+            result = step_along(equations, point, length)
+            cosine = result.cosine(point)
             if not low <= result.value <= high:
                 raise NotConverged(result.corrections)
-            chord = np.append(result.x - point.x, (result.value - point.value) / scale)
-            distance = float(np.linalg.norm(chord))
+            distance = float(np.linalg.norm(chord(point, result, scale)))
             if distance > _LARGEST_DISTANCE * length:  # another branch
                 raise NotConverged(result.corrections)
-            is_far = cosine < _LEAST_COSINE or _passes_over(equations, point, result, scale)
+            is_far = cosine < _LEAST_COSINE or _passes_over(equations, point, result)
             if is_far and length > 64 * steps.shortest:
                 raise NotConverged(result.corrections)
             if cosine >= _LEAST_COSINE and distance > 0:
@@ -216,7 +237,7 @@ def trace(
             length *= _SHRINK
             if length >= steps.shortest:
                 continue
-            corner = _beyond_corner(equations, point, bend, steps, scale)
+            corner = _beyond_corner(equations, point, bend, steps)
             if corner is None:
                 raise NotConverged(error.corrections) from None
             result, length = corner, 16 * steps.shortest
@@ -228,7 +249,7 @@ def trace(
         elif iterations > _DESIRED_ITERATIONS + 1:
             length *= 0.7
         length = min(length, _longest(steps, result))
-        way = np.append(result.x - point.x, (result.value - point.value) / scale)
+        way = chord(point, result, scale)
         bend = 1.0 - float(result.direction @ way / np.linalg.norm(way)) if way.any() else math.inf
         point = result
         replacement = yield point, length
@@ -236,14 +257,13 @@ def trace(
             equations, point = replacement
 
 
-def _passes_over(
-    equations: ContinuationEquations, before: CurvePoint, after: CurvePoint, scale: float
-) -> bool:
+def _passes_over(equations: ContinuationEquations, before: CurvePoint, after: CurvePoint) -> bool:
     """Return whether the change of x between two points, that of lambda, or that of what is seen
     does not lie between those along their tangents: a step passes over a narrow resonance, beyond
     which x has another sign, or back to where the curve came from. What is seen, measured by its
     own size, must not turn far either: a resonance may lie where x hardly moves."""
-    length, error = distance(before, after, scale), _ERRORS * equations.tolerance
+    scale, error = equations.scale, _ERRORS * equations.tolerance
+    length = distance(before, after, scale)
 
     def is_off(change, slopes, size):
         """Return whether a change is not between two slopes; size: of what changes."""
@@ -279,43 +299,37 @@ def _beyond_corner(
     point: CurvePoint,
     bend: float,
     steps: ContinuationSteps,
-    scale: float,
 ) -> CurvePoint | None:
     """Return a point beyond a corner of the curve, a short way along the tangent that holds on the
     other side of the corner, or None if there is no such point; bend: 1 less the cosine of the way
     to this point and the tangent here, which is large where a difference across the corner
     falsifies that tangent."""
-    plane = point.direction
+    plane, scale = point.direction, equations.scale
     # where lambda turns the curve may double back, on another piece by its tangent
     same_piece = _SAME_PIECE + _ACROSS_STEP * bend
     for length in (4 * steps.shortest, 64 * steps.shortest, 1e3 * steps.shortest):
         x = point.x + length * point.tangent
         value = point.value + length * scale * point.tangent_value
-        _, jacobian, by_parameter = equations.linearized_with_parameter(x, value)
-        beyond = np.append(-solve_linear(jacobian, by_parameter), 1.0)
+        beyond = _along(equations, x, value)
         beyond /= np.linalg.norm(beyond)
         for direction in (beyond, -beyond):
             x = point.x + length * direction[:-1]
             value = point.value + length * scale * direction[-1]
             try:
-                result = correct(equations, x, value, direction, scale)
+                result = correct(equations, x, value, direction)
             except NotConverged:
                 continue
-            chord = np.append(result.x - point.x, (result.value - point.value) / scale)
+            way = chord(point, result, scale)
             by_beyond, by_plane = (abs(result.direction @ each) for each in (beyond, plane))
-            is_ahead = chord @ plane > 0.05 * np.linalg.norm(chord)
+            is_ahead = way @ plane > 0.05 * np.linalg.norm(way)
             is_other = by_beyond > by_plane + same_piece
-            if (is_ahead or is_other) and chord.any():
+            if (is_ahead or is_other) and way.any():
                 return result
     return None
 
 
 def _end_point(
-    equations: ContinuationEquations,
-    point: CurvePoint,
-    length: float,
-    value: float,
-    scale: float,
+    equations: ContinuationEquations, point: CurvePoint, length: float, value: float
 ) -> CurvePoint:
     """Return the point at an end of the range, about one step length away; raises
     `NotConverged`."""
@@ -323,6 +337,6 @@ def _end_point(
     if np.linalg.norm(x - point.x) > 3.0 * length + equations.tolerance:
         raise NotConverged()
     end = with_tangent(equations, x, value, math.copysign(1.0, point.tangent_value))
-    if _passes_over(equations, point, end, scale):
+    if _passes_over(equations, point, end):
         raise NotConverged()
     return end

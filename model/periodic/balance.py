@@ -10,16 +10,17 @@ the speed over `turns`, or an unknown for self-excited motions (whirl without un
 
 import math
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 
+from .arclength import ContinuationEquations
 from .force_corners import SampledOrbit
 from .fourier import add_real, amplitudes, coefficients, derivative, products, resized, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
-from .newton import TOLERANCE, by_parameter
+from .newton import by_parameter
 
 _CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
 _PARAMETER_STEP = 1e-7  # of a difference by the parameter, as a share of its scale
@@ -56,7 +57,7 @@ class Parameter:
     scale: float
 
 
-class HarmonicBalance:
+class HarmonicBalance(ContinuationEquations):
     """The harmonic balance equations with H harmonics.
 
     machine_at: gives the machine at a value of the parameter; reference: value of the parameter at
@@ -67,7 +68,7 @@ class HarmonicBalance:
     machine.
     """
 
-    tolerance, damped_beyond = TOLERANCE, 0.0
+    difference = _PARAMETER_STEP
 
     def __init__(
         self,
@@ -83,45 +84,52 @@ class HarmonicBalance:
         state_scale: np.ndarray | None = None,
         length_scale: float = 0.0,
     ) -> None:
-        self.machine_at, self.parameter, self.reference = machine_at, parameter, reference
-        self.H, self.turns, self.is_autonomous = H, turns, is_autonomous
+        self.machine_at, self.parameter, self.scale = machine_at, parameter, parameter.scale
+        self.turns, self.is_autonomous = turns, is_autonomous
         self._speed, self.omega_scale = speed, omega
         machine = machine_at(reference)
         self.b, self.s = machine.b, machine.laws.states
         self.d = 2 * machine.laws.count
+        # the friction of a race that rolls turns within a hardly larger change of the speed
+        self.is_central = self.s > 0
         self.length_scale = length_scale or machine.length
         if state_scale is None:
             state_scale = machine.laws.state_scales(abs(self.speed_at(reference)))
         self.state_scale = state_scale
-        n = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES_A_HARMONIC * H)))
-        self._samples = n
         self.phase_reference: np.ndarray | None = None
+        self._set(H, reference)
+
+    def _set(self, H: int, reference: float) -> None:
+        """Set the number of harmonics, and scale the equations at a value of the parameter."""
+        self.H, self.reference = H, reference
+        # scales the rates of the internal states [rad/s]
+        self.frequency_scale = abs(self.omega_at(reference)) or self.omega_scale
+        self._samples = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES_A_HARMONIC * H)))
         self._last_stiffness: tuple[tuple[float, float], DynamicStiffness] | None = None
-        base = self.omega_at(reference) or omega
-        S = self.dynamic_stiffness(reference, base).S
+        S = self.dynamic_stiffness(reference, self.omega_at(reference) or self.omega_scale).S
         size = np.abs(S).max(axis=(1, 2), initial=0.0)
         rows = np.concatenate([[size[0]], np.repeat(size[1:], 2)])
         # a free shaft has no stiffness at rest
-        least = max(_LEAST_SHARE * size[min(turns, H)], 1e-9 * size.max(initial=1.0))
+        least = max(_LEAST_SHARE * size[min(self.turns, H)], 1e-9 * size.max(initial=1.0))
         self.row_scale = 1.0 / np.maximum(rows, least)
 
     def modified(self, H: int, reference: float | None = None) -> "HarmonicBalance":
         """Return the equations with another number of harmonics, and another reference value."""
-        other = HarmonicBalance(
-            self.machine_at,
-            self.parameter,
-            self.reference if reference is None else reference,
-            H,
-            speed=self._speed,
-            turns=self.turns,
-            is_autonomous=self.is_autonomous,
-            omega=self.omega_scale,
-            state_scale=self.state_scale,
-            length_scale=self.length_scale,
-        )
+        other = copy(self)
+        other._set(H, self.reference if reference is None else reference)
         if self.phase_reference is not None:
-            other.phase_reference = resized(self.phase_reference, other.H)
+            other.phase_reference = resized(self.phase_reference, H)
         return other
+
+    @property
+    def balance(self) -> "HarmonicBalance":
+        """These equations, as shooting has those of its motions."""
+        return self
+
+    @property
+    def balanced_H(self) -> int:
+        """The number of harmonics, of shooting 0."""
+        return self.H
 
     @property
     def size(self) -> int:
@@ -183,9 +191,7 @@ class HarmonicBalance:
 
     def _sampled(self, orbit: Orbit, machine: CondensedMachine) -> SampledOrbit:
         d = orbit.b @ machine.B.T
-        return SampledOrbit(
-            machine.laws, d, orbit.states, orbit.omega, self._samples, derivative(d)
-        )
+        return SampledOrbit(machine.laws, d, orbit.states, orbit.omega, self._samples)
 
     def _residual_of(self, orbit, stiffness, machine, samples, laws) -> np.ndarray:
         linear = coefficients(
@@ -199,11 +205,6 @@ class HarmonicBalance:
         of_states = (of_states / (self.state_scale * self.frequency_scale)).ravel()
         tail = [self._phase_condition(orbit)] if self.is_autonomous else []
         return np.concatenate([of_b, of_states, tail])
-
-    @cached_property
-    def frequency_scale(self) -> float:
-        """The frequency that scales the rates of the internal states [rad/s]."""
-        return abs(self.omega_at(self.reference)) or self.omega_scale
 
     def _phase_condition(self, orbit: Orbit) -> float:
         """Return the phase condition of a self-excited orbit."""
@@ -219,19 +220,6 @@ class HarmonicBalance:
         self.phase_reference = x[: rows * self.b].reshape(rows, self.b).copy()
         self.phase_reference /= max(np.linalg.norm(derivative(self.phase_reference)), 1e-300)
 
-    def linearized_with_parameter(
-        self, x: np.ndarray, value: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the residual, the Jacobian, shape (size, size), and the derivative with respect to
-        the parameter over its scale."""
-        residual, jacobian = self.linearized(x, value)
-        beside, is_across = partial(self.residual, x), partial(self._is_across, x, value)
-        scale = self.parameter.scale
-        # the friction of a race that rolls turns within a hardly larger change of the speed
-        step, is_central = _PARAMETER_STEP, self.s > 0
-        by = by_parameter(beside, value, residual, scale, step, is_across, is_central)
-        return residual, jacobian, by
-
     def seen(
         self, x: np.ndarray, value: float, direction: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -240,8 +228,7 @@ class HarmonicBalance:
         curve."""
 
         def along(way: float) -> np.ndarray:
-            """Return the motion so far along the direction."""
-            at = value + way * self.parameter.scale * direction[-1]
+            at = value + way * self.scale * direction[-1]
             orbit = self.split(x + way * direction[:-1], at)
             whole = self.dynamic_stiffness(at, orbit.omega).whole(amplitudes(orbit.b))
             return (whole[1:] @ self.machine_at(at).probes.T).ravel().view(float)
@@ -249,7 +236,7 @@ class HarmonicBalance:
         motion = along(0.0)
         return motion, by_parameter(along, 0.0, motion, 1.0, _PARAMETER_STEP)
 
-    def _is_across(self, x: np.ndarray, value: float, other: float) -> bool:
+    def is_across(self, x: np.ndarray, value: float, other: float) -> bool:
         """Return whether the same motion touches a wall, or leaves it, all at once between two
         values of the parameter."""
         machines = self.machine_at(value), self.machine_at(other)
@@ -259,7 +246,7 @@ class HarmonicBalance:
         return bool(((here != there).mean(axis=0) > _MOVED).any())
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residual and the Jacobian."""
+        """Return the residual and the Jacobian, shape (size, size)."""
         orbit, machine = self.split(x, value), self.machine_at(value)
         samples, H = self._sampled(orbit, machine), self.H
         laws = machine.laws.tangents(

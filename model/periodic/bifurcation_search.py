@@ -154,10 +154,10 @@ class _Piece(NamedTuple):
     def between(self, problem: PeriodicEquations, share: float) -> CurvePoint:
         """Return the point at a share of its length along the tangent; raises `NotConverged`, also
         where Newton's method leads far away."""
-        a, b, scale = self.before, self.after, problem.parameter.scale
+        a, b, scale = self.before, self.after, problem.scale
         x, value = a.x + share * (b.x - a.x), a.value + share * (b.value - a.value)
         problem.fix_phase(a.x)
-        point = arclength.correct(problem, x, value, a.direction, scale)
+        point = arclength.correct(problem, x, value, a.direction)
         if distance(a, point, scale) > _FARTHEST * distance(a, b, scale):  # another branch
             raise NotConverged()
         return point
@@ -228,7 +228,7 @@ def _located_at_once(problem: PeriodicEquations, piece: _Piece) -> list[_Located
         is_at_one = crossed.kind == BRANCHING or (problem.is_autonomous and is_one)
         if not piece.turns or (crossed.is_smooth and not is_at_one):
             located.append(crossed)
-    located.sort(key=lambda each: distance(piece.before, each.point, problem.parameter.scale))
+    located.sort(key=lambda each: distance(piece.before, each.point, problem.scale))
     return located
 
 
@@ -286,7 +286,7 @@ def _locate_root(
             known[share] = point, test(point)
         return known[share][1]
 
-    length = distance(piece.before, piece.after, problem.parameter.scale)
+    length = distance(piece.before, piece.after, problem.scale)
     error = problem.tolerance * (1.0 + float(np.linalg.norm(piece.before.x))) / length
     little = max(_LITTLE, min(_ERRORS * error, 0.5)) * max(abs(at_before), abs(at_after))
     try:

@@ -53,7 +53,7 @@ def _starts(search: BranchSearch, branch: Branch, bifurcation: Bifurcation) -> S
         a, b = branch.points[bifurcation.behind : bifurcation.behind + 2]
         along = np.append(
             problem.join(b.orbit) - problem.join(a.orbit),
-            (b.value - a.value) / problem.parameter.scale,
+            (b.value - a.value) / problem.scale,
         )
         along /= np.linalg.norm(along)
         across -= (across @ along) * along
@@ -82,11 +82,10 @@ def _perturbed(
 ) -> CurvePoint | None:
     """Return a motion of the new branch near the bifurcation and within the range, its tangent
     leading away, or None."""
-    scale = problem.parameter.scale
     for size in _PERTURBATIONS:
-        far = value + size * scale * across[-1]
+        far = value + size * problem.scale * across[-1]
         try:
-            point = arclength.correct(problem, x + size * across[:-1], far, across, scale)
+            point = arclength.correct(problem, x + size * across[:-1], far, across)
         except NotConverged:
             continue
         if task.low <= point.value <= task.high:

@@ -69,12 +69,9 @@ def start_along(
     problem: PeriodicEquations, x: np.ndarray, value: float, directions: list[np.ndarray]
 ) -> BranchStart:
     """Return a start at unknowns that solve the equations, along the given tangents."""
-    if isinstance(problem, Shooting):
-        of, orbit, H = problem.balance, problem.split(x, value), 0
-    else:
-        of, orbit, H = problem, None, problem.H
-    equations = H, problem.reference, problem.turns, of.omega_scale, of.length_scale
-    return BranchStart(*equations, x, value, directions, orbit)
+    of, orbit = problem.balance, None if problem.balanced_H else problem.split(x, value)
+    scales = problem.reference, problem.turns, of.omega_scale, of.length_scale
+    return BranchStart(problem.balanced_H, *scales, x, value, directions, orbit)
 
 
 def follow_all(search: BranchSearch, new: Starts) -> None:
@@ -114,15 +111,14 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
             branch.bifurcations += [b._replace(behind=behind) for b in traced.bifurcations]
             if (task.is_whirl or start.turns > task.turns) and _has_joined(branch, task.is_whirl):
                 tracer.end = RESTING if task.is_whirl else JOINED
-                # where it turns is that branch's period doubling, or where rest loses its stability
-                branch.bifurcations = [b for b in branch.bifurcations if b.behind != behind]
-                break
-            joined = None if task.is_whirl else _joined(result.branches[:-1], branch)
-            if joined is not None:
+            elif joined := None if task.is_whirl else _joined(result.branches[:-1], branch):
                 tracer.end = f"joins branch {joined}"
                 branch.points.pop()
-                branch.bifurcations = [b for b in branch.bifurcations if b.behind != behind]
-                break
+            else:
+                continue
+            # where it turns is that branch's period doubling, or where rest loses its stability
+            branch.bifurcations = [b for b in branch.bifurcations if b.behind != behind]
+            break
         ended = search.log.replay(EndEvent)
         if ended is None:
             why = tracer.end or LOST + _reason_lost(tracer, branch, accuracy)

@@ -78,7 +78,6 @@ def orbit_path(machine: CondensedMachine, orbit: Orbit) -> MotionPath:
     d, frequency = orbit.b @ machine.B.T, abs(orbit.omega)
 
     def at(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the motion at times."""
         value, slope = basis(orbit.H, frequency * times)
         return value @ d, orbit.omega * slope @ d, value @ orbit.states
 
@@ -163,7 +162,6 @@ def _step_ends(machine: CondensedMachine, path: MotionPath, times: np.ndarray) -
         return times
 
     def gaps(at: np.ndarray) -> np.ndarray:
-        """Return the distances from corners at times."""
         return laws.corner_gaps(*path.at(at)[:2])
 
     beyond = np.concatenate([[times[0] - h], times, [times[-1] + h]])

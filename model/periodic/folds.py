@@ -9,16 +9,15 @@ parameter. g's gradient is -w^T R_xx v, a difference of tangents along v.
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from . import arclength, newton
-from .arclength import ContinuationSteps
+from .arclength import ContinuationEquations, ContinuationSteps
 from .balance import HarmonicBalance, Orbit
 from .branch import why_ended
-from .newton import NotConverged, by_parameter
+from .newton import NotConverged
 
 _STEP = 1e-5
 
@@ -32,19 +31,19 @@ class FoldCurve(NamedTuple):
     ends: tuple[str, str]
 
 
-class _Folds:
+class _Folds(ContinuationEquations):
     """R = 0 and g = 0 in X = (x, lambda over its scale), over the second parameter."""
 
-    tolerance, damped_beyond = newton.TOLERANCE, 0.0
+    difference = _STEP
 
     def __init__(self, problem_at: Callable[[float], HarmonicBalance], scale: float) -> None:
-        self._balance_at, self._scale = problem_at, scale
+        self._balance_at, self.scale = problem_at, scale
         self._b = self._c = np.zeros(0)
 
     def border(self, X: np.ndarray, second: float) -> None:
         """Take b and c from the singular vectors at a fold."""
         problem = self._balance_at(second)
-        _, J = problem.linearized(X[:-1], X[-1] * problem.parameter.scale)
+        _, J = problem.linearized(X[:-1], X[-1] * problem.scale)
         left, _, right = np.linalg.svd(J)
         self._b, self._c = left[:, -1], right[-1]
 
@@ -59,13 +58,13 @@ class _Folds:
     def residual(self, X: np.ndarray, second: float) -> np.ndarray:
         """Return the residual R and the fold condition g."""
         problem = self._balance_at(second)
-        R, J = problem.linearized(X[:-1], X[-1] * problem.parameter.scale)
+        R, J = problem.linearized(X[:-1], X[-1] * problem.scale)
         return np.append(R, self._vectors(J)[2])
 
     def linearized(self, X: np.ndarray, second: float) -> tuple[np.ndarray, np.ndarray]:
         """Return R and g, and their derivative with respect to X."""
         problem = self._balance_at(second)
-        x, value, scale = X[:-1], X[-1] * problem.parameter.scale, problem.parameter.scale
+        x, value, scale = X[:-1], X[-1] * problem.scale, problem.scale
         R, J, by = problem.linearized_with_parameter(x, value)
         v, w, g = self._vectors(J)
         n = len(x)
@@ -79,21 +78,6 @@ class _Folds:
         over -= problem.linearized(x, value - _STEP * scale)[1]
         out[n, n] = -(w @ over @ v) / (2 * _STEP)
         return np.append(R, g), out
-
-    def linearized_with_parameter(
-        self, X: np.ndarray, second: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return residual, Jacobian, and the derivative with respect to the second parameter over
-        its scale."""
-        residual, J = self.linearized(X, second)
-        by = by_parameter(partial(self.residual, X), second, residual, self._scale, _STEP)
-        return residual, J, by
-
-    def seen(
-        self, X: np.ndarray, second: float, direction: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return nothing: of these motions only the parameters are shown."""
-        return np.zeros(0), np.zeros(0)
 
 
 def fold_curve(
@@ -111,10 +95,9 @@ def fold_curve(
     problem_at: the equations at a value of the second parameter; report: is called with that of
     each fold. Raises `NotConverged` if the first fold does not solve the equations.
     """
-    scale = high - low
-    equations = _Folds(problem_at, scale)
+    equations = _Folds(problem_at, high - low)
     problem = problem_at(start)
-    X = np.append(problem.join(fold), fold.parameter / problem.parameter.scale)
+    X = np.append(problem.join(fold), fold.parameter / problem.scale)
     equations.border(X, start)
     X = newton.solve(equations, X, start)
     sides, ends = [], []
@@ -122,8 +105,8 @@ def fold_curve(
         point = arclength.with_tangent(equations, X, start, direction)
         result, last = [], start
         try:
-            for near, _ in arclength.trace(equations, point, scale, low, high, steps):
-                result.append((near.value, near.x[-1] * problem.parameter.scale))
+            for near, _ in arclength.trace(equations, point, low, high, steps):
+                result.append((near.value, near.x[-1] * problem.scale))
                 equations.border(near.x, near.value)
                 report(near.value)
                 last = near.value
@@ -132,6 +115,6 @@ def fold_curve(
             end = "lost: Newton's method does not converge with the shortest step"
         sides.append(result)
         ends.append(end)
-    middle = [(start, float(X[-1]) * problem.parameter.scale)]
+    middle = [(start, float(X[-1]) * problem.scale)]
     table = np.array([*sides[0][::-1], *middle, *sides[1]])
     return FoldCurve(table[:, 0], table[:, 1], (ends[0], ends[1]))

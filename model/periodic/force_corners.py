@@ -16,7 +16,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from .fourier import basis, sampled
+from .fourier import basis, derivative, sampled
 from .laws import Forces, ForcesAndTangents, LawsAlongMotion
 
 _F = TypeVar("_F", Forces, ForcesAndTangents)
@@ -47,6 +47,11 @@ def crossings(
     gap_at: those at intervals and fractions of them."""
     slope = 0.5 * (gap[2:] - gap[:-2])
     g = gap[1:-1]
+
+    def cubic_in(cell, which):
+        """Return `hermite` of gaps between samples."""
+        return hermite(*(of[at, which] for of in (g, slope) for at in (cell, cell + 1)))
+
     changes = (g[:-1] > 0) != (g[1:] > 0)
     cell, which = np.nonzero(changes)
     low, high = np.zeros(len(cell)), np.ones(len(cell))
@@ -55,13 +60,13 @@ def crossings(
     if turns.any():
         at = np.nonzero(turns)
         vertex = slope[:-1][at] / (slope[:-1][at] - slope[1:][at])
-        passes = _cubic(g, slope, *at)(vertex)[0] * g[at] < 0
+        passes = cubic_in(*at)(vertex)[0] * g[at] < 0
         two, vertex = tuple(np.repeat(a[passes], 2) for a in at), vertex[passes]
         cell, which = np.append(cell, two[0]), np.append(which, two[1])
         zero, one = np.zeros(len(vertex)), np.ones(len(vertex))
         low = np.append(low, np.column_stack([zero, vertex]).ravel())
         high = np.append(high, np.column_stack([vertex, one]).ravel())
-    cubic = _cubic(g, slope, cell, which)
+    cubic = cubic_in(cell, which)
     share, begins = 0.5 * (low + high), cubic(low)[0] > 0
     for _ in range(_NEWTON if len(cell) else 0):
         value, rate = cubic(share)
@@ -82,36 +87,26 @@ def crossings(
     return Crossings(cell, share, laws.corner_owner[which])
 
 
-def _cubic(g, slope, cell, which):
-    """Return a function that gives the gap between two samples, and its derivative, by Hermite
-    interpolation."""
-    a, b, s, t = g[cell, which], g[cell + 1, which], slope[cell, which], slope[cell + 1, which]
+def hermite(
+    a: np.ndarray, b: np.ndarray, s: np.ndarray, t: np.ndarray
+) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    """Return a function that gives a cubic, and its derivative, at fractions of an interval at
+    whose ends it has the values a, b and the slopes s, t per interval (Hermite interpolation)."""
     c, e = 3 * (b - a) - 2 * s - t, 2 * (a - b) + s + t
-
-    def at(x):
-        """Return the gap and its derivative at fractions of the interval."""
-        return a + x * (s + x * (c + x * e)), s + x * (2 * c + 3 * x * e)
-
-    return at
+    return lambda x: (a + x * (s + x * (c + x * e)), s + x * (2 * c + 3 * x * e))
 
 
 class SampledOrbit:
     """An orbit sampled over its period, and on both sides of each corner.
 
     d, v, states: displacements and velocities of the interfaces and internal states at all
-    instants, the n evenly spaced ones first; omega [rad/s]; rate: coefficients of the derivative of
-    d by the angle.
+    instants, the n evenly spaced ones first; omega [rad/s].
     """
 
     def __init__(
-        self,
-        laws: LawsAlongMotion,
-        d: np.ndarray,
-        states: np.ndarray,
-        omega: float,
-        n: int,
-        rate: np.ndarray,
+        self, laws: LawsAlongMotion, d: np.ndarray, states: np.ndarray, omega: float, n: int
     ) -> None:
+        rate = derivative(d)
         self.n, self.owner, self._laws = n, np.zeros(0, int), laws
         self.d, self.v, self.states = sampled(d, n), omega * sampled(rate, n), sampled(states, n)
         if not len(laws.corner_owner):
@@ -120,7 +115,6 @@ class SampledOrbit:
         gap = laws.corner_gaps(self.d, self.v)
 
         def gap_at(cell, share):
-            """Return the distances from corners between samples."""
             value, slope = basis(H, h * (cell + share))
             return laws.corner_gaps(value @ d, omega * (slope @ d))
 

@@ -96,7 +96,7 @@ def _by_differences(spectrum: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the coefficients j - k and j + k of a real function, for j and k from 0 to H, shape (H
     + 1, p, H + 1, q) each, as views."""
     H = len(spectrum) // 2
-    whole = np.concatenate([spectrum[:0:-1].conj(), spectrum])[2 * H - H :]
+    whole = np.concatenate([spectrum[:0:-1].conj(), spectrum])[H:]
     first, p, q = whole.strides
     shape = (H + 1, spectrum.shape[1], H + 1, spectrum.shape[2])
     minus = as_strided(whole[H:], shape, (first, p, -first, q), writeable=False)

@@ -61,32 +61,28 @@ def _solved_by(
     number of harmonics; raises `NotConverged`."""
     before = _converted_direction(problem, point.direction, other)
     before /= np.linalg.norm(before)
-    x, scale = problem.converted(point.x, other), other.parameter.scale
+    x = problem.converted(point.x, other)
     if keeps_value:
         plane = np.append(np.zeros(len(before) - 1), 1.0)
-        result = arclength.correct(other, x, point.value, plane, scale, before)
+        result = arclength.correct(other, x, point.value, plane, before)
     else:
-        result = transferred(other, x, point, before, scale)
+        result = transferred(other, x, point, before)
     curvature = _converted_direction(problem, point.curvature, other)
     return result._replace(corrections=point.corrections, curvature=curvature)
 
 
 def transferred(
-    other: ContinuationEquations,
-    x: np.ndarray,
-    point: CurvePoint,
-    tangent: np.ndarray,
-    scale: float,
+    other: ContinuationEquations, x: np.ndarray, point: CurvePoint, tangent: np.ndarray
 ) -> CurvePoint:
     """Return a point as one of other equations, near x and with nearly this tangent, on the same
     side of a fold: that a step passes a fold is seen by the signs of lambda's component at its
     ends. Raises `NotConverged`."""
-    result = near = arclength.correct(other, x, point.value, tangent, scale)
+    result = near = arclength.correct(other, x, point.value, tangent)
     length = -abs(near.tangent_value)  # of the size of the distance of the fold
     while result.tangent_value * point.tangent_value < 0:
         if abs(length) > _BESIDE_FOLD:
             raise NotConverged()
-        result = arclength.step_along(other, near, length, scale)
+        result = arclength.step_along(other, near, length)
         length *= -2.0  # back and on
     return result
 

@@ -112,7 +112,6 @@ class CondensedMachine:
             return matrix.toarray() + np.einsum("jaN,jab,jbM->NM", each, by, each)
 
         def reduced(matrix):
-            """Return a matrix in the reduced coordinates."""
             return T.T @ matrix @ T
 
         D_at_rest = without_laws(at_rest.D, at_rest.laws.by_v)

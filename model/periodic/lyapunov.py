@@ -16,6 +16,7 @@ from ..linear.real_matrices import in_plane
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from .floquet import Frequencies, MotionPath, modes_along, tangents_along, transition_matrix
+from .force_corners import hermite
 from .interface_samples import InterfaceSamples
 from .linear_structure import CondensedMachine
 from .problem import check_parts
@@ -62,13 +63,10 @@ def _path(machine: CondensedMachine, samples: InterfaceSamples, speed: float) ->
     states = samples.states[:, places]
 
     def at(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the motion at times."""
         i = np.clip(np.searchsorted(t, times, "right") - 1, 0, len(t) - 2)
         h = (t[i + 1] - t[i])[:, None]
         x = ((times - t[i])[:, None]) / h
-        a, b, va, vb = d[i], d[i + 1], h * v[i], h * v[i + 1]
-        where = a + x * (va + x * (3 * (b - a) - 2 * va - vb + x * (2 * (a - b) + va + vb)))
-        slope = va + x * (2 * (3 * (b - a) - 2 * va - vb) + 3 * x * (2 * (a - b) + va + vb))
+        where, slope = hermite(d[i], d[i + 1], h * v[i], h * v[i + 1])(x)
         return where, slope / h, states[i] + x * (states[i + 1] - states[i])
 
     state_scale = np.maximum(np.abs(states).max(axis=0, initial=0.0), 1e-9)

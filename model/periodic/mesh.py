@@ -110,7 +110,6 @@ def _corners(machine: CondensedMachine, y: np.ndarray, ends: np.ndarray) -> np.n
         return np.zeros(0)
 
     def gap(at: np.ndarray) -> np.ndarray:
-        """Return the distances from corners at fractions of the period."""
         b, B = machine.b, machine.B
         motion = interpolated(y[..., : 2 * b], ends, at % 1.0)
         return machine.laws.corner_gaps(motion[:, :b] @ B.T, motion[:, b:] @ B.T)

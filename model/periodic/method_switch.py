@@ -57,10 +57,9 @@ def _transferred(
 ) -> CurvePoint:
     """Return a point of the curve, with its orbit, in the unknowns of other equations; raises
     `NotConverged`."""
-    scale = problem.parameter.scale
-    far = point.value + _AHEAD * scale * point.tangent_value
+    far = point.value + _AHEAD * problem.scale * point.tangent_value
     ahead = problem.split(point.x + _AHEAD * point.tangent, far)
     x = other.join(orbit)
     plane = np.append((other.join(ahead) - x) / _AHEAD, point.tangent_value)
     plane /= np.linalg.norm(plane)
-    return transferred(other, x, point, plane, scale)
+    return transferred(other, x, point, plane)

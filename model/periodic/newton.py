@@ -1,36 +1,37 @@
 """Damped Newton's method for R(x, lambda) = 0 at a value of lambda, and what continuation shares
 with it."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 import scipy.linalg
 
 from ..quantities import QuantityError
 
-TOLERANCE = 1e-9  # of Newton's last correction, where equations are as exact as that
 _LEAST_DAMPING = 1e-3  # factor of a correction
 _MOST_LEAST = 4  # corrections with it: the residual has a minimum near by, or a corner, but no root
 _ROUNDING_RESIDUAL = 1e-9  # a smaller residual is rounding
 _SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is predicted, with a margin
 
 
-class Equations(Protocol):
+class Equations(ABC):
     """Equations to be solved at a value of lambda; tolerance: of Newton's last correction, in the
     units of x; damped_beyond: size of the corrections beyond which they are damped if they do not
     shrink."""
 
-    tolerance: float
-    damped_beyond: float
+    tolerance = 1e-9
+    damped_beyond = 0.0
+
+    @abstractmethod
+    def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the residual and the Jacobian."""
 
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
         """Return the residual of the equations."""
-
-    def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residual and the Jacobian."""
+        return self.linearized(x, value)[0]
 
 
 class NotConverged(RuntimeError):

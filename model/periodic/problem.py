@@ -75,6 +75,11 @@ class Task:
         harmonics."""
         return HarmonicBalance(machines, self.parameter, at, H, speed=self.speed, **options)
 
+    def coarse_problem(self, machines: Machines, at: float) -> HarmonicBalance:
+        """Return these equations with as few harmonics as a motion is begun with."""
+        H = max(self.accuracy.least, 3) * self.turns
+        return self.problem(machines, at, H, turns=self.turns)
+
 
 class Note(Message):
     """A message with values of the parameter; as text it gives them in SI units."""

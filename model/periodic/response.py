@@ -19,7 +19,7 @@ from .continuation import LOST, BranchSearch, ReportPoint, follow, follow_all, i
 from .harmonic_count import with_enough_harmonics
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
-from .problem import SPEED, Machines, Note, PeriodicError, Response, Task, check, machines_of
+from .problem import SPEED, Note, PeriodicError, Response, Task, check, machines_of
 from .self_excited import growing_whirls, rolling_whirls
 from .shooting import Shooting
 from .starting_points import guesses
@@ -64,11 +64,6 @@ def response(
     return result
 
 
-def _problem(machines: Machines, task: Task, at: float) -> HarmonicBalance:
-    H = max(task.accuracy.least, 3) * task.turns
-    return task.problem(machines, at, H, turns=task.turns)
-
-
 def _from_ends(search: BranchSearch) -> None:
     """Follow branches from both ends of the range, from the seeds, and from beyond the places where
     branches were lost."""
@@ -102,7 +97,7 @@ def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
         raise PeriodicError(
             f"{task.name} = {value:g}, where the orbit begins: must be in the range"
         )
-    problem = _problem(search.machines, task, value).modified(begin.H)
+    problem = task.coarse_problem(search.machines, value).modified(begin.H)
     try:
         x = newton.solve(problem, problem.join(begin), value)
     except NotConverged as error:
@@ -201,7 +196,7 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
     is_found = is_new = False
     for guess in guesses(result.rotor, task, machines, value, is_seed, failures):
         H = min(max(guess.H, task.accuracy.least), task.accuracy.most)
-        series = _problem(machines, task, value).modified(H)
+        series = task.coarse_problem(machines, value).modified(H)
         problem: PeriodicEquations = series
         try:
             x = newton.solve(problem, problem.join(guess), value)

@@ -15,7 +15,7 @@ import numpy as np
 from . import newton
 from .balance import HarmonicBalance, Orbit
 from .floquet import Frequencies, modal_basis, tangents_by_y
-from .newton import NotConverged
+from .newton import Equations, NotConverged
 
 _RADII = 1.0 + np.geomspace(1e-3, 1e7, 150)  # in clearances
 _MOST_GUESSES = 8
@@ -26,11 +26,9 @@ _EDGE = 1e-6  # of a state's size: as near to where a pad just bears nothing is 
 _SIZES = (0.7, 0.5, 0.9, 0.3, 0.1)  # of whirls, in clearances
 
 
-class _RestEquations:
+class _RestEquations(Equations):
     """The equations of a machine at rest, without its unbalance, in the mean displacements of the
     interfaces and the laws' internal states."""
-
-    tolerance, damped_beyond = newton.TOLERANCE, 0.0
 
     def __init__(self, problem: HarmonicBalance, value: float) -> None:
         self.machine, self.speed = problem.machine_at(value), problem.speed_at(value)
@@ -49,10 +47,6 @@ class _RestEquations:
         laws = self.machine.laws.tangents(d, 0 * d, y[None, self.b :], self._own_scale, self.speed)
         forces = np.append(laws.force[0] @ self.machine.B, laws.rates[0])
         return forces, tangents_by_y(self.machine, laws)[0]
-
-    def residual(self, x: np.ndarray, value: float) -> np.ndarray:
-        """Return the residual of the equations."""
-        return self.linearized(x, value)[0]
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the residual and the Jacobian."""
@@ -78,11 +72,9 @@ class _RestEquations:
         return None
 
 
-class _RestOnFilms:
+class _RestOnFilms(Equations):
     """The `_RestEquations` in the displacements alone, films' pads and rings in equilibrium with
     these: a pad that bears nothing has none other to go to from where it does not bear."""
-
-    tolerance, damped_beyond = newton.TOLERANCE, 0.0
 
     def __init__(self, of: _RestEquations) -> None:
         self._of, self._B, self._scale = of, of.machine.B, of.scale[: of.b]
@@ -104,10 +96,6 @@ class _RestOnFilms:
         at = laws.tangents(d[None], 0 * d[None], back, scale, of.speed)
         acts = np.abs(at.by_states * scale).max(axis=(0, 1), initial=0.0)
         return np.where(acts > _IDLE * acts.max(initial=0.0), near[0], near.min(axis=0)) / scale
-
-    def residual(self, x: np.ndarray, value: float) -> np.ndarray:
-        """Return the residual of the equations."""
-        return self.linearized(x, value)[0]
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the residual and the Jacobian."""

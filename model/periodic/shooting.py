@@ -12,12 +12,13 @@ steps themselves, linearized (`floquet`); its eigenvalues are the Floquet multip
 """
 
 import math
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from . import mesh
+from .arclength import ContinuationEquations
 from .balance import HarmonicBalance, Orbit
 from .entry_points import Propagators
 from .floquet import (
@@ -34,7 +35,7 @@ from .floquet import (
 )
 from .fourier import amplitudes, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
-from .newton import NotConverged, by_parameter
+from .newton import NotConverged
 from .stepping import integrate_period
 
 _HARMONICS = 256  # at least, of the orbit that is given
@@ -50,7 +51,6 @@ _RENEW_BEYOND, _CELLS_BEYOND = 1e-6, 1e-4
 _SHRINKS = 0.5
 _FAR_BEYOND, _RENEWALS = 1e-2, 3  # so many times all steps, after it has moved far
 _REFINEMENTS = 5  # times that steps are shortened at most
-_STEP = 1e-6  # of the parameter, as a share of its scale, for the derivative by it
 _SHORTER = 3.0  # than by the mean square of all coordinates, a way along the curve counts
 _SYSTEMS = 5  # that are kept, at the last values of the parameter
 _SAME = 1e-5  # of the unknowns: so near the multipliers are those of the last iteration
@@ -98,22 +98,23 @@ class IntegratedPeriod(NamedTuple):
     unsolved: np.ndarray
 
 
-class Shooting:
+class Shooting(ContinuationEquations):
     """The equations of the state at the begin of the period of a motion near an orbit.
 
     balance: the harmonic balance equations of the same motions. Raises `NotConverged` for laws with
     internal states.
     """
 
-    is_autonomous = False
+    is_autonomous, balanced_H = False, 0
     tolerance = 1e-7  # below the error of its steps
     damped_beyond = 1e-3  # steps that are chosen anew change the equations a little
+    difference = 1e-6
 
     def __init__(self, problem: HarmonicBalance, orbit: Orbit) -> None:
         if problem.s:
             raise NotConverged()
         self.balance = problem.modified(max(_HARMONICS, 4 * problem.H), reference=orbit.parameter)
-        self.machine_at, self.parameter = problem.machine_at, problem.parameter
+        self.machine_at, self.scale = problem.machine_at, problem.scale
         self.reference, self.H, self.turns = orbit.parameter, self.balance.H, problem.turns
         machine = self.machine_at(self.reference)
         mass = np.sqrt(np.diag(machine.matrices(0.0).M))
@@ -280,15 +281,6 @@ class Shooting:
         self._last_transition = x.copy(), value, P
         jacobian = modal_system.state @ (P - np.eye(len(P))) @ modal_system.amplitudes
         return period.defect, self._weights[:, None] * jacobian / self._weights
-
-    def linearized_with_parameter(
-        self, x: np.ndarray, value: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the residual, the Jacobian, and the derivative with respect to the parameter over
-        its scale."""
-        defect, jacobian = self.linearized(x, value)
-        by = by_parameter(partial(self.residual, x), value, defect, self.parameter.scale, _STEP)
-        return defect, jacobian, by
 
     def seen(
         self, x: np.ndarray, value: float, direction: np.ndarray

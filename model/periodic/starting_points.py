@@ -42,9 +42,7 @@ def guesses(
     rest; at a seed also circles beyond the clearances, and what the machine reaches from them; last
     its rest, near which it may move unstably; of a machine without nonlinear interfaces the first
     alone. failures: receives why time integration failed."""
-    problem = task.problem(
-        machines, value, max(task.accuracy.least, 3) * task.turns, turns=task.turns
-    )
+    problem = task.coarse_problem(machines, value)
     machine, loads = machines(value), task.loads
     speed, H = task.speed_at(value), max(problem.H, _HARMONICS)
     changed = task.rotor_at(rotor, value)
@@ -59,8 +57,7 @@ def guesses(
     yield from circles
 
     def settled(periods: int, *begin: Any) -> Orbit:
-        """Return the motion after a number of periods from rest, or from an orbit and its
-        motion."""
+        """Return the motion after some periods from rest, or from an orbit and its motion."""
         run = _simulation(
             _in_motion(changed) if begin else changed, speed, loads, _TOLERANCE_OF_GUESSES
         )

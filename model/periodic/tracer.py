@@ -12,7 +12,6 @@ from .branch import CLOSED, Bifurcation, Solution, solution, why_ended
 from .harmonic_count import Accuracy, with_enough_harmonics
 from .method_switch import PeriodicEquations, as_shooting, suitable_equations
 from .newton import NotConverged
-from .shooting import Shooting
 
 _NEAR_START = 0.5  # share of a step: the branch has come back to its start
 _COARSE_STEPS = 4  # short steps with too few harmonics after which a whirl is not followed
@@ -54,7 +53,7 @@ class Tracer:
         accuracy: Accuracy,
     ) -> None:
         self.problem, self.low, self.high = problem, low, high
-        self.balance = problem.balance if isinstance(problem, Shooting) else problem
+        self.balance = problem.balance
         self.steps, self.accuracy = steps, accuracy
         self.end = ""
         # parts whose film is thinner than its roughness at the next point
@@ -69,8 +68,7 @@ class Tracer:
             is_end = point.value in (self.low, self.high)
             problem, point = with_enough_harmonics(problem, point, self.accuracy, is_end)
         last = self._solution(problem, point)
-        H = problem.H if isinstance(problem, HarmonicBalance) else 0
-        state = TracerState(problem.reference, H, point, self.steps.initial)
+        state = TracerState(problem.reference, problem.balanced_H, point, self.steps.initial)
         yield TracedPoint(last, [], state)
         yield from self.resume(state, state, last)
 
@@ -108,10 +106,8 @@ class Tracer:
             if here is not problem:
                 problem, now = here, self._solution(here, point)
             coarse_steps = coarse_steps + 1 if is_coarse and length < self.steps.initial else 0
-            H = problem.H if isinstance(problem, HarmonicBalance) else 0
-            yield TracedPoint(
-                now, bifurcations, TracerState(problem.reference, H, point, length, coarse_steps)
-            )
+            at = problem.reference, problem.balanced_H, point, length, coarse_steps
+            yield TracedPoint(now, bifurcations, TracerState(*at))
             if self._is_closed(problem, start.point, before, point):
                 self.end = CLOSED
                 return
@@ -129,15 +125,13 @@ class Tracer:
 
     def _trace(self, problem: PeriodicEquations, point: CurvePoint, length: float) -> CurveTrace:
         steps = replace(self.steps, initial=length)
-        scale = problem.parameter.scale
-        return arclength.trace(problem, point, scale, self.low, self.high, steps)
+        return arclength.trace(problem, point, self.low, self.high, steps)
 
     def _is_closed(
         self, problem: PeriodicEquations, start: CurvePoint, before: CurvePoint, point: CurvePoint
     ) -> bool:
         if len(start.x) != len(point.x) or len(before.x) != len(point.x):
             return False
-        scale = problem.parameter.scale
-        step, away = (distance(a, point, scale) for a in (before, start))
-        same = float(start.tangent @ point.tangent + start.tangent_value * point.tangent_value)
-        return 0 < away < _NEAR_START * step and same > 0.9 and before.x is not start.x
+        step, away = (distance(a, point, problem.scale) for a in (before, start))
+        is_same = start.cosine(point) > 0.9 and before.x is not start.x
+        return 0 < away < _NEAR_START * step and is_same

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from ..display import current, speed_with_unit
 from ..linear.displayed import Displayed
-from ..linear.linear_plots import titled
 from ..linear.linear_tables import Table
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_panels
 
@@ -159,7 +158,7 @@ class Balancing(Displayed):
             spare.remove()
         for axes, speed in zip(panels, speeds, strict=False):
             self._draw(axes, [v for v in self.vibrations if v.speed == speed])
-            title = titled(self.machine_name, "1x vibration, its angle from the mark")
+            title = self.titled("1x vibration, its angle from the mark")
             at = f"; at {speed_with_unit(speed)}" if len(speeds) > 1 else ""
             entitle(axes, title + at)
         return figure

@@ -14,7 +14,7 @@ from ..screen import progress_of
 from ..units import in_si, split
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
 from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
-from .show_result import machine_in_units, print_answer, say_where_linearized
+from .show_result import machine_in_units, print_answer, say
 from .speeds import (
     OperatingRange,
     Range,
@@ -73,8 +73,7 @@ def critical_map(
         contacts=contacts,
     )
     speeds = [crossing.speed for crossing in result.crossings]
-    for sentence in where_beyond_tables(without_seals(machine), speeds):
-        typer.echo(sentence)
+    say(where_beyond_tables(without_seals(machine), speeds))
     return print_answer(result, out, "critical_map")
 
 
@@ -105,6 +104,7 @@ def stability(
     speed = rated_speed(rated, machine)
     couplings = cross_couplings(machine, speed, stage, cross_coupling)
     from ..linear import stability_answers
+    from ..linear.where_linearized import where_linearized
     from ..model.linear.undamped import without_seals
 
     result: stability_answers.StabilityLevel1 | stability_answers.StabilityLevel2
@@ -122,7 +122,7 @@ def stability(
         result = stability_answers.level_2(
             machine, speed, cross_couplings=couplings, contacts=contacts
         )
-    say_where_linearized(machine, [speed], contacts, coupling=couplings)
+    say(where_linearized(machine, [speed], contacts, coupling=couplings))
     return print_answer(result, out, "stability")
 
 
@@ -190,7 +190,11 @@ def unbalance(
     check_nodes(machine, "--clearance", gaps)
     check_nodes(machine, "--unbalance", (n for n, _, _ in given or ()), may_repeat=True)
     from ..linear import acceptance, answers
-    from ..linear.where_linearized import where_films_are_left, where_not_reached
+    from ..linear.where_linearized import (
+        where_films_are_left,
+        where_linearized,
+        where_not_reached,
+    )
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
 
     if mode is not None and ends is not None:
@@ -205,12 +209,12 @@ def unbalance(
     else:
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
-    say_where_linearized(machine, [*speeds, *(ends or ())], contacts)
     highest = dict.fromkeys((float(max(speeds, key=abs)), *(ends or ())[1:]))
-    for sentence in where_not_reached(machine, highest, contacts):
-        typer.echo(sentence)
-    for sentence in where_films_are_left(machine, result):
-        typer.echo(sentence)
+    say(
+        where_linearized(machine, [*speeds, *(ends or ())], contacts),
+        where_not_reached(machine, highest, contacts),
+        where_films_are_left(machine, result),
+    )
     if ends is None:
         ends_of_ways = {float(min(*speeds, 0.0)), float(max(*speeds, 0.0))}
         tops = sorted(ends_of_ways - {0.0}) or [0.0]

@@ -12,7 +12,7 @@ import typer
 from ..errors import InputError
 from ..output_options import with_output_options
 from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
-from .show_result import machine_in_units, print_answer, say_where_linearized
+from .show_result import machine_in_units, print_answer, say
 from .speeds import (
     One,
     OperatingRange,
@@ -45,14 +45,14 @@ def modes(
     """Compute natural frequencies, damping, logarithmic decrements, whirl and mode shapes at a
     speed."""
     at, machine = one_speed(speed), machine_in_units(rotor, units)
-    from ..linear import answers
-
     check_count(count, _MOST_MODES)
+    from ..linear import answers
     from ..linear.mode_answers import mode_shapes_figure
+    from ..linear.where_linearized import where_linearized
     from ..plotting.figure_style import save
 
     result = answers.modes(machine, at, count=count, contacts=contacts)
-    say_where_linearized(machine, [at], contacts)
+    say(where_linearized(machine, [at], contacts))
     data = print_answer(result, out, "modes")
     save(mode_shapes_figure(result), out / "modes_3d.png")
     return data
@@ -78,17 +78,18 @@ def campbell(
     """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
     speeds, machine = speed_range(speed, _SPEEDS), machine_in_units(rotor, units)
     ends = operating_range(operating, rated, machine)
-    from ..linear import answers
-
     check_count(count, _MOST_MODES)
     if len(speeds) == 1:
         raise InputError(f"--speed {speed}: must be FROM:TO, more than one speed")
+    from ..linear import answers
+    from ..linear.where_linearized import where_linearized
+
     if len(speeds) == 0:
         speeds = usual_speeds(machine, contacts, ends, _SPEEDS)
     result = answers.campbell(
         machine, speeds, count=count, contacts=contacts, harmonic=harmonic or 1.0
     )
-    say_where_linearized(machine, speeds, contacts)
+    say(where_linearized(machine, speeds, contacts))
     return print_answer(result, out, "campbell", figure=result.figure(ends))
 
 
@@ -113,8 +114,7 @@ def static(
 
     result = answers.static(machine, at, contacts=contacts)
     beyond = where_beyond_tables(machine, [result.speed])
-    for sentence in [*beyond, *where_not_at_rest(machine, result.speed, contacts)]:
-        typer.echo(sentence)
+    say(beyond, where_not_at_rest(machine, result.speed, contacts))
     return print_answer(result, out, "static")
 
 
@@ -177,7 +177,7 @@ def frequency_response(
         raise InputError(f"--zones {zones}: are of --loop, which is not given")
     bounds = () if zones is None else _zones(zones)
     from ..linear import frequency_answers as answers
-    from ..linear.where_linearized import where_not_reached
+    from ..linear.where_linearized import where_linearized, where_not_reached
 
     compute: Callable[..., answers.FrequencyResponse | answers.Sensitivity]
     if loop is not None:
@@ -193,9 +193,10 @@ def frequency_response(
     points = np.geomspace(ends[0], ends[-1], len(ends))
     result = compute(machine, points, speed=at, contacts=contacts)
     if loop is None:  # loops hold a machine, and their answer says whether they do
-        say_where_linearized(machine, [at], contacts, follows_force=True)
-        for sentence in where_not_reached(machine, [at], contacts):
-            typer.echo(sentence)
+        say(
+            where_linearized(machine, [at], contacts, follows_force=True),
+            where_not_reached(machine, [at], contacts),
+        )
     return print_answer(result, out, "frequency_response")
 
 

@@ -1,6 +1,6 @@
 """Nodes, and what options put at them: clearances of seals, impellers, cross couplings."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -52,7 +52,7 @@ def clearances_of(texts: list[str] | None) -> dict[int, float]:
     """Return the radial clearances [m] by node of each `NODE:RADIUS`."""
     result = {}
     for text in texts or []:
-        node, radius = _at_node("--clearance", text, "NODE:RADIUS", "m")
+        node, (radius,) = _at_node("--clearance", text, "NODE:RADIUS", ("m",))
         if not radius > 0:
             raise InputError(f"--clearance {text}: must be NODE:RADIUS, RADIUS above 0")
         if node in result:
@@ -76,28 +76,26 @@ def cross_couplings(
 
 
 def _coupling(text: str) -> tuple[int, float]:
-    node, q = _at_node("--cross-coupling", text, "NODE:STIFFNESS", "N/m")
+    node, (q,) = _at_node("--cross-coupling", text, "NODE:STIFFNESS", ("N/m",))
     if not q >= 0:
         raise InputError(f"--cross-coupling {text}: must be NODE:STIFFNESS, at least 0 N/m")
     return node, q
 
 
-def _at_node(option: str, text: str, form: str, si: str) -> tuple[int, float]:
-    """Return the node and the value, in an SI unit, of `NODE:VALUE`; form: how it is written."""
-    node, colon, value = text.partition(":")
-    if not (colon and node.strip().isdecimal()):
+def _at_node(option: str, text: str, form: str, units: Sequence[str]) -> tuple[int, list[float]]:
+    """Return the node and the values, in SI units, of `NODE:VALUE:...`; form: how it is written."""
+    node, *values = text.split(":")
+    if len(values) != len(units) or not node.strip().isdecimal():
         raise InputError(f"{option} {text}: must be {form}")
-    return int(node), in_si(f"{option} {node}:", value, si)
+    given = zip(values, units, strict=True)
+    return int(node), [in_si(f"{option} {node}:", value, unit) for value, unit in given]
 
 
 def _stage(text: str) -> "Stage":
     from ..model.linear import Stage
 
-    node, *values = text.split(":")
-    if len(values) != 4 or not node.strip().isdecimal():
-        raise InputError(f"--stage {text}: must be NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO")
-    option = f"--stage {node}:"
-    numbers = [in_si(option, v, si) for v, si in zip(values, ("W", "m", "m", "1"), strict=True)]
+    form = "NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO"
+    node, numbers = _at_node("--stage", text, form, ("W", "m", "m", "1"))
     if not min(numbers) > 0:
         raise InputError(f"--stage {text}: power, diameter, width and ratio must be above 0")
-    return Stage(int(node), *numbers)
+    return Stage(node, *numbers)

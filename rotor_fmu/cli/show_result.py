@@ -1,6 +1,7 @@
 """The machine of a linear analysis, and the answer: printed, and written as numbers and picture."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Iterable, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,16 +26,9 @@ def machine_in_units(file: Path | None, units: str | None, option: str = "--roto
     return machine
 
 
-def say_where_linearized(
-    machine: Rotor,
-    speeds: Collection[float],
-    contacts: str | None = None,
-    **options: Any,
-) -> None:
-    """Say what a linear answer at speeds [rad/s] takes for granted; see `where_linearized`."""
-    from ..linear.where_linearized import where_linearized
-
-    for sentence in where_linearized(machine, speeds, contacts, **options):
+def say(*groups: Iterable[str]) -> None:
+    """Print sentences, each in a line."""
+    for sentence in chain.from_iterable(groups):
         typer.echo(sentence)
 
 

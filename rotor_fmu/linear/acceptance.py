@@ -31,7 +31,7 @@ from ..plotting.figure_style import (
     new_figure,
 )
 from .displayed import Displayed, Machine, answer_of, displayed, of_machine, rotor_of
-from .linear_plots import plain_ticks, shade, titled
+from .linear_plots import grouped, plain_ticks, shade
 from .linear_tables import Table
 
 _MET = {True: "yes", False: "NO"}
@@ -111,20 +111,16 @@ class CriticalMap(Displayed, linear.CriticalMap):
         if labels:
             columns = 3 if max(map(len, labels)) < _NARROW else 1
             figure.legend(loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
-        entitle(axes, titled(self.machine_name, "Undamped critical speed map"))
+        entitle(axes, self.titled("Undamped critical speed map"))
         return figure
 
     def _own_lines(self, alike: float) -> list[list[BearingStiffness]]:
         """Return the bearings' own stiffnesses, those together that differ by less than a share."""
-        lines: list[list[BearingStiffness]] = []
-        for own in self.own:
-            for others in lines:
-                if np.allclose(own.stiffness, others[0].stiffness, rtol=alike, equal_nan=True):
-                    others.append(own)
-                    break
-            else:
-                lines.append([own])
-        return lines
+
+        def are_alike(own: BearingStiffness, first: BearingStiffness) -> bool:
+            return np.allclose(own.stiffness, first.stiffness, rtol=alike, equal_nan=True)
+
+        return grouped(self.own, are_alike)
 
 
 def _label_of(lines: Sequence[BearingStiffness]) -> str:
@@ -181,7 +177,7 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
             "Critical speeds with the separations that they need\n"
             "circles x, squares y; orange: too near to the operating range, which is shaded"
         )
-        figure, axes = _factors(titled(self.machine_name, text), 9)
+        figure, axes = _factors(self.titled(text), 9)
         shade([axes], (self.low, self.high))
         for critical in self.criticals:
             peak, needs = critical.peak, critical.margin
@@ -221,9 +217,7 @@ class CriticalPeaks(Displayed):
 
     def figure(self) -> Figure:
         """Draw the amplification factors of peaks over the speed."""
-        figure, axes = _factors(
-            titled(self.machine_name, "Critical speeds (circles x, squares y)"), 10
-        )
+        figure, axes = _factors(self.titled("Critical speeds (circles x, squares y)"), 10)
         for critical in self.criticals:
             _mark(axes, critical, BLUE)
         axes.update_datalim([(0.0, DAMPED)])

@@ -38,7 +38,7 @@ from ..plotting.figure_style import (
 )
 from ..plotting.labels import write_labels
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
-from .linear_plots import FAINT, WHIRL_COLORS, curve, dotted, draw_whirling, shade, titled
+from .linear_plots import FAINT, WHIRL_COLORS, curve, dotted, draw_whirling, shade
 from .linear_tables import Table, clean_damping, peaks, turns, without_rounding
 from .mode_answers import Modes
 
@@ -129,7 +129,7 @@ class Campbell(Displayed, linear.Campbell):
         elif len(finite) and finite.max() > 3:
             below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
         below.set_xlabel(current().speed_label)
-        entitle(above, titled(self.machine_name, f"Campbell diagram, contacts {self.contacts}"))
+        entitle(above, self.titled(f"Campbell diagram, contacts {self.contacts}"))
         words = [(shown_speed(c.speed), c.whirl == FORWARD) for c in self.critical]
         write_labels(above, [(*at, *word) for at, word in zip(places, words, strict=True)])
         return figure
@@ -214,7 +214,7 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
         below.set_yticks([-180, -90, 0, 90, 180])
         below.set_xlabel(current().speed_label)
         title = f"Steady response to unbalance, contacts {self.contacts}"
-        entitle(above, titled(self.machine_name, title))
+        entitle(above, self.titled(title))
         return figure
 
 
@@ -274,7 +274,7 @@ class Static(Displayed, linear.Static):
         axes.set_xlabel(f"Along the shaft z [{d.length_unit}]")
         axes.set_ylabel(f"Deflection [{d.small_unit}]")
         state = turns(self.speed, self.contacts)
-        entitle(axes, titled(self.machine_name, f"At rest under gravity, {state}"))
+        entitle(axes, self.titled(f"At rest under gravity, {state}"))
         write_labels(axes, labels, marks)
         return figure
 

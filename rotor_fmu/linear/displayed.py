@@ -16,6 +16,7 @@ from ..model.one_thread import on_one_thread
 from ..model.parts.shaft import Section
 from ..model.structure.beam import shaft_element
 from ..plotting.notebook import png
+from .linear_plots import titled
 from .linear_tables import Table
 
 Machine = Rotor | Path | str
@@ -41,6 +42,10 @@ class Displayed(ABC):
     @abstractmethod
     def figure(self) -> Figure:
         """Draw the result."""
+
+    def titled(self, text: str) -> str:
+        """Return the title of a picture, with the name of the machine."""
+        return titled(self.machine_name, text)
 
     def __repr__(self) -> str:
         return f"<{self.table().title}>"

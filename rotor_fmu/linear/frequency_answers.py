@@ -28,7 +28,7 @@ from ..plotting.figure_style import (
     new_panels,
 )
 from .displayed import Displayed, Machine, answer_of, displayed
-from .linear_plots import plain_ticks, titled
+from .linear_plots import plain_ticks
 from .linear_tables import Table, is_rounding, peaks, turns
 
 ZONES = "ABCD"
@@ -90,7 +90,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         below.set(ylabel="Phase [deg]", xlabel=d.frequency_label)
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         state = turns(self.speed, self.contacts)
-        entitle(figure, titled(self.machine_name, f"Response to {self.shown_force}, {state}"))
+        entitle(figure, self.titled(f"Response to {self.shown_force}, {state}"))
         return figure
 
 
@@ -138,7 +138,7 @@ class Sensitivity(model.Sensitivity, Displayed):
         axes.set(xlabel=current().frequency_label, ylabel="Sensitivity [1]")
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         title = f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}"
-        entitle(axes, titled(self.machine_name, title))
+        entitle(axes, self.titled(title))
         return figure
 
 

@@ -1,7 +1,8 @@
 """What pictures of linear analyses share."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,6 +14,7 @@ from ..display import current
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, SKY
 
+_Item = TypeVar("_Item")
 WHIRL_COLORS = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 FAINT = 0.3  # opacity
 _FINE = 12  # points an element of a curve through the nodes
@@ -68,6 +70,19 @@ def draw_whirling(
         color = WHIRL_COLORS.get(word, GREY)
         piece = speed[i : i + 2], values[i : i + 2]
         axes.plot(*piece, color=color, lw=1.6, alpha=alpha, solid_capstyle="butt")
+
+
+def grouped(items: Iterable[_Item], is_alike: Callable[[_Item, _Item], bool]) -> list[list[_Item]]:
+    """Return items in groups of those that are alike the first one of each."""
+    groups = list[list[_Item]]()
+    for item in items:
+        for group in groups:
+            if is_alike(item, group[0]):
+                group.append(item)
+                break
+        else:
+            groups.append([item])
+    return groups
 
 
 def titled(name: str, text: str) -> str:

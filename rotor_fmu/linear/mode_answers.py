@@ -17,7 +17,7 @@ from ..plotting.figure_style import (
     new_panels,
 )
 from .displayed import Displayed
-from .linear_plots import WHIRL_COLORS, curve, dotted, shapes_in_grid, titled
+from .linear_plots import WHIRL_COLORS, curve, dotted, shapes_in_grid
 from .linear_tables import Table, clean_damping, turns
 
 _ANGLES = np.linspace(0.0, 2 * math.pi, 49)
@@ -94,7 +94,7 @@ class Modes(Displayed, linear.Modes):
                 *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2
             )
         title = f"Modes at {turns(self.speed, self.contacts)}"
-        entitle(figure, titled(self.machine_name, title))
+        entitle(figure, self.titled(title))
         return figure
 
 
@@ -138,7 +138,7 @@ def mode_shapes_figure(result: Modes) -> Figure:
         frequency = f"{shown_speed(result.damped[i])} {current().frequency_unit}"
         axes.set_title(f"{i + 1}: {frequency}, {result.motion(i)}", fontsize=9, y=0.98)
     state = turns(result.speed, result.contacts)
-    entitle(figure, titled(result.machine_name, f"Mode shapes at {state}; x across, y up"))
+    entitle(figure, result.titled(f"Mode shapes at {state}; x across, y up"))
     return figure
 
 

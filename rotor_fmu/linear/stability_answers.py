@@ -21,7 +21,6 @@ from ..plotting.figure_style import (
     new_figure,
 )
 from .displayed import Displayed, answer_of
-from .linear_plots import titled
 from .linear_tables import Table, clean_damping
 
 
@@ -87,7 +86,7 @@ class StabilityLevel1(Displayed, linear.StabilityLevel1):
         axes.set_xlabel(f"Cross-coupled stiffness at node {self.node} [{d.stiffness_unit}]")
         axes.set_ylabel("Logarithmic decrement [1]")
         title = f"Least of the forward modes at {speed_with_unit(self.speed)}"
-        entitle(axes, titled(self.machine_name, title))
+        entitle(axes, self.titled(title))
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         return figure
 
@@ -130,7 +129,7 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         what = "Least logarithmic decrement of the forward modes [1]"
         axes.set_xlabel(f"{what}; dashed: {LEAST_LOG_DEC:g}")
         title = f"Stability level 2 at {speed_with_unit(self.speed)}"
-        entitle(axes, titled(self.machine_name, title))
+        entitle(axes, self.titled(title))
         return figure
 
 

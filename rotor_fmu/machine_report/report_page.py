@@ -13,6 +13,7 @@ from ..display import current, range_with_unit, shown_speed, speed_with_unit
 from ..linear import acceptance, answers, stability_answers
 from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
+from ..linear.linear_plots import grouped
 from ..linear.linear_tables import Table, clean_damping, numbers
 from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_films_are_left, where_linearized, whirl_in_pads
@@ -21,7 +22,7 @@ from ..model.linear.own_frequency import OwnWhirl
 from ..model.linear.unbalance import SteadyWhirl
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
-from ..report.report_tables import notice_html
+from ..report.report_tables import notice_html, table
 from ..report.run_page import figure_html, machine_html, page, template
 from .rub_check import RubCheck, rub_check
 from .rub_shown import closings_table, rub_figure, runs_table
@@ -172,8 +173,8 @@ def _body(conclusions: Iterable[Conclusion], sections: Mapping[str, Sequence[str
     )
 
 
-def _html(table: Table) -> str:
-    return f'<div class="table">{table.html()}</div>'
+def _html(of: Table) -> str:
+    return table(of.title, of.heads, of.rows)
 
 
 def _shown(answer: Displayed, caption: str) -> list[str]:
@@ -254,13 +255,7 @@ def _slower(whirl: OwnWhirl | None) -> Iterator[Conclusion]:
 def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
     """Yield speeds [rad/s] in ascending order, as ranges those that differ by less than _ONE_PEAK:
     probes and directions have the peak of one critical speed at slightly different ones."""
-    groups: list[list[float]] = []
-    for speed in sorted(speeds):
-        if groups and speed < (1 + _ONE_PEAK) * groups[-1][0]:
-            groups[-1].append(speed)
-        else:
-            groups.append([speed])
-    for group in groups:
+    for group in grouped(sorted(speeds), lambda speed, first: speed < (1 + _ONE_PEAK) * first):
         yield " to ".join(dict.fromkeys(shown_speed(end) for end in (group[0], group[-1])))
 
 

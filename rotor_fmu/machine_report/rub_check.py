@@ -18,10 +18,9 @@ from ..display import current
 from ..linear.answers import static
 from ..model.linear.amplification import with_tops
 from ..model.linear.linear_machine import OPEN
-from ..model.linear.orbit import semi_axes
 from ..model.linear.supports import walls
 from ..model.linear.unbalance import SteadyWhirl
-from ..model.linear.unbalance_peaks import distance_of, gaps, with_criticals
+from ..model.linear.unbalance_peaks import gaps, major_axis, with_criticals
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
@@ -170,7 +169,8 @@ def rub_check(
     close = with_criticals(machine, np.linspace(_FIRST * top, top, _SPEEDS))
     closings = _closings(machine, whirl, close, high)
     probes = {
-        name: partial(_size, whirl, of) for name, of in machine.elements_of_kind(ProbeElement)
+        name: partial(major_axis, whirl, 2 * of.node - 2, 2 * of.node - 1, of.offset)
+        for name, of in machine.elements_of_kind(ProbeElement)
     }
     speeds = with_tops(list(probes.values()), close)
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
@@ -184,12 +184,6 @@ def rub_check(
     return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, tuple(runs))
 
 
-def _size(whirl: SteadyWhirl, probe: ProbeElement, speed: float) -> float:
-    """Return the major semi-axis of a part whose motion is an output [m]."""
-    moved, at = whirl.at(speed), 2 * (probe.node - 1)
-    return float(semi_axes(*(moved[at] + probe.offset * moved[at + 1]))[0])
-
-
 def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray, high: float) -> list[Closing]:
     contacts = gaps(rotor, whirl.machine)
     if whirl.machine.contacts != OPEN:
@@ -201,7 +195,7 @@ def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray, high: float)
     for gap in contacts:
         sag = float(abs(at_rest[gap.dof] - at_rest[gap.end]))
         room = gap.clearance - sag
-        distance = partial(distance_of, whirl, gap)
+        distance = gap.size(whirl)
         peaked = with_tops([distance], speeds)
         free = room - np.array([distance(speed) for speed in peaked])
         if (free <= 0).any():

@@ -88,7 +88,6 @@ def _place(
     after another."""
 
     def curves(motions: Iterable[Solution | Bifurcation]) -> dict[str, Any]:
-        """Return the quantities of motions."""
         values = [result.quantities(motion, place) for motion in motions]
         return {
             q: packed(_shown(unit)[0] * np.array([each[q] for each in values]))

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..display import current
-from ..linear.linear_plots import titled
+from ..linear.linear_plots import grouped, titled
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS, UNFINISHED
 from ..model.periodic.continuation import LOST
 from ..model.periodic.folds import FoldCurve
@@ -72,15 +72,11 @@ def _alike(result: ResponseCurves, names: Sequence[str]) -> list[list[str]]:
     """Return names in groups of places whose curves lie one on the other in a picture."""
     curves = {name: result.curve(name).value for name in names}
     width = _LINE * max((curve.max(initial=0.0) for curve in curves.values()), default=0.0)
-    groups = list[list[str]]()
-    for name, curve in curves.items():
-        for group in groups:
-            if np.abs(curve - curves[group[0]]).max(initial=0.0) <= width:
-                group.append(name)
-                break
-        else:
-            groups.append([name])
-    return groups
+
+    def are_alike(name: str, first: str) -> bool:
+        return bool(np.abs(curves[name] - curves[first]).max(initial=0.0) <= width)
+
+    return grouped(curves, are_alike)
 
 
 def fold_figure(result: ResponseCurves, name: str, unit: str, folds: FoldCurve) -> Figure:

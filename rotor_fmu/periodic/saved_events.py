@@ -75,7 +75,6 @@ def _journal(path: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Save
         file.flush()
 
         def write(event: Event) -> None:
-            """Add a line and hand it to the system."""
             file.write(json.dumps(_encoded(event)) + "\n")
             file.flush()
 

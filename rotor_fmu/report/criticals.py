@@ -45,6 +45,9 @@ class Criticals(NamedTuple):
         )
 
 
+NO_CRITICALS = Criticals((), "")
+
+
 def criticals_of(run: Recording) -> Criticals:
     """Return the critical speeds within a run's range of speeds; none of a machine that was not
     recorded, or that cannot be linearized."""
@@ -53,14 +56,14 @@ def criticals_of(run: Recording) -> Criticals:
     highest = float(sizes.max(initial=0.0))
     rotor = _as_run(run)
     if rotor is None or highest == 0.0 or np.ptp(sizes) < 0.05 * highest:
-        return Criticals((), "")
+        return NO_CRITICALS
     lowest = max(float(sizes.min()), _LEAST * highest)
     ways = [way for way in (-1.0, 1.0) if (way * speeds).max() >= lowest]
     try:
         found = [speed for way in ways for speed in _within(rotor, way * lowest, way * highest)]
         machine = LinearMachine(rotor)
     except (LinearError, np.linalg.LinAlgError):
-        return Criticals((), "")
+        return NO_CRITICALS
     nearest = sorted(found, key=abs)[:_MOST]
     hz = tuple(sorted(speed / TURN for speed in nearest))
     return Criticals(hz, machine.contacts if machine.has_contacts else "")

@@ -1,7 +1,7 @@
 """The data of the page of a run, computed here once, so that the browser only draws; of signals
 over time every sample where there is room, else the extremes."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ..runs.measuring_points import MeasuringPoint, display_name
 from ..runs.peaks import is_constant, largest_row, start_up
 from ..runs.recording import Recording
 from ..vibration import TURN, Synchronous, TooFewTurns
-from .criticals import criticals_of
+from .criticals import NO_CRITICALS, Criticals
 from .packed import COARSE, packed
 
 _ROWS = 2000  # of curves over speed
@@ -26,9 +26,9 @@ _STRETCHES = 15_000
 _MOST = 40  # signals
 
 
-def run_data(run: Recording) -> dict[str, Any]:
+def run_data(run: Recording, criticals: Criticals = NO_CRITICALS) -> dict[str, Any]:
     """Return everything but the signals over time, as JSON values; lengths in µm, speeds in Hz,
-    forces in the unit that is shown.
+    forces in the unit that is shown; criticals: its machine's.
 
     A run of too few turns has no places, and `why` says so.
     """
@@ -38,7 +38,7 @@ def run_data(run: Recording) -> dict[str, Any]:
         if not run.places:
             return data | {"why": "its recording has no place with x and y"}
         data |= _turns(run)
-        data["criticals"] = criticals_of(run)._asdict()
+        data["criticals"] = criticals._asdict()
     except TooFewTurns as error:
         data["why"] = str(error)
     return data
@@ -51,10 +51,10 @@ def _turns(run: Recording) -> dict[str, Any]:
     for place in run.places:
         if place.name not in retained:
             continue
-        signal = run.resampled(place)
-        result["places"].append(_place(place, signal, start_up(run.t, run.w)))
+        seen = _evaluated(run.resampled(place))
+        result["places"].append(_place(place, seen, start_up(run.t, run.w)))
         if "stations" not in result:
-            result |= _shared(signal)
+            result |= _shared(seen)
     result["chosen"] = run.place().name
     d, contacts = current(), []
     for contact in run.contacts:
@@ -79,13 +79,34 @@ def _turns(run: Recording) -> dict[str, Any]:
     return result | {"touches": contacts, "power": power, "force": d.force_unit}
 
 
-def _shared(signal: Synchronous) -> dict[str, Any]:
+class _Evaluated(NamedTuple):
+    """A place's motion over whole turns, with the turns of a block of its spectra, and what it
+    comes to."""
+
+    signal: Synchronous
+    block: int
+    track: vibration.OrderTrack
+    cascade: vibration.Cascade
+    whirl: vibration.Whirl
+
+
+def _evaluated(signal: Synchronous) -> _Evaluated:
+    block = min(_BLOCK, signal.longest)  # fewer turns if the run has fewer
+    return _Evaluated(
+        signal,
+        block,
+        vibration.order_track_of(signal, turns=_LEAST_BLOCK),
+        vibration.cascade_of(signal, turns=block, lines=_STATIONS),
+        vibration.whirl_of(signal, turns=block),
+    )
+
+
+def _shared(seen: _Evaluated) -> dict[str, Any]:
     """Return the data common to all places: the turns' times and speeds, and the stations."""
-    track, cascade = _tracked(signal)
+    signal, block, track, cascade, whirl = seen
     rows = _thin(len(track.t))
     speed = cascade.speed / TURN
     turns = _thin(len(signal.values))
-    whirl = vibration.whirl_of(signal, turns=_block(signal))
     blocks = _thin(len(whirl.t))
     whirls = {"t": packed(whirl.t[blocks]), "hz": packed(whirl.speed[blocks] / TURN)}
     return {
@@ -99,15 +120,14 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
         "isConstant": is_constant(speed),
         "orders": cascade.order.tolist(),
         "turns": {"t": packed(signal.begin[turns]), "hz": packed(signal.speed[turns] / TURN)},
-        "whirl": whirls | {"turns": _block(signal)},
+        "whirl": whirls | {"turns": block},
         "orbit": {"turns": _ORBIT, "points": _ORBIT_POINTS},
     }
 
 
-def _place(place: MeasuringPoint, signal: Synchronous, begin: float) -> dict[str, Any]:
-    track, cascade = _tracked(signal)
+def _place(place: MeasuringPoint, seen: _Evaluated, begin: float) -> dict[str, Any]:
+    signal, block, track, cascade, whirl = seen
     rows = _thin(len(track.t))
-    whirl = vibration.whirl_of(signal, turns=_block(signal))
     vectors = {"x": track.x(), "y": track.y()}
     curves = {
         f"{axis}{part}": packed(values[rows])
@@ -115,7 +135,7 @@ def _place(place: MeasuringPoint, signal: Synchronous, begin: float) -> dict[str
         for part, values in (("Re", vector.real), ("Im", vector.imag))
     }
     curves |= {"twice": packed(track.major(2.0)[rows]), "half": packed(track.major(0.5)[rows])}
-    middle = cascade.first + (_block(signal) - _ORBIT) // 2
+    middle = cascade.first + (block - _ORBIT) // 2
     stride = signal.per_turn // _ORBIT_POINTS
     orbits = np.array([signal.values[i : i + _ORBIT, ::stride].ravel() for i in middle])
     turns = _thin(len(signal.values))
@@ -134,16 +154,6 @@ def _place(place: MeasuringPoint, signal: Synchronous, begin: float) -> dict[str
         "sense": packed(whirl.sense[blocks]),
         "order": packed(whirl.order[blocks]),
     }
-
-
-def _block(signal: Synchronous) -> int:
-    """Return the number of turns of a spectrum, fewer if the run has fewer."""
-    return min(_BLOCK, signal.longest)
-
-
-def _tracked(signal: Synchronous) -> tuple[vibration.OrderTrack, vibration.Cascade]:
-    track = vibration.order_track_of(signal, turns=_LEAST_BLOCK)
-    return track, vibration.cascade_of(signal, turns=_block(signal), lines=_STATIONS)
 
 
 def _thin(n: int) -> np.ndarray:

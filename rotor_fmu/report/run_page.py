@@ -52,8 +52,9 @@ def write_page(make: Callable[[], str], path: Path) -> None:
 
 def runs_page(runs: Sequence[Recording], summaries: Sequence[Mapping[str, Any]]) -> str:
     """Return the page of one or two runs as HTML."""
-    data = [run_data(run) for run in runs]
-    criticals = criticals_of(runs[0]).sentence
+    found = [criticals_of(run) for run in runs]  # by linear analyses, which take a while
+    data = [run_data(*both) for both in zip(runs, found, strict=True)]
+    criticals = found[0].sentence
     body = template("run.html").substitute(
         notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),

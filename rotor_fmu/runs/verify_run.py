@@ -16,10 +16,9 @@ from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..model.settings import Settings, SettingsError
 from ..run_status import FAILED, OK, not_confirmed
-from .job import Job
-from .progress import shown
+from .job import execute
 from .recording import Recording
-from .run_down import Run, run_direct
+from .run_down import Job, Run
 
 CONFIRMED, SENSITIVE, NOT_CONFIRMED = "confirmed", "sensitive", "not confirmed"
 # Amplitudes agree that differ by less than this share, or by the larger one that a coarse tolerance
@@ -133,8 +132,7 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
     if run.status.startswith(FAILED):
         return run, recording
     finer = finer_job(job)
-    with shown(label, finer.stop, finer.step, finer.settings) as progress:
-        other = run_direct(finer, progress, is_silent=True)
+    other = execute(finer, None, label, is_silent=True)
     verification = compare(run, other, job.settings, job.rotor.length)
     status = run.status
     if verification.conclusion == NOT_CONFIRMED:

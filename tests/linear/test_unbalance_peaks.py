@@ -62,12 +62,12 @@ def test_the_response_is_asked_for_at_its_peaks():
 
 
 def test_a_step_of_the_response_is_no_row_of_its_table(monkeypatch):
-    real = unbalance_peaks.major_of
+    real = unbalance_peaks.major_axis
     rotor, speeds = parse_rotor(LIGHT), np.linspace(0.0, 400.0, 41)
     found = answers.response_with_peaks(rotor, speeds, nodes=[4])
     monkeypatch.setattr(
-        *(unbalance_peaks, "major_of"),
-        lambda whirl, node, s: real(whirl, node, s) * (1.0 if s < 104.0 else 0.5),
+        *(unbalance_peaks, "major_axis"),
+        lambda *of: real(*of) * (1.0 if of[-1] < 104.0 else 0.5),
     )
     stepped = answers.response_with_peaks(rotor, speeds, nodes=[4])
     assert len(stepped.speeds) > len(speeds)

@@ -11,8 +11,7 @@ from rotor_fmu.model.periodic.arclength import CurvePoint
 class _Line:
     """x = 0 over lambda from 0 to 1."""
 
-    tolerance, damped_beyond, is_autonomous = 1e-12, 1.0, False
-    parameter = SimpleNamespace(scale=1.0)
+    tolerance, damped_beyond, scale, is_autonomous = 1e-12, 1.0, 1.0, False
 
     def linearized_with_parameter(self, x, value):
         return x, np.eye(1), np.zeros(1)

@@ -253,7 +253,7 @@ def test_the_error_that_newtons_method_leaves_is_a_small_residual_also_of_a_free
     x = np.zeros(problem.size)
     x[1 : problem.b : 2] = -1.2  # clearances
     _, jacobian = problem.linearized(x, 150.0)
-    assert np.abs(jacobian).max() * newton.TOLERANCE < 1e-3
+    assert np.abs(jacobian).max() * newton.Equations.tolerance < 1e-3
 
 
 def test_a_system_that_is_singular_has_its_least_squares_solution_or_none():
@@ -312,7 +312,7 @@ def test_newtons_method_gives_up_at_a_corner_that_is_a_minimum_of_the_residual()
     """Where every correction fails, instead of trying as many as it has."""
 
     class _Corner:
-        tolerance, damped_beyond = newton.TOLERANCE, 0.0
+        tolerance, damped_beyond = newton.Equations.tolerance, 0.0
         linearizations = 0
 
         def residual(self, x, value):

@@ -12,7 +12,6 @@ from rotor_fmu.model.periodic import arclength
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.floquet import multipliers
 from rotor_fmu.model.periodic.force_corners import SampledOrbit, crossings
-from rotor_fmu.model.periodic.fourier import derivative
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
 import rotor_fmu as rf
@@ -33,7 +32,7 @@ def test_coefficients_of_a_force_with_corners_are_its_integrals(offset, c):
     phase = offset * 2 * np.pi / n
     d = np.zeros((2 * H + 1, 2))
     d[1:3, 0] = amplitude * np.cos(phase), amplitude * np.sin(phase)
-    at = SampledOrbit(laws, d, np.zeros((2 * H + 1, 0)), 100.0, n, derivative(d))
+    at = SampledOrbit(laws, d, np.zeros((2 * H + 1, 0)), 100.0, n)
     seen = at.spectrum(laws.forces(at.d, at.v, at.states, 100.0).force[:, 0], H)
     edge, full = (np.arccos((CLEARANCE + depth) / amplitude) for depth in (0.0, DELTA_C))
 
@@ -104,7 +103,7 @@ def test_each_located_bifurcation_has_its_multiplier(doubled):
 class _Circle:
     """x^2 + lambda^2 = 1."""
 
-    tolerance, damped_beyond = 1e-12, 1.0
+    tolerance, damped_beyond, scale = 1e-12, 1.0, 1.0
 
     def residual(self, x, value):
         return x**2 + value**2 - 1.0
@@ -120,11 +119,11 @@ def test_a_step_as_long_along_the_tangent_as_the_last_one_was_comes_to_its_end()
     """So that a function along the step, whose sign changes just before the end, is continuous."""
     circle = _Circle()
     start = arclength.with_tangent(circle, np.array([1.0]), 0.0, 1.0)
-    trace = arclength.trace(circle, start, 1.0, -2.0, 2.0, ContinuationSteps())
+    trace = arclength.trace(circle, start, -2.0, 2.0, ContinuationSteps())
     points = [point for point, _ in itertools.islice(trace, 20)]
     for a, b in itertools.pairwise(points):
         length = a.tangent @ (b.x - a.x) + a.tangent_value * (b.value - a.value)
-        again = arclength.step_along(circle, a, float(length), 1.0)
+        again = arclength.step_along(circle, a, float(length))
         assert abs(again.value - b.value) < 1e-6 * abs(b.value - a.value)
 
 
@@ -152,7 +151,7 @@ def test_a_torus_begins_where_a_pair_of_multipliers_leaves_the_circle(curve, ove
 class _Corner:
     """lambda = 2 |x|, and so many more unknowns that are 0."""
 
-    tolerance, damped_beyond = 1e-12, 1.0
+    tolerance, damped_beyond, scale = 1e-12, 1.0, 1.0
 
     def __init__(self, more):
         self.more = more
@@ -173,7 +172,7 @@ class _Corner:
 def test_a_curve_doubles_back_in_a_corner_with_other_unknowns_at_each_point():
     corners = [_Corner(0), _Corner(1)]
     point = arclength.with_tangent(corners[0], np.array([1.0]), 2.0, -1.0)
-    trace = arclength.trace(corners[0], point, 1.0, -1.0, 3.0, ContinuationSteps())
+    trace = arclength.trace(corners[0], point, -1.0, 3.0, ContinuationSteps())
     point, values = next(trace)[0], []
     for i in range(1, 1000):
         x, tangent = (np.append(each[0], np.zeros(i % 2)) for each in (point.x, point.tangent))
