@@ -45,6 +45,7 @@ _JUMP = f"{_LEDGER}::test_a_jump_of_the_speed_is_work_of_the_drive"
 
 _WHIRLS = "tests/linear/test_whirls.py::test_"
 _OWN_WHIRLS = f"{_WHIRLS}rings_and_pads_follow_each_whirl_at_its_own_frequency"
+_STANDSTILL = f"{_WHIRLS}what_oil_films_alone_carry_is_not_looked_at_at_standstill"
 _IDLE_PAD = f"{_WHIRLS}a_pad_that_bears_nothing_does_not_make_a_machine_free"
 
 
@@ -63,7 +64,7 @@ _PYTHON_FMU = f"{_PACKING}/python_fmu.py"
 _DOCUMENTS = f"{_PACKING}/documents.py"
 _OF_TERMINALS = "rotor_fmu/fmi/terminals.py"
 _ENERGY = "model/time_loop/energy.py"
-_SURVEY = "model/stability/matrices.py"
+_SURVEY, _AT_REST = "model/stability/matrices.py", "model/stability/whirls.py"
 _OBSERVE = "model/time_loop/observe.py"
 
 MUTANTS = (
@@ -111,6 +112,7 @@ MUTANTS = (
     Mutant(_OBSERVE, "flows[FLOW.drive] + flows[FLOW.external]", "flows[FLOW.drive]", _LEDGER),
     Mutant(_SURVEY, "if interface.vibrating > 0:", "if interface.vibrating < 0:", _OWN_WHIRLS),
     Mutant(_SURVEY, "size + at, row] = force", "size + at, row] = -force", _OWN_WHIRLS),
+    Mutant(_AT_REST, "0.0 and not _rests_here(", "0.0 and _rests_here(", _STANDSTILL),
     Mutant(_SURVEY, "        if stays:\n", "        if False:\n", _IDLE_PAD),
     Mutant(_OBSERVE, "LAW_LOSSES[i] for i in losses", "LAW_LOSSES[-i] for i in losses", _LEDGER),
 )  # fmt: skip

@@ -113,9 +113,10 @@ def ring_at_rest(part, tables, kinematics, internal_state):
     which the search starts; by implicit steps of a ring without inertia, of growing length, and by
     an endless one, which is Newton's, where that is near."""
     x = complex(internal_state[STATE.x], internal_state[STATE.y])
-    speed = internal_state[STATE.speed]
+    speed = internal_state[STATE.speed] if kinematics.speed != 0.0 else 0.0
     at = ring(part, tables, kinematics, x, 0.0j, speed)
-    if kinematics.speed == 0.0:  # nothing carries it
+    if kinematics.speed == 0.0:  # nothing carries it, and nothing turns it
+        store_ring(internal_state, x, 0.0j, speed)
         return at
     step = 1.0 / abs(kinematics.speed)
     for _ in range(_REST_STEPS):

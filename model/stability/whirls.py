@@ -13,6 +13,7 @@ import math
 
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
+from ..step.laws import relative
 from .eigenvalues import eigenvalues
 from .eigenvector import fill_eigenvector
 from .matrices import (
@@ -45,6 +46,7 @@ _OVERDAMPING, _OVERDAMPING_OF_NONE = 0.05, 1.0
 _GROWING = 1e-5  # least Re lambda / |lambda| that counts as growth: below it is rounding
 _SLOW = 1e-3  # share of the machine's lowest frequency: a lower root is a rigid-body motion
 _ALIKE = 5e-10  # ratios that differ by less differ by rounding only
+_CENTRED = 1e-9  # of a clearance: nearer to the middle the force of a film is rounding
 _DIGITS = 1e5  # the bound on the step is rounded to six digits, so that it is reproducible
 
 
@@ -86,6 +88,8 @@ def find_growing_whirls(run, speed, is_start):
         if (share == 0.0 and is_start == 0) or (share == _HALF and speed == 0.0):
             continue
         fill_tangents(structure, survey, run.motion, run.problem.internal_state, share * speed)
+        if share == 0.0 and not _rests_here(structure, survey, run.motion):
+            continue
         for case in range(ALL, len(structure.interfaces)):
             if share == 0.0 and case != OPEN:
                 continue
@@ -145,6 +149,19 @@ def _fill_own_roots(run, speed):
     _fill_roots(structure, survey, seats, speed, REST)
     fill_tangents(structure, survey, run.motion, trial, speed)
     return REST
+
+
+@jit
+def _rests_here(structure, survey, motion):
+    """Return whether the machine at standstill, for which the tangents are, is where it is: an oil
+    film that carries it has no stiffness then."""
+    result = True
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        is_off_centre = modulus(relative(interface, motion.q)) > _CENTRED * interface.length
+        carries = interface.has_wall == 0 and motion.force[j] != 0.0 and is_off_centre
+        result = result and not (carries and survey.p_d[j] == 0.0 and survey.q_d[j] == 0.0)
+    return result
 
 
 @jit

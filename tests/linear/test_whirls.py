@@ -127,6 +127,17 @@ def test_rings_and_pads_follow_each_whirl_at_its_own_frequency(machine):
     np.testing.assert_allclose(found, growing, rtol=1e-6)
 
 
+@pytest.mark.parametrize("machine", ["rings", "pads, with inertia"])
+def test_what_oil_films_alone_carry_is_not_looked_at_at_standstill(machine):
+    """Where it turns is no equilibrium then; in the middle of its bearings, without weight, is."""
+    text, speed, _ = OWN_WHIRLS[machine]
+    for gravity in (9.81, 0.0):
+        rotor = replace(parse_rotor(text), gravity=gravity)
+        sim = Simulation(rotor, speed=speed, warn=lambda message: None)
+        grows = sim._run.survey.rest[0].real > 0.0
+        assert grows == (gravity == 0.0 and "seal" in text)
+
+
 def test_a_pad_that_bears_nothing_does_not_make_a_machine_free():
     """Its tilt stays anywhere, but the pads hold the rotor with its wall open."""
     lying = table("[contact]", node=2, journal_radius=0.05, clearance=5e-6, k=1e7, mu=0.1)

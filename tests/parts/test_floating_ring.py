@@ -11,7 +11,7 @@ from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
-from rotor_fmu.model.parts.law import Weights
+from rotor_fmu.model.parts.law import Kinematics, Weights
 from rotor_fmu.model.parts.law_probe import LawProbe
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
@@ -54,6 +54,13 @@ def test_a_concentric_ring_turns_as_the_friction_of_both_films_says():
     assert seen["torque"] == pytest.approx(torque, rel=1e-12)
     assert seen["power"] == pytest.approx(torque * (1.0 - ratio) * SPEED, rel=1e-12)
     assert seen["outer_power"] == pytest.approx(torque * ratio * SPEED, rel=1e-12)
+
+
+def test_a_ring_stands_with_the_shaft():
+    film, turning, states = _alone(_ring()), np.array([1e-6, 0.0, 0.0, 0.0, 500.0]), np.ones(5)
+    still = Kinematics(0.0j, 0.0j, 0.0, 0.0, 0.0)
+    interpreted(film.law.vibrate)(film.record, film.tables, still, 0.0, turning, states)
+    assert states.tolist() == [1e-6, 0.0, 0.0, 0.0, 0.0]
 
 
 def _run(text, speed=SPEED, tolerance=1e-4, **options):
