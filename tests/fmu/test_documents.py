@@ -173,7 +173,7 @@ def test_parts_with_names_are_counted_by_what_they_are():
     )
 
 
-@pytest.mark.parametrize("stiffness", [0.01, 1.0, 100.0])
+@pytest.mark.parametrize("stiffness", [0.01, 1.0, 5.0, 20.0, 100.0])
 def test_the_default_experiment_is_as_long_as_the_machine_is_slow(stiffness):
     """Sixty periods and more of the lowest mode, each with six points and more; a Jeffcott rotor's,
     of which bearings of 1e4 N/m make 100 rad/s."""

@@ -75,8 +75,10 @@ def test_a_step_past_its_iterations_is_discarded_where_the_state_is_kept(new, sk
 
 def test_where_it_is_not_kept_pythonfmus_discard_would_end_a_run_in_silence(extracted):
     fmu, _ = limited((SKINS["python"](extracted["python"]), extracted["python"].refs))
+    fmu.state()
+    fmu.step(0.0, 5e-4)  # the state kept before is not that of the next step
     with pytest.raises(Refused, match="stopped after 60 iterations"):
-        fmu.step(0.0, 1.0)
+        fmu.step(5e-4, 1.0)
 
 
 @pytest.mark.parametrize(("is_kept", "status"), [(True, DISCARD), (False, FATAL)])

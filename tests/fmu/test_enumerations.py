@@ -120,9 +120,11 @@ def test_fmi_3_takes_a_choice_as_an_int_32_too(tmp_path):
 
 
 def test_a_jump_can_be_held_from_the_build_on(tmp_path):
-    fmu = rf.build_fmu(rf.load(), tmp_path, parameters={"speed_continuation": "hold"})
+    given = {"speed_continuation": "hold", "solver.max_iterations": 300}
+    fmu = rf.build_fmu(rf.load(), tmp_path, parameters=given)
     described = {v.name: v for v in fmpy.read_model_description(str(fmu)).modelVariables}
     assert described["speed_continuation"].start == "1"
+    assert described["solver.max_iterations"].start == "300"
 
 
 @pytest.mark.parametrize(
