@@ -26,12 +26,17 @@ def plot(*arguments):
     return CliRunner().invoke(app, ["plot", *map(str, arguments)])
 
 
-@pytest.mark.usefixtures("drawn")
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_drawn_into_the_runs_folder(kind, folder):
     result = plot(kind, folder)
     assert result.exit_code == 0, result.output
-    assert (folder / f"{kind}.png").read_bytes().startswith(b"\x89PNG")
+    assert (folder / f"{kind}.png").exists()
+
+
+@pytest.mark.usefixtures("drawn")
+def test_a_picture_is_a_png(folder):
+    assert plot("bode", folder).exit_code == 0
+    assert (folder / "bode.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_place_that_moves_most_is_taken_unless_one_is_named(folder):

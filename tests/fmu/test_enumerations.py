@@ -86,8 +86,9 @@ def test_a_host_sets_the_number_of_a_name(fmu):
 
 def test_a_start_value_chosen_at_the_build_is_that_set_by_a_host(fmu, form, tmp_path):
     begun = rf.build_fmu(rf.load(), tmp_path, parameters=HHT, **form)
-    assert validate_fmu(str(begun)) == []
-    described = {v.name: v for v in fmpy.read_model_description(str(begun)).modelVariables}
+    # its names are those of the other one
+    valid = fmpy.read_model_description(str(begun), validate_model_structure=True)
+    described = {v.name: v for v in valid.modelVariables}
     values = {name: float(described[name].start) for name in HHT}
     assert (run(begun) == run(fmu, start_values=values)).all()
     # and a host may take it back

@@ -168,6 +168,12 @@ def test_a_branch_of_twice_the_period_begins_at_each_period_doubling(doubled):
     assert not any(p.is_stable for p in between)
 
 
+def test_the_table_says_where_a_real_multiplier_crosses_the_unit_circle(doubled):
+    crossings = {row[1]: row[3] for row in doubled.table().rows}
+    assert crossings["period doubling"] == pytest.approx(-1.0, abs=1e-5)
+    assert crossings["fold"] == pytest.approx(1.0, abs=1e-3)
+
+
 @pytest.mark.parametrize("turns", [30, pytest.param(60, marks=pytest.mark.slow)])
 def test_the_integrator_stays_on_a_doubled_period_and_comes_round_in_two_turns(doubled, turns):
     stable = [p for p in doubled.branches[1].points if p.is_stable]

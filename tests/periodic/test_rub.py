@@ -111,7 +111,7 @@ def test_jumps_over_friction_lie_where_the_closed_form_folds(curve, least, most)
 
 
 def test_a_curve_of_folds_begins_at_the_least_that_the_machine_can_have():
-    smooth = rf.response(jeffcott(mu=0.0), speed=(60.0, 240.0), stability=False)
+    smooth = rf.response(jeffcott(mu=0.0), speed=(130.0, 240.0), step=0.4, stability=False)
     folds = smooth.fold_curve("contact[1].mu", 0.0, 0.05)
     assert folds.ends == WHOLE
     assert folds.second[0] == 0.0
