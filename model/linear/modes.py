@@ -167,24 +167,34 @@ def modes(
 ) -> Modes:
     """Return the `count` lowest modes at a speed [rad/s], fewer where there are fewer.
 
-    contacts: `open`, `pinned` or None: open where that holds the machine. Raises `LinearError`.
+    contacts: `open`, `pinned` or None: open where that holds the machine. Both shapes of a double
+    eigenvalue are motions in a plane, one in x and one in y, where they can be. Raises
+    `LinearError`.
     """
-    return machine_modes(LinearMachine(rotor, contacts), speed, count)
+    return machine_modes(LinearMachine(rotor, contacts), speed, count, in_planes=True)
 
 
-def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
-    """Return `modes` of a machine that is linear already."""
+def machine_modes(
+    machine: LinearMachine, speed: float, count: int, *, in_planes: bool = False
+) -> Modes:
+    """Return `modes` of a machine that is linear already; in_planes: whether shapes of a double
+    eigenvalue are rather motions in a plane than circles."""
     check_speed(speed)
     check_count(count)
-    return modes_of(machine, machine.at(speed), count)
+    return modes_of(machine, machine.at(speed), count, in_planes=in_planes)
 
 
 @on_one_thread
 def modes_of(
-    machine: LinearMachine, linear: Linear, count: int, *, pads_whirl: bool = False
+    machine: LinearMachine,
+    linear: Linear,
+    count: int,
+    *,
+    pads_whirl: bool = False,
+    in_planes: bool = False,
 ) -> Modes:
-    """Return `modes` of a machine at a speed, by its matrices there; pads_whirl: whether pads that
-    tilt follow each mode, not a vibration at the frequency that they follow in `linear`."""
+    """Return `machine_modes` at a speed, by the machine's matrices there; pads_whirl: whether pads
+    that tilt follow each mode, not a vibration at the frequency that they follow in `linear`."""
     linear = machine.with_own_states(linear, of_all=pads_whirl)
     scale, strain = float(machine.structure.numbers[0].lowest_omega), linear.strain
     values, shapes, residuals, decays = lowest(ShiftedInverse(linear, scale, strain.by_d), count)
@@ -198,7 +208,7 @@ def modes_of(
         residuals = np.concatenate([residuals[:slower], fast[2][slower:]])
     result = np.argsort(np.abs(values))[:count]
     values, shapes = values[result], shapes[:, result]
-    _untangle(values, shapes, machine)
+    _untangle(values, shapes, machine, in_planes)
     n = 2 * len(machine.nodes)
     x, y = _scaled((machine.expand @ shapes).T, n)
     return Modes(
@@ -230,8 +240,11 @@ def check_count(count: int) -> None:
     check_integer("count", count, 1, error=LinearError)
 
 
-def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) -> None:
-    """Make both shapes of a double eigenvalue a forward and a backward circle, if they can be."""
+def _untangle(
+    values: np.ndarray, shapes: np.ndarray, machine: LinearMachine, in_planes: bool
+) -> None:
+    """Make both shapes of a double eigenvalue one in x and one in y, where in_planes, or else a
+    backward and a forward circle, if they can be."""
     paired = -1
     for i in range(len(values) - 1):
         if i == paired or abs(values[i + 1] - values[i]) > _DEGENERATE * abs(values[i]):
@@ -240,14 +253,13 @@ def _untangle(values: np.ndarray, shapes: np.ndarray, machine: LinearMachine) ->
         paired = i + 1
         whole = machine.expand @ pair
         x, y = whole[::2], whole[1::2]
-        circles = []
-        for sense in (-1, 1):
-            # backward: y = i x, the null space of y - i x; forward: of y + i x
-            _, sizes, mixed = np.linalg.svd(y + 1j * sense * x, full_matrices=False)
-            if sizes[1] < 1e-3 * sizes[0]:
-                circles.append(pair @ mixed[1].conj())
-        if len(circles) == 2:
-            shapes[:, i : i + 2] = np.column_stack(circles)
+        # in x: the null space of y; backward, y = i x: that of y - i x; forward: of y + i x
+        circles = y - 1j * x, y + 1j * x
+        for vanishing in ((y, x), circles) if in_planes else (circles,):
+            parts = [np.linalg.svd(part, full_matrices=False)[1:] for part in vanishing]
+            if all(sizes[1] < 1e-3 * sizes[0] for sizes, _ in parts):
+                shapes[:, i : i + 2] = pair @ np.array([mixed[1].conj() for _, mixed in parts]).T
+                break
 
 
 def _scaled(whole: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:

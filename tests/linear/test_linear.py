@@ -91,7 +91,11 @@ def test_damped_frequencies_are_the_textbooks_to_the_digits_printed():
 
 def test_circles_turn_either_way_at_speed_and_neither_at_rest():
     rotor = PRINTED["5.9.1"][0]
-    assert set(modes(rotor).whirl) == {"planar"}
+    found = modes(rotor)
+    assert set(found.whirl) == {"planar"}
+    # one of each pair in x, the other in y
+    sizes = np.abs(np.stack([found.x, found.y])).max(axis=2)
+    np.testing.assert_allclose(sizes, np.tile(np.eye(2), len(found.whirl) // 2), atol=1e-6)
     for speed in (400.0, -400.0):
         assert modes(rotor, speed).whirl[:4] == ("backward", "forward", "backward", "forward")
 
