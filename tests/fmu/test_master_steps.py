@@ -52,6 +52,12 @@ def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengt
         assert [t for t, _ in member.steps] == pytest.approx(seen[:-1], abs=1e-12)
 
 
+def test_whole_steps_are_kept_to_where_they_miss_the_end_by_a_millionth_of_one():
+    one = Counted()
+    list(CoupledFmus({"one": one}, (), {}, ()).points(0.3 - 5e-8, 0.1))
+    assert [h for _, h in one.steps] == [0.1, 0.1, 0.1]
+
+
 def test_a_run_whose_number_of_steps_is_no_number_begins_as_any_other():
     one = Counted()
     assert len([*islice(CoupledFmus({"one": one}, (), {}, ()).points(1e300, 1e-300), 3)]) == 3

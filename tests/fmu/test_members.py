@@ -19,8 +19,9 @@ from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from .test_coupling import SOURCE, changed
 
+HEAD = SOURCE[: SOURCE.index("VARIABLES = (")]
 WHEEL = (
-    SOURCE[: SOURCE.index("VARIABLES = (")]
+    HEAD
     + """
 VARIABLES = (
     ("J", "parameter", "kg.m2", 0.1, 1e-6, "inertia"),
@@ -41,7 +42,7 @@ class Wheel(TableSlave):
 """
 )
 SPRING = (
-    SOURCE[: SOURCE.index("VARIABLES = (")]
+    HEAD
     + """
 VARIABLES = (
     ("k", "parameter", "N.m/rad", 20.0, 0.0, "stiffness"),
