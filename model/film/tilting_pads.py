@@ -12,7 +12,8 @@ the gradient of a convex function of the velocities, so that G never grows with 
 balances it. Where there is no pressure on either side of the pivot any s' would: the pad stays.
 
 A pivot of stiffness k that is displaced outwards by u moves the pad's centre by e u, and so the
-journal in its film back by as much: k u = -Re(conj(e) F), without mass.
+journal in its film back by as much: k u + c u' = -Re(conj(e) F), without mass. The damping c is
+next to nothing; without it, a film that hardly bears would not say how fast its pivot returns.
 """
 
 from __future__ import annotations
@@ -274,14 +275,14 @@ def vibrating(at, mass, frequency):
 
 
 @jit
-def on_pivot(by, outwards, stiffness, frequency):
-    """Return p_d, q_d, p_v, q_v of a pad, `by`, on a flexible pivot, a spring in series with its
-    film: stiffness [N/m]."""
+def on_pivot(by, outwards, stiffness, damping, frequency):
+    """Return p_d, q_d, p_v, q_v of a pad, `by`, on a flexible pivot, a spring and a damper in
+    series with its film: stiffness [N/m], damping [N.s/m]."""
     p_d, q_d, p_v, q_v = by
     back = outwards.conjugate()
     by_displacement, by_velocity = p_d * outwards + q_d * back, p_v * outwards + q_v * back
     g_d, g_v = outwards * p_d.conjugate() + back * q_d, outwards * p_v.conjugate() + back * q_v
-    real, rate = (back * by_displacement).real - stiffness, (back * by_velocity).real
+    real, rate = (back * by_displacement).real - stiffness, (back * by_velocity).real - damping
     return eliminated(by, by_displacement, by_velocity, (g_d, g_v, real, rate), frequency)
 
 

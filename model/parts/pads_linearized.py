@@ -15,7 +15,7 @@ from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from .film_law import bearing_at
 from .law import BY_D, BY_V
-from .tilting_pads import mass_of_pad, pad_motion, rate_of_return, states_of_pad
+from .tilting_pads import mass_of_pad, pad_motion, pivot_damping, states_of_pad
 
 
 class _Change(NamedTuple):
@@ -93,11 +93,9 @@ def _linearize_pad(part, bearing, tables, i, pad, internal_state, slopes):
     moment = _moment(at, outwards)
     pivot_rate, rate = _unit(0.0, 0.0, 0.0, 0.0), _unit(0.0, 1.0, 0.0, 0.0)
     if part.pivot_stiffness > 0.0:
-        balance = _with(
-            _unit(0.0, 0.0, -part.pivot_stiffness, 0.0), -1.0, _component(at, outwards, outwards)
-        )
-        if balance.pivot_rate < 0.0:
-            pivot_rate = _with(pivot_rate, -1.0 / balance.pivot_rate, balance)
+        of_pivot = _unit(0.0, 0.0, -part.pivot_stiffness, -pivot_damping(bearing))
+        balance = _with(of_pivot, -1.0, _component(at, outwards, outwards))
+        pivot_rate = _with(pivot_rate, -1.0 / balance.pivot_rate, balance)
         x, y = _with(x, x.pivot_rate, pivot_rate), _with(y, y.pivot_rate, pivot_rate)
         moment = _with(moment, moment.pivot_rate, pivot_rate)
     if part.pad_inertia > 0.0:
@@ -124,7 +122,7 @@ def _linearize_pad(part, bearing, tables, i, pad, internal_state, slopes):
             for place in range(first, last):
                 slopes.by_states[place, last] = 0.0
             slopes.by_states[first:last, last] = 0.0
-            slopes.by_states[last, last] = -rate_of_return(part, bearing)
+            slopes.by_states[last, last] = -part.pivot_stiffness / pivot_damping(bearing)
     return (
         *(0.5 * (x.d.conjugate() + 1j * y.d.conjugate()), 0.5 * (x.d + 1j * y.d)),
         *(0.5 * (x.v.conjugate() + 1j * y.v.conjugate()), 0.5 * (x.v + 1j * y.v)),

@@ -39,7 +39,7 @@ from ..quantities import NOT_NEGATIVE, Output, quantity, switch
 from .film_law import FilmQuantities
 from .law import Kinematics
 
-_LEAST_DAMPING = 1e-4  # of a pivot, as a share of that of a film as thick as the clearance
+_OF_PIVOT = 1e-6  # damping of a pivot, as a share of that of a film as thick as the clearance
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,12 +141,11 @@ def _by_pivot(at, search, slope, outwards, by_displacement, by_velocity):
 
 
 @jit
-def rate_of_return(part, bearing):
-    """Return by how much of itself a pivot displaced inwards, where no film can hold it, returns
-    in a second [1/s]: nearly at once."""
+def pivot_damping(bearing):
+    """Return the damping of a pivot [N.s/m]. Beside a film it is next to nothing; where none bears,
+    it has the pivot return, nearly at once."""
     slender = bearing.journal_radius / bearing.clearance
-    film = bearing.viscosity * bearing.length * slender * slender * slender
-    return part.pivot_stiffness / (_LEAST_DAMPING * film)
+    return _OF_PIVOT * bearing.viscosity * bearing.length * slender * slender * slender
 
 
 @jit_not_inlined
@@ -156,14 +155,14 @@ def pad_motion(part, bearing, tables, kinematics, i, free, b):
     is_at_rest = b == math.inf
     first = states_of_pad(part) * i
     tilt, rate = free[first], free[first + 1] if part.pad_inertia > 0.0 else 0.0
-    k = part.pivot_stiffness
+    k, c = part.pivot_stiffness, pivot_damping(bearing)
     if k == 0.0:
         search, y, slope, at = _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b)
         return PadMotion(search, y, slope, at, 0.0, 0.0)
     outwards = across_of(bearing, tables, i) * -1j
     before, returning = free[first + states_of_pad(part) - 1], 0.0
     if b == 0.0 and before < 0.0:  # no film holds it, and that of one back already acts
-        before, returning = 0.0, -before * rate_of_return(part, bearing)
+        before, returning = 0.0, -before * k / c
     # the unknown is the displacement of the pivot, or its rate at the end of the step
     base, by_displacement, by_velocity = (0.0, 1.0, 0.0) if is_at_rest else (before, b, 1.0)
     z = before if is_at_rest else 0.0
@@ -178,10 +177,11 @@ def pad_motion(part, bearing, tables, kinematics, i, free, b):
         set_pivot_displacement(bearing, tables, i, base + by_displacement * z, by_velocity * z)
         search, y, slope, at = _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b)
         residual = -(outwards.conjugate() * at.force).real - k * (base + by_displacement * z)
+        residual -= c * by_velocity * z
         if is_found or abs(residual) <= negligible:
             break
         by = _by_pivot(at, search, slope, outwards, by_displacement, by_velocity)
-        slope_of_pivot = (outwards.conjugate() * by).real - k * by_displacement
+        slope_of_pivot = (outwards.conjugate() * by).real - k * by_displacement - c * by_velocity
         ahead, low, high, reach = next_iterate(z, residual, slope_of_pivot, low, high, reach, scale)
         is_narrow = high - low <= CONVERGED * scale
         is_found = is_narrow or abs(ahead - z) <= CONVERGED * scale
@@ -202,6 +202,7 @@ def _tangent_of_pad(part, bearing, tables, i, pad, by_d, by_v, by_displacement, 
         back = outwards.conjugate()
         by = _by_pivot(pad.at, pad.search, pad.slope, outwards, by_displacement, by_velocity)
         slope_of_pivot = (back * by).real - k * by_displacement
+        slope_of_pivot -= pivot_damping(bearing) * by_velocity
         if slope_of_pivot < 0.0:
             g = outwards * p.conjugate() + back * q
             by *= 0.5 / slope_of_pivot
@@ -279,7 +280,7 @@ def pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_st
         by = vibrating(pad.at, mass_of_pad(part), frequency)
         if part.pivot_stiffness > 0.0:
             outwards = across_of(bearing, tables, i) * -1j
-            by = on_pivot(by, outwards, part.pivot_stiffness, frequency)
+            by = on_pivot(by, outwards, part.pivot_stiffness, pivot_damping(bearing), frequency)
         p_d += by[0]
         q_d += by[1]
         p_v += by[2]
