@@ -41,6 +41,9 @@ _FAILURES = 12  # failed steps at most
 # remove.
 _STEADY, _STIFF, _LONG = 1e-9, 1e-6, 200.0
 _FALL = 8.0 * 2.0**-53  # rounding, as a share of the free fall through a step
+# Share of the interfaces' forces that may be left where no longer step is solved: as a film begins
+# to bear, its force grows with the square root of the way.
+_BALANCED = 1e-6
 _MIDDLE = 1e-12  # share of the smallest clearance: closer to the middle it is rounding
 # Rounding of the stiffest element's force, compared with the force of the softest mode; the largest
 # relative error of an equilibrium by rounding.
@@ -251,7 +254,7 @@ def _search(structure, spin, motion, trial, memory, work, problem, limit, iterat
     of_stiffness = _EPSILON * len(structure.weight) * stiffest / (mass * lowest * lowest)
     of_stiffness = min(of_stiffness, _WORST)
     radians, longest = _FIRST, _LONGEST
-    before = 0.0
+    before, unbalanced = 0.0, math.inf
     failures = 0
     status = NOT_CONVERGED_AT_REST
     for _ in range(_ITERATIONS):
@@ -266,7 +269,10 @@ def _search(structure, spin, motion, trial, memory, work, problem, limit, iterat
             # past the bound again and again: nothing holds it
             failures += 1
             if failures > _FAILURES:
-                status = NOT_SUPPORTED if step_status == NOT_FINITE else NOT_CONVERGED_AT_REST
+                if unbalanced <= _BALANCED:
+                    status = AT_EQUILIBRIUM
+                elif step_status == NOT_FINITE:
+                    status = NOT_SUPPORTED
                 break
             radians /= _GROWTH
             if limit == TOWARDS_REST:
@@ -280,9 +286,12 @@ def _search(structure, spin, motion, trial, memory, work, problem, limit, iterat
             change = max(change, modulus(trial.q[i] - motion.q[i]))
             size = max(size, modulus(trial.q[i]))
         _copy_state(motion, trial)
-        rounding = max(_STEADY if radians < _LONG else _STIFF, of_stiffness) * size
+        fall = 0.0
         for j in range(len(problem.w_free)):
-            rounding = max(rounding, _FALL * tau * tau * modulus(problem.w_free[j]))
+            fall = max(fall, tau * tau * modulus(problem.w_free[j]))
+        rounding = max(_STEADY if radians < _LONG else _STIFF, of_stiffness) * size
+        rounding = max(rounding, _FALL * fall)
+        unbalanced = change / fall if fall > 0.0 else math.inf
         is_steady = change <= rounding or size <= _MIDDLE * structure.numbers[0].clearance
         if change <= _SMALL * size or (is_steady and change >= 0.5 * before):
             status = AT_EQUILIBRIUM

@@ -315,3 +315,23 @@ def test_what_lies_on_pads_without_inertia_stays_there(pivot):
     before = simulation.motion.q.copy()
     simulation.advance(0.3, 0.0)
     np.testing.assert_allclose(simulation.motion.q, before, atol=1e-3 * pads["clearance"])
+
+
+@pytest.mark.parametrize("pivot", [0.0, 1e8])
+def test_a_machine_rests_where_a_pad_just_begins_to_bear(pivot):
+    """The angle of the lower pad is rounded, as people write it: nothing holds the journal across,
+    up to where another pad begins to bear with the square root of the way."""
+    pads = {
+        **{"pads": [4.712389, 0.523599, 2.617994], "arc": 1.4, "preload": 0.0, "tilting": True},
+        **{"journal_radius": 0.02, "length": 0.02, "clearance": 5e-5, "viscosity": 0.00335},
+    }
+    machine = table("material", young=2.1e11, density=7850.0) + table("shaft", eta_v=1e-5)
+    machine += table("[section]", length=0.5, elements=4, outer=0.04)
+    for z in (0.0, 0.5):
+        machine += table("[journal_bearing]", z=z, pivot_stiffness=pivot, points=8, **pads)
+    simulation = Simulation(parse_rotor(machine), speed=100.0, warn=lambda _: None)
+    weight = 0.5 * math.pi / 4 * 0.04**2 * 7850.0 * G
+    for j in (1, 2):
+        name = f"journal_bearing[{j}]"
+        assert simulation.read(f"{name}.fy") == pytest.approx(0.5 * weight, rel=1e-6)
+        assert abs(simulation.read(f"{name}.fx")) < 1e-6 * weight
