@@ -198,6 +198,7 @@ def writable_folder(path: Path, option: str = "--out") -> Path:
     return path
 
 
+MOST_ROWS = 2e6  # of a run at its communication points, all of which are in memory
 _MOST_BYTES = 64_000_000  # of a text file that a user may name
 
 

@@ -147,12 +147,13 @@ class CoupledRuns(MachineRuns):
         ]
         with COUPLING.open(
             dict(zip(("partner", "rotor"), fmus(self.toml), strict=True)),
+            how.numbers["stop"],
             {"partner": {"continuation": 1.0, **of_drive}, "rotor": of_machine},
             {side: [name for of, name in at if of == side] for side in ("partner", "rotor")},
         ) as coupled:
 
             def rows() -> Iterator[tuple[float, ...]]:
-                for point in coupled.points(how.numbers["stop"], how.numbers["step"]):
+                for point in coupled.points(how.numbers["step"]):
                     yield point.t, *(point.values[side][name] for side, name in at)
 
             yield rows(), how, coupled.messages

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..cosimulation import ALGORITHMS
+from ..cosimulation import ALGORITHMS, check_steps
 from ..errors import InputError, check_one_of, writable_folder
 from ..fmi.packing.python_fmu import SYSTEMS
 from ..library.build import library
@@ -177,6 +177,7 @@ def ssp(
             raise InputError(f"{given}: must be > 0 and at most {most:g} {unit}")
     if interval > end:
         raise InputError(f"--step {interval:g} s: must be at most --stop = {end:g} s")
+    check_steps(f"--step {step}", f"--stop = {end:g} s", end / interval)
     check_one_of(f"--algorithm {algorithm}", algorithm, ALGORITHMS)
     platform = here()
     if is_native and platform is None:

@@ -118,14 +118,17 @@ class Coupling:
     def open(
         self,
         fmus: Mapping[str, Path],
+        stop: float,
         parameters: Mapping[str, Mapping[str, Any]] = NONE,
         recorded: Mapping[str, Sequence[str]] = NONE,
+        tolerance: float | None = None,
     ) -> AbstractContextManager[CoupledFmus]:
         """Return the FMUs by the names that the source's pairs have for them as a context in which
         they are connected; arguments and errors are those of `master.coupled`."""
         connections, initial = (self._table(name) for name in ("CONNECTIONS", "INITIAL"))
         of_source = f"{self.source.name}: CONNECTIONS", f"{self.source.name}: INITIAL"
-        return coupled(fmus, connections, initial, parameters, recorded, of_source)
+        told: dict[str, Any] = {"stop": stop, "tolerance": tolerance}
+        return coupled(fmus, connections, initial, parameters, recorded, of_source, **told)
 
     def run(
         self,
@@ -135,11 +138,12 @@ class Coupling:
         parameters: Mapping[str, Mapping[str, Any]] = NONE,
         recorded: Mapping[str, Sequence[str]] = NONE,
         progress: Callable[[float], None] = lambda t: None,
+        tolerance: float | None = None,
     ) -> CoupledRun:
         """Run the FMUs and return the recorded variables; arguments and errors are those of `open`
         and of `CoupledFmus.run`."""
-        with self.open(fmus, parameters, recorded) as opened:
-            return opened.run(stop, step, progress)
+        with self.open(fmus, stop, parameters, recorded, tolerance) as opened:
+            return opened.run(step, progress)
 
     def _table(self, name: str) -> Any:
         """Return a table of the source."""

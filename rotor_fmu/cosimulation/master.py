@@ -13,12 +13,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError, check_positive, known_name
+from ..errors import MOST_ROWS, InputError, check_positive, known_name
 from ..files import unfinished
 from ..fmi.variables import are_alike
 from ..interrupts import interrupts_noted
 from ..model.message_templates import Message
-from .member import Member
+from ..run_status import OK, status_of
+from . import MOST_STEPS, check_steps
+from .member import EndedEarly, Member
 
 _WHOLE = 1e-6  # of a step, by which a run of whole steps may miss its end
 NONE: Mapping[str, Any] = {}
@@ -43,10 +45,12 @@ class Point(NamedTuple):
 @dataclass(frozen=True)
 class CoupledRun:
     """A coupled run at its communication points t [s]: `run[FMU][VARIABLE]` is what was read of an
-    FMU; each of shape (n,)."""
+    FMU; each of shape (n,). status: see `run_status`; `failed: ` and why where the run ended
+    early."""
 
     t: np.ndarray
     values: Mapping[str, Mapping[str, np.ndarray]]
+    status: str = OK
 
     def __getitem__(self, fmu: str) -> Mapping[str, np.ndarray]:
         """Return the variables of an FMU."""
@@ -60,7 +64,7 @@ class CoupledRun:
             for name, column in recorded.items()
         }
         with unfinished(path) as part:
-            np.savez_compressed(part, t=self.t, **columns)
+            np.savez_compressed(part, t=self.t, status=self.status, **columns)
 
     @classmethod
     def load(cls, path: Path) -> "CoupledRun":
@@ -71,25 +75,28 @@ class CoupledRun:
                 fmu, _, name = key.partition(" ")
                 if name:
                     values.setdefault(fmu, {})[name] = data[key]
-            return cls(data["t"], values)
+            return cls(data["t"], values, str(data.get("status", OK)))
 
 
 @dataclass(frozen=True)
 class CoupledFmus:
     """FMUs in the initialization mode by name, their connections, the names of the variables to
-    read of each, and what they have logged so far."""
+    read of each, what they have logged so far, and the end of the run [s]."""
 
     members: Mapping[str, Member]
     connections: Sequence[Connection]
     read: Mapping[str, Sequence[str]]
     messages: Sequence[Message]
+    stop: float
 
-    def points(self, stop: float, step: float) -> Iterator[Point]:
-        """Yield the communication points to `stop` [s], `step` [s] apart, the last after what is
-        left of a step; all FMUs leave the initialization mode at the first. Raises `RunFailed`, and
-        `InputError` for a stop or step that is not positive and finite."""
-        for name, value in (("stop", stop), ("step", step)):
-            check_positive(name, value, "s")
+    def points(self, step: float, most: float = MOST_STEPS) -> Iterator[Point]:
+        """Yield the communication points, `step` [s] apart, the last after what is left of a step;
+        all FMUs leave the initialization mode at the first. Raises `RunFailed`, which is
+        `EndedEarly` where an FMU has not failed but ends the run, and `InputError` for a step that
+        is not positive and finite, or so short that there are more than `most`."""
+        check_positive("step", step, "s")
+        stop = self.stop
+        check_steps(f"step = {step:g} s", f"stop = {stop:g} s", stop / step, most)
         inputs = {
             name: [c for c in self.connections if c.receiver == name] for name in self.members
         }
@@ -109,27 +116,28 @@ class CoupledFmus:
             if end >= stop - _WHOLE * step:
                 return
 
-    def run(
-        self, stop: float, step: float, progress: Callable[[float], None] = lambda t: None
-    ) -> CoupledRun:
-        """Run to `stop` [s] with the communication step `step` [s], and return what was read.
+    def run(self, step: float, progress: Callable[[float], None] = lambda t: None) -> CoupledRun:
+        """Run with the communication step `step` [s], and return what was read; up to the last
+        communication point that all FMUs have reached where one of them ends the run early.
 
         progress: called with the time [s] at each communication point, ends the run by raising.
         Errors are those of `points`; Ctrl-C ends the run between two steps.
         """
-        rows = []
-        with interrupts_noted() as interrupts:
-            for point in self.points(stop, step):
-                seen = (point.values[fmu][name] for fmu in self.read for name in self.read[fmu])
-                rows.append(array("d", (point.t, *seen)))
-                progress(point.t)
-                if interrupts:
-                    raise KeyboardInterrupt
+        rows, failure = [], None
+        try:
+            with interrupts_noted() as interrupts:
+                for point in self.points(step, MOST_ROWS):
+                    seen = (point.values[fmu][name] for fmu in self.read for name in self.read[fmu])
+                    rows.append(array("d", (point.t, *seen)))
+                    progress(point.t)
+                    if interrupts:
+                        raise KeyboardInterrupt
+        except EndedEarly as error:
+            failure = str(error)
         t, *columns = np.array(rows).T
         left = iter(columns)
-        return CoupledRun(
-            t, {fmu: {name: next(left) for name in names} for fmu, names in self.read.items()}
-        )
+        values = {fmu: {name: next(left) for name in names} for fmu, names in self.read.items()}
+        return CoupledRun(t, values, status_of(self.messages, failure))
 
     def _at(self, t: float) -> Point:
         return Point(t, {name: self.members[name].get(read) for name, read in self.read.items()})
@@ -143,6 +151,9 @@ def coupled(
     parameters: Mapping[str, Mapping[str, Any]] = NONE,
     recorded: Mapping[str, Sequence[str]] = NONE,
     tables: tuple[str, str] = ("connections", "initial"),
+    *,
+    stop: float,
+    tolerance: float | None = None,
 ) -> Iterator[CoupledFmus]:
     """Yield FMUs in the initialization mode, with their initial values exchanged.
 
@@ -150,10 +161,15 @@ def coupled(
     (output, input), each `FMU.VARIABLE`, passed on at every communication point; initial: pairs
     passed on one after another now; parameters: of each FMU by name, set before the initialization;
     recorded: variables of each FMU to read beside those that are passed on; tables: how messages
-    call the two lists of pairs. Raises `RunFailed` where a call of one of the FMUs fails, and
-    `InputError` for an unknown name, and a pair that connects other units, or an input that has its
-    value from another pair.
+    call the two lists of pairs; stop: end of the run [s]; tolerance: relative, of the run [1], by
+    default each FMU's own. Raises `RunFailed` where a call of one of the FMUs fails, and, before
+    any of them is loaded, `InputError` for an unknown name, a pair that connects other units, an
+    input that has its value from another pair, and a stop or tolerance that is not positive and
+    finite.
     """
+    check_positive("stop", stop, "s")
+    if tolerance is not None:
+        check_positive("tolerance", tolerance)
     for what, given in (("parameters:", parameters), ("recorded:", recorded)):
         for name in given:
             known_name(what, name, fmus)
@@ -162,29 +178,31 @@ def coupled(
         for table, rows in zip(tables, (connections, initial), strict=True)
     )
     messages: list[Message] = []
+    members = {
+        name: Member(fmu, parameters.get(name, {}), messages, stop, tolerance)
+        for name, fmu in fmus.items()
+    }
+    for table, passed, settable in (
+        (tables[1], first, ("input", "parameter")),
+        (tables[0], always, ("input",)),
+    ):
+        for connection in passed:
+            _check(table, connection, members, settable)
+    for taken, outputs in Counter((c.receiver, c.input) for c in always).items():
+        if outputs > 1:
+            raise InputError(
+                f"{tables[0]}: {'.'.join(taken)}: has {outputs} outputs; must have one"
+            )
+    read = {name: dict.fromkeys(c.output for c in always if c.sender == name) for name in fmus}
+    for name, names in recorded.items():
+        read[name] |= {members[name].readable(variable).name: None for variable in names}
     with ExitStack() as open_members:
-        members = {
-            name: open_members.enter_context(Member(fmu, parameters.get(name, {}), messages))
-            for name, fmu in fmus.items()
-        }
-        for table, passed, settable in (
-            (tables[1], first, ("input", "parameter")),
-            (tables[0], always, ("input",)),
-        ):
-            for connection in passed:
-                _check(table, connection, members, settable)
-        for taken, outputs in Counter((c.receiver, c.input) for c in always).items():
-            if outputs > 1:
-                raise InputError(
-                    f"{tables[0]}: {'.'.join(taken)}: has {outputs} outputs; must have one"
-                )
+        for member in members.values():
+            open_members.enter_context(member)
         for c in first:
             members[c.receiver].set({c.input: members[c.sender].get([c.output])[c.output]})
-        read = {name: dict.fromkeys(c.output for c in always if c.sender == name) for name in fmus}
-        for name, names in recorded.items():
-            read[name] |= dict.fromkeys(names)
         seen = {name: tuple(names) for name, names in read.items()}
-        yield CoupledFmus(members, always, seen, messages)
+        yield CoupledFmus(members, always, seen, messages, stop)
 
 
 def check_rows(table: str, rows: Any, *columns: str) -> list[Any]:
@@ -212,7 +230,7 @@ def _check(
 ) -> None:
     """Raise `InputError` for a connection whose units differ, or that ends where nothing can be
     set."""
-    output, taken = members[c.sender].variable(c.output), members[c.receiver].variable(c.input)
+    output, taken = members[c.sender].readable(c.output), members[c.receiver].readable(c.input)
     is_tunable = (taken.causality, taken.variability) == ("parameter", "tunable")
     if taken.causality not in settable and not is_tunable:
         raise InputError(

@@ -14,24 +14,38 @@ from ..fmi.log import read_message
 from ..model.message_templates import Message
 
 _NO_NUMBERS = ("String", "Binary", "Clock")
+_Groups = list[tuple[str, list[str], list[int]]]
 _REALS = ("Real", "Float64", "Float32")
 _LARGEST = {"Integer": 2**31 - 1, "Int32": 2**31 - 1}  # which ctypes would let wrap around
 
 
+class EndedEarly(RunFailed):
+    """A step that an FMU did not do whole, though it has not failed."""
+
+
 class Member:
-    """One FMU of a coupled system, of FMI 2.0 or 3.0, extracted and instantiated; a context that
-    initializes, terminates and frees it.
+    """One FMU of a coupled system, of FMI 2.0 or 3.0; a context that extracts, instantiates and
+    initializes it, then terminates and frees it.
 
     fmu: its file, or the folder into which it was extracted, which is kept: every new place from
     which its library is loaded costs a process half a megabyte that is never freed. parameters:
-    values by name; messages: those of all FMUs, since FMPy hands them to the logger made last.
-    Raises `RunFailed` with the FMU's own message when a call fails, and `InputError` for what is no
-    FMU for co-simulation, for a variable that it does not have, and for a value that is none of the
-    variable's type.
+    values by name; messages: those of all FMUs, since FMPy hands them to the logger made last;
+    stop, tolerance: end of the run [s] and relative tolerance [1] that it is told, if any.
+    Raises `RunFailed` with the FMU's own message when a call fails, and, before anything of the FMU
+    is loaded, `InputError` for what is no FMU for co-simulation, for a parameter that it does not
+    have, and for a value that is none of the parameter's type.
     """
 
-    def __init__(self, fmu: Path, parameters: Mapping[str, Any], messages: list[Message]) -> None:
+    def __init__(
+        self,
+        fmu: Path,
+        parameters: Mapping[str, Any],
+        messages: list[Message],
+        stop: float | None = None,
+        tolerance: float | None = None,
+    ) -> None:
         self.messages = messages
+        self._file = fmu
         self._name = fmu.name
         self._is_extracted = fmu.is_dir()
         try:
@@ -45,13 +59,35 @@ class Member:
             raise InputError(f"{fmu}: is of FMI {version}; must be of FMI 2.0 or 3.0")
         if description.coSimulation is None:
             raise InputError(f"{fmu}: must be an FMU for co-simulation")
-        self._folder = str(fmu) if self._is_extracted else fmpy.extract(str(fmu))
+        self._description = description
         self._variables = {v.name: v for v in description.modelVariables}
+        self._groups: dict[tuple[tuple[str, ...], str], _Groups] = {}
+        for name, value in parameters.items():
+            self._typed(name, value)
+        self._parameters = parameters
+        self._experiment = {"startTime": 0.0, "stopTime": stop, "tolerance": tolerance}
+        self._has_begun = False
+
+    def __enter__(self) -> "Member":
+        self._instantiate()
+        with ExitStack() as refused:
+            refused.push(self.__exit__)
+            if not self._is_fmi3:
+                self._call(self._fmu.setupExperiment, **self._experiment)
+            for name, value in self._parameters.items():
+                self.set({name: value})
+            of_fmi3 = self._experiment if self._is_fmi3 else {}
+            self._call(self._fmu.enterInitializationMode, **of_fmi3)
+            refused.pop_all()
+        return self
+
+    def _instantiate(self) -> None:
+        self._folder = str(self._file) if self._is_extracted else fmpy.extract(str(self._file))
         search_path = list(sys.path)
         options = {"debug_logging": True, "logger": self._log}
         try:
             self._fmu = self._call(
-                fmpy.instantiate_fmu, self._folder, description, "CoSimulation", **options
+                fmpy.instantiate_fmu, self._folder, self._description, "CoSimulation", **options
             )
         except RunFailed:
             self._remove_extracted()
@@ -60,20 +96,6 @@ class Member:
             # without the folder of the FMU's scripts: a process that is started later would import
             # the FMU's copy of pythonfmu instead of the installed one
             sys.path[:] = search_path
-        self._parameters = parameters
-        self._has_begun = False
-        self._groups: dict[tuple[str, ...], list[tuple[str, list[str], list[int]]]] = {}
-
-    def __enter__(self) -> "Member":
-        with ExitStack() as refused:
-            refused.push(self.__exit__)
-            if not self._is_fmi3:
-                self._call(self._fmu.setupExperiment, startTime=0.0)
-            for name, value in self._parameters.items():
-                self.set({name: value})
-            self._call(self._fmu.enterInitializationMode)
-            refused.pop_all()
-        return self
 
     def __exit__(self, error: object, *_: object) -> None:
         try:
@@ -91,53 +113,70 @@ class Member:
             raise InputError(f"{self._name}: {name}: is an array; must be a single value")
         return variable
 
+    def readable(self, name: str) -> Any:
+        """Return FMPy's description of a variable that can be read as a number. Raises `InputError`
+        for another."""
+        variable = self.variable(name)
+        if variable.type in _NO_NUMBERS:
+            raise InputError(f"{self._name}: {name}: is a {variable.type}; must be a number")
+        return variable
+
     def begin(self) -> None:
         """Leave the initialization mode."""
         self._call(self._fmu.exitInitializationMode)
         self._has_begun = True
 
     def get(self, names: Iterable[str]) -> dict[str, float]:
-        """Return the values of variables by name, in whatever order; all types are read as
-        numbers. Raises `InputError` for a text."""
+        """Return the values of variables by name, in whatever order; those of all types that are
+        `readable`, as numbers."""
         values: dict[str, float] = {}
-        for kind, group, references in self._grouped(tuple(names)):
-            if kind in _NO_NUMBERS:
-                raise InputError(f"{self._name}: {group[0]}: is a {kind}; must be a number")
+        for kind, group, references in self._grouped(tuple(names), self.readable):
             got = self._call(getattr(self._fmu, f"get{kind}"), references)
             values.update(zip(group, map(float, got), strict=True))
         return values
 
     def set(self, values: Mapping[str, Any]) -> None:
         """Set variables by name, those of a type in one call."""
-        for kind, group, references in self._grouped(tuple(values)):
-            given = [self._as_kind(kind, name, values[name]) for name in group]
+        for kind, group, references in self._grouped(tuple(values), self.variable):
+            given = [self._typed(name, values[name]) for name in group]
             self._call(getattr(self._fmu, f"set{kind}"), references, given)
 
     def step(self, t: float, h: float) -> None:
-        """Step from t [s] over h [s]."""
-        done = self._call(self._fmu.doStep, t, h)
-        if done and done[1]:  # as FMI 3.0 has it, between whether there are events and early ends
-            raise RunFailed(f"{self._name}: asks to end the simulation at t = {done[3]:g} s")
+        """Step from t [s] over h [s]. Raises `EndedEarly` where the FMU discards the step, or asks
+        to end the simulation."""
+        try:
+            done = self._call(self._fmu.doStep, t, h)
+        except RunFailed as error:
+            if getattr(error.__cause__, "status", None) == fmpy.fmi2.fmi2Discard:
+                raise EndedEarly(str(error)) from error
+            raise
+        # of FMI 3.0, between whether there are events and an early end, which it is not allowed
+        if done and done[1]:
+            raise EndedEarly(f"{self._name}: asks to end the simulation at t = {done[3]:g} s")
 
-    def _grouped(self, names: tuple[str, ...]) -> list[tuple[str, list[str], list[int]]]:
-        """Return variables by the kind that the functions to get and set them are called after:
-        kind, names and value references."""
-        if names not in self._groups:
+    def _kind(self, variable: Any) -> str:
+        """Return what the functions to get and set a variable are called after."""
+        if variable.type != "Enumeration":
+            return str(variable.type)
+        return "Int64" if self._is_fmi3 else "Integer"
+
+    def _grouped(self, names: tuple[str, ...], described: Callable[[str], Any]) -> _Groups:
+        """Return variables by their kinds, once they are `described`: kind, names and value
+        references."""
+        key = names, described.__name__
+        if key not in self._groups:
             groups: dict[str, list[str]] = {}
             for name in names:
-                kind = self.variable(name).type
-                if kind == "Enumeration":
-                    kind = "Int64" if self._is_fmi3 else "Integer"
-                groups.setdefault(kind, []).append(name)
-            self._groups[names] = [
+                groups.setdefault(self._kind(described(name)), []).append(name)
+            self._groups[key] = [
                 (kind, group, [self._variables[name].valueReference for name in group])
                 for kind, group in groups.items()
             ]
-        return self._groups[names]
+        return self._groups[key]
 
-    def _as_kind(self, kind: str, name: str, value: Any) -> Any:
-        """Return a value as FMPy takes it; `InputError` for one of another kind."""
-        where = f"{self._name}: {name}"
+    def _typed(self, name: str, value: Any) -> Any:
+        """Return the value of a variable as FMPy takes it; `InputError` for one of another type."""
+        kind, where = self._kind(self.variable(name)), f"{self._name}: {name}"
         if kind in _NO_NUMBERS:
             if not isinstance(value, str) or kind != "String":
                 raise InputError(f"{shown_value(where, value)}: {kind}; must be a text")

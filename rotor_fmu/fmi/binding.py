@@ -32,10 +32,8 @@ def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, 
 def coupling_options(values: Mapping[str, float]) -> CouplingOptions:
     """Return what values of the FMU's parameters ask of a run beside its motion: limits at which it
     ends, sensitivities, the line that drives a free rotor."""
-    options: dict[str, Any] = {}
-    for of in coupling_parameters("tau_drive" in values):
-        value = values.get(of.name, 0.0)
-        options[of.field] = bool(value) if of.quantity.is_switch else value
+    asked = coupling_parameters("tau_drive" in values)
+    options: dict[str, Any] = {of.field: values.get(of.name, 0.0) for of in asked}
     return CouplingOptions(**options)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError, check_one_of
+from ..errors import MOST_ROWS, InputError, check_one_of
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
@@ -22,7 +22,6 @@ from .recording import Recording
 from .run_down import Job, Run, run_direct, run_fmu, run_recorded
 from .settings_text import parse_settings
 
-_MOST_ROWS = 2e6
 _USUAL_ROWS = 1e4
 
 
@@ -107,21 +106,21 @@ def make_job(
         raise InputError(str(error)) from error
     fastest = max(operating_speeds(rotor).trip, float(np.abs(signals.values["speed"]).max()))
     step = step or min(_step_of(settings, stop, fastest), stop)
-    if stop / step > _MOST_ROWS:
+    if stop / step > MOST_ROWS:
         raise InputError(
             f"stop = {stop:g} s: would give {stop / step:.3g} rows at the communication step of "
-            f"{step:g} s; at most {_MOST_ROWS:g} rows: take a longer step or an earlier end"
+            f"{step:g} s; at most {MOST_ROWS:g} rows: take a longer step or an earlier end"
         )
     return Job(table, parameters, signals, stop, step, toml, rotor, settings)
 
 
 def _check_rows(stop: float, step: float | None, columns: int) -> None:
     rows = stop / step if step else 0.0
-    if rows > _MOST_ROWS:
+    if rows > MOST_ROWS:
         size = rows * columns * 8 / 1e9
         raise InputError(
             f"--step {step:g} s: would give {rows:.3g} rows, {size:.3g} GB, until --stop = "
-            f"{stop:g} s; at most {_MOST_ROWS:g} rows"
+            f"{stop:g} s; at most {MOST_ROWS:g} rows"
         )
 
 

@@ -121,7 +121,7 @@ def test_an_fmu_without_a_library_for_this_platform_says_so_and_leaves_no_folder
                 archive.writestr(entry, whole.read(entry))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with pytest.raises(RunFailed, match=r"Damaged\.fmu: Cannot find shared library"):
-        Member(damaged, {}, [])
+        Member(damaged, {}, []).__enter__()
     assert list(tmp_path.iterdir()) == [damaged]
 
 

@@ -111,6 +111,7 @@ def test_after_the_end_they_are_refused(new):
         ("disc[1].fy", 2, 1.0, r"disc\[1\]\.fy: order 2: must be 1"),
         ("disc[1].fy", 0, 1.0, r"disc\[1\]\.fy: order 0: must be 1"),
         ("disc[1].fy", 1, math.nan, r"disc\[1\]\.fy = nan: must be a finite number"),
+        ("disc[1].fy", 1, -1e31, r"disc\[1\]\.fy = -.*: must not exceed 1e\+30 in size"),
     ],
 )
 def test_of_several_all_are_taken_or_none(new, name, order, value, sentence):

@@ -1,9 +1,9 @@
 """After a step that ended early: who goes on goes on, whatever of the inputs is set anew, and who
-comes there again by an earlier state is warned of a limit once."""
+comes there again by an earlier state is warned of a limit once; a reset forgets what was said."""
 
 import pytest
 
-from .skins import Discarded, Extracted, Native
+from .skins import Discarded, Extracted, Native, Refused
 
 H, RATE = 0.02, -100.0
 
@@ -125,3 +125,22 @@ def test_a_master_that_rolls_back_passes_a_limit_that_it_was_told_of(extracted, 
         host.t += size
         assert warned < 100
     assert warned > 0
+
+
+def test_a_step_that_ended_early_is_no_reason_after_the_next_that_did_not(extracted):
+    host = Ramp(extracted, **{"solver.max_iterations": 100})
+    with pytest.raises(Discarded):
+        host.fmu.step(0.0, 1.0)
+    with pytest.raises(Refused, match="without gap or overlap; the last one ended early: t = "):
+        host.fmu.step(5.0, H)
+    host.fmu.step(host.fmu.last_successful_time, 1e-4)
+    with pytest.raises(Refused, match=r"without gap or overlap$"):
+        host.fmu.step(5.0, H)
+
+
+def test_a_run_after_a_reset_is_warned_of_anew(extracted):
+    fmu = Native(extracted).put({"solver.preset": 1, "solver.tolerance": 1e-4}).initialize()
+    (warning,) = fmu.warnings
+    fmu._call("Reset")
+    fmu.put({"solver.preset": 1, "solver.tolerance": 1e-4}).initialize()
+    assert fmu.warnings == [warning] * 2

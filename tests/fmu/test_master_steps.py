@@ -1,11 +1,12 @@
 """The communication points of the Jacobi master."""
 
 import math
-from itertools import islice
 
 import pytest
+from rotor_fmu.model.message_templates import Message
 
-from rotor_fmu.cosimulation.master import CoupledFmus
+from rotor_fmu.cosimulation.master import CoupledFmus, CoupledRun, coupled
+from rotor_fmu.cosimulation.member import EndedEarly
 from rotor_fmu.errors import InputError
 
 
@@ -43,8 +44,8 @@ class Counted:
 )
 def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengths):
     one, other = Counted(), Counted()
-    coupled = CoupledFmus({"one": one, "other": other}, (), {}, ())
-    seen = [point.t for point in coupled.points(stop, step)]
+    fmus = CoupledFmus({"one": one, "other": other}, (), {}, (), stop)
+    seen = [point.t for point in fmus.points(step)]
     assert seen[0] == 0.0
     assert seen[-1] == pytest.approx(stop, rel=1e-12)
     for member in (one, other):
@@ -54,21 +55,67 @@ def test_a_run_ends_at_its_end_whatever_the_communication_step(stop, step, lengt
 
 def test_whole_steps_are_kept_to_where_they_miss_the_end_by_a_millionth_of_one():
     one = Counted()
-    list(CoupledFmus({"one": one}, (), {}, ()).points(0.3 - 5e-8, 0.1))
+    list(CoupledFmus({"one": one}, (), {}, (), 0.3 - 5e-8).points(0.1))
     assert [h for _, h in one.steps] == [0.1, 0.1, 0.1]
 
 
-def test_a_run_whose_number_of_steps_is_no_number_begins_as_any_other():
+@pytest.mark.parametrize(
+    ("stop", "step", "runs", "steps"),
+    [
+        (1.0, 9.9e-10, "points", "1.01e+09 steps until stop = 1 s; at most 1e+09"),
+        (1e300, 1e-300, "points", "inf steps until stop = 1e+300 s; at most 1e+09"),
+        (1.0, 4.9e-7, "run", "2.04e+06 steps until stop = 1 s; at most 2e+06"),
+    ],
+)
+def test_a_run_that_would_not_end_or_not_fit_into_memory_is_refused(stop, step, runs, steps):
     one = Counted()
-    assert len([*islice(CoupledFmus({"one": one}, (), {}, ()).points(1e300, 1e-300), 3)]) == 3
-    assert one.steps == [(0.0, 1e-300), (1e-300, 1e-300)]
-
-
-@pytest.mark.parametrize("name", ["stop", "step"])
-@pytest.mark.parametrize("value", [0.0, -0.1, math.inf, math.nan])
-def test_a_run_that_is_none_is_refused(name, value):
-    one = Counted()
-    length = {"stop": 1.0, "step": 0.1, name: value}
-    with pytest.raises(InputError, match=rf"^{name} = .* s: must be > 0 and finite$"):
-        list(CoupledFmus({"one": one}, (), {}, ()).points(**length))
+    fmus = CoupledFmus({"one": one}, (), {}, (), stop)
+    with pytest.raises(InputError) as refused:
+        next(iter(getattr(fmus, runs)(step)))
+    assert str(refused.value) == f"step = {step:g} s: would make {steps}"
     assert not one.steps
+    assert next(CoupledFmus({"one": one}, (), {}, (), 1.0).points(1e-9)).t == 0.0
+
+
+@pytest.mark.parametrize("value", [0.0, -0.1, math.inf, math.nan])
+def test_a_run_that_is_none_is_refused(value):
+    one = Counted()
+    fmus = CoupledFmus({"one": one}, (), {}, (), 1.0)
+    for run in (fmus.run, lambda step: list(fmus.points(step))):
+        with pytest.raises(InputError, match=r"^step = .* s: must be > 0 and finite$"):
+            run(value)
+    for name in ("stop", "tolerance"):
+        of = {"stop": 1.0, name: value}
+        expected = rf"^{name} = .*: must be > 0 and finite$"
+        with pytest.raises(InputError, match=expected), coupled({}, (), **of):
+            pass
+    assert not one.steps
+
+
+class Ends(Counted):
+    """An FMU that ends the run in its second step."""
+
+    def step(self, t, h):
+        if self.steps:
+            raise EndedEarly("Ends.fmu: enough")
+        super().step(t, h)
+
+    def get(self, names):
+        return dict.fromkeys(names, float(len(self.steps)))
+
+
+def test_a_run_that_an_fmu_ends_is_returned_up_to_the_last_common_point(tmp_path):
+    read = {"one": ("w",), "ends": ("w",)}
+    fmus = CoupledFmus({"one": Counted(), "ends": Ends()}, (), read, (), 1.0)
+    fmus.members["one"].get = lambda names: {"w": 3.0}
+    run = fmus.run(0.1)
+    assert run.t.tolist() == [0.0, 0.1]
+    assert run["ends"]["w"].tolist() == [0.0, 1.0]
+    assert run.status == "failed: Ends.fmu: enough"
+    run.save(tmp_path / "run.npz")
+    read_again = CoupledRun.load(tmp_path / "run.npz")
+    assert (read_again.status, [*read_again.values]) == (run.status, ["one", "ends"])
+    assert CoupledFmus({"one": Counted()}, (), {}, (), 1.0).run(0.1).status == "ok"
+    doubtful = (Message("it jumps", "false-state"),)
+    run = CoupledFmus({"one": Counted()}, (), {}, doubtful, 1.0).run(0.1)
+    assert run.status == "doubtful: false-state"

@@ -12,7 +12,7 @@ import pytest
 
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.master import CoupledRun, coupled
-from rotor_fmu.cosimulation.member import Member
+from rotor_fmu.cosimulation.member import EndedEarly, Member
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
@@ -95,8 +95,8 @@ def test_three_fmus_exchange_what_they_had_at_the_last_point(tmp_path):
     given = {"left": {"J": 0.2, "start": 0.01}, "spring": {"k": 30.0}}
     fmus = {"left": wheel, "spring": spring, "right": wheel}
     initial = [("left.J", "right.J"), ("right.J", "left.J")]  # the first of them is first
-    with coupled(fmus, pairs, initial, given, {"left": ["w"]}) as opened:
-        run = opened.run(0.5, 1e-2)
+    with coupled(fmus, pairs, initial, given, {"left": ["w"]}, stop=0.5) as opened:
+        run = opened.run(1e-2)
     phi, w, tau = np.array([0.01, 0.0]), np.zeros(2), np.zeros(2)
     for n in range(51):
         assert [run[fmu]["phi"][n] for fmu in ("left", "right")] == pytest.approx(phi, rel=1e-12)
@@ -117,10 +117,9 @@ def test_a_rotor_is_the_same_in_both_versions_of_fmi_and_beside_others(motor, fm
     seen = ["disc[3].x", "energy.residual", "solver.steps", "bearing[1].fn"]
     rotors = {"python": fmu, "native": native_3}
     given = {name: {"solver.preset": 3, "solver.h": 1e-4} for name in rotors}
-    with coupled(
-        {"motor": motor, **rotors}, pairs, initial, given, dict.fromkeys(rotors, seen)
-    ) as opened:
-        run = opened.run(0.05, 1e-3)
+    fmus, recorded = {"motor": motor, **rotors}, dict.fromkeys(rotors, seen)
+    with coupled(fmus, pairs, initial, given, recorded, stop=0.05) as opened:
+        run = opened.run(1e-3)
     for name in seen:
         assert (run["python"][name] == run["native"][name]).all(), name
     assert run["native"]["solver.steps"][-1] > 50
@@ -146,7 +145,7 @@ def test_a_rotor_is_the_same_in_both_versions_of_fmi_and_beside_others(motor, fm
 def test_a_value_of_another_type_is_refused(fmu, native_3, version, name, value, expected):
     """`int` of it would be another value, and be set."""
     with pytest.raises(InputError, match=rf"\.fmu: {expected}"):
-        Member(fmu if version == 2 else native_3, {name: value}, []).__enter__()
+        Member(fmu if version == 2 else native_3, {name: value}, [])
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -159,8 +158,9 @@ def test_variables_of_all_types_are_set_and_read_as_numbers(fmu, native_3, versi
 def test_a_tunable_parameter_is_connected_and_so_is_an_integer_without_unit(motor, native_3):
     pairs = [("motor.begun", "rotor.bearing[1].mu"), ("rotor.solver.steps", "motor.tau")]
     recorded = {"rotor": ["bearing[1].mu"], "motor": ["tau"]}
-    with coupled({"motor": motor, "rotor": native_3}, pairs, recorded=recorded) as opened:
-        run = opened.run(3e-3, 1e-3)
+    fmus = {"motor": motor, "rotor": native_3}
+    with coupled(fmus, pairs, recorded=recorded, stop=3e-3) as opened:
+        run = opened.run(1e-3)
     assert run["rotor"]["bearing[1].mu"].tolist() == [0.05, 1.0, 1.0, 1.0]
     assert run["motor"]["tau"].tolist() == [0.0, *run["rotor"]["solver.steps"][:-1]]
     assert run["rotor"]["solver.steps"][1] > 0
@@ -206,12 +206,76 @@ def test_a_message_that_all_is_well_is_no_reason_for_a_failure(native_3, monkeyp
             member.step(0.0, 1.0)
 
 
-def test_an_fmu_that_asks_to_end_the_simulation_ends_the_run(native_3, monkeypatch):
-    with Member(native_3, {}, []) as member:
-        member.begin()
-        monkeypatch.setattr(member._fmu, "doStep", lambda t, h: (False, True, False, 0.5))
-        with pytest.raises(RunFailed, match=r"asks to end the simulation at t = 0\.5 s$"):
-            member.step(0.0, 1.0)
+def test_an_fmu_that_discards_a_step_or_asks_to_end_the_simulation_has_not_failed(
+    native_3, monkeypatch
+):
+    def discards(t, h):
+        raise fmpy.fmi1.FMICallException("fmi3DoStep", 2)
+
+    for step, reason in (
+        (lambda t, h: (False, True, False, 0.5), r"asks to end the simulation at t = 0\.5 s$"),
+        (discards, r"fmi3DoStep failed with status 2 \(discard\)\.$"),
+    ):
+        with Member(native_3, {}, []) as member:
+            member.begin()
+            monkeypatch.setattr(member._fmu, "doStep", step)
+            with pytest.raises(EndedEarly, match=rf"\.fmu: {reason}"):
+                member.step(0.0, 1.0)
+
+
+def test_a_rotor_that_comes_upon_a_limit_ends_the_run_before_it(motor, native_fmu, native_3):
+    """In both versions of FMI at the same point, with the reason, and terminated as any other."""
+
+    def run_to(limit, rotor):
+        fmus, pairs = {"motor": motor, "rotor": rotor}, [("motor.w", "rotor.speed")]
+        initial, seen = [("motor.w_start", "rotor.speed")], {"rotor": ["disc[2].y"]}
+        given = {"rotor": {"limit.displacement": limit}, "motor": {"w_start": 180.0, "rate": 0.0}}
+        with coupled(fmus, pairs, initial, given, seen, stop=0.1) as opened:
+            return opened.run(1e-3)
+
+    free = run_to(0.0, native_fmu)
+    limit = 0.98 * np.abs(free["rotor"]["disc[2].y"]).max()
+    ended = [run_to(limit, rotor) for rotor in (native_fmu, native_3)]
+    n = len(ended[0].t)
+    assert (free.status, len(free.t)) == ("ok", 101)
+    assert 2 < n < 101
+    for run in ended:
+        assert run.status.startswith("failed: RotorBearingNative.fmu: ")
+        assert "limit.displacement" in run.status
+        assert (run.t == free.t[:n]).all()
+        assert (run["rotor"]["disc[2].y"] == free["rotor"]["disc[2].y"][:n]).all()
+    assert np.abs(ended[0]["rotor"]["disc[2].y"]).max() <= limit
+
+
+def test_each_fmu_is_told_the_end_and_the_tolerance_of_the_run(motor, fmu, native_3):
+    pairs, rotors = [("motor.w", "python.speed")], {"python": fmu, "native": native_3}
+    fmus, recorded = {"motor": motor, **rotors}, {name: ["solver.steps"] for name in rotors}
+    steps = []
+    for tolerance in (None, 1e-6):
+        with coupled(fmus, pairs, recorded=recorded, stop=5e-3, tolerance=tolerance) as opened:
+            run = opened.run(1e-3)
+            for name in rotors:
+                with pytest.raises(RunFailed, match=r"past the stop time, 0\.005 s"):
+                    opened.members[name].step(5e-3, 1e-3)
+        steps.append([run[name]["solver.steps"][-1] for name in rotors])
+    assert min(steps[1]) > 2 * max(steps[0])
+
+
+def test_a_name_that_no_fmu_has_is_refused_before_any_is_loaded(motor, native_3, monkeypatch):
+    def loads(*arguments):
+        raise AssertionError
+
+    monkeypatch.setattr(Member, "_instantiate", loads)
+    fmus, pairs = {"motor": motor, "rotor": native_3}, [("motor.w", "rotor.speed")]
+    for given, expected in (
+        ({"recorded": {"rotor": ["disc[3].q"]}}, r"Native\.fmu: disc\[3\]\.q: unknown name"),
+        ({"recorded": {"motr": ["w"]}}, "^recorded: motr: unknown name; did you mean motor"),
+        ({"parameters": {"motor": {"ratte": 1.0}}}, r"SteadyMotor\.fmu: ratte: unknown name"),
+        ({"initial": [("motor.w", "rotor.q")]}, r"Native\.fmu: q: unknown name"),
+        ({"tolerance": -1.0}, "^tolerance = -1: must be > 0 and finite$"),
+    ):
+        with pytest.raises(InputError, match=expected), coupled(fmus, pairs, stop=1.0, **given):
+            pass
 
 
 def test_a_run_that_is_through_terminates_its_fmus(fmu, tmp_path):

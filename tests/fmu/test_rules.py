@@ -1,6 +1,7 @@
 """FMI's rules, on an instance of either skin: what a host may call when, and with what."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -177,6 +178,32 @@ def test_one_of_them_alone_is_refused_by_its_name_and_can_be_mended(new):
         host.fmu.exit()
     host.set("shaft.rotating_damping", True)
     host.fmu.exit()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("speed", 1e155), ("disc[1].fx", -1.1e30), ("gravity", 1e300)]
+)
+def test_a_number_whose_products_overflow_is_refused(new, name, value):
+    host = new()
+    host.fmu.enter()
+    before = host.fmu.state()
+    shown = re.escape(f"{name} = {value:.17g}: must not exceed 1e+30 in size")
+    with pytest.raises(Refused, match=f"^{shown}$"):
+        host.set(name, value)
+    assert host.fmu.state() == before
+    host.set(name, math.copysign(1e30, value))
+
+
+@pytest.mark.parametrize("name", ["speed", "disc[1].fx"])
+def test_all_that_is_computed_can_be_read_after_the_worst_failure(started, name):
+    started.steps(0.0, 1)
+    reals = [i for i, v in enumerate(TABLE) if v.is_observed and v.kind == "Real"]
+    moved = started.get("disc[3].x")
+    started.set(name, 1e30)
+    with pytest.raises(Refused, match=r"diverged|did not converge"):
+        started.fmu.step(H, 1e-6)
+    assert started.get("disc[3].x") == moved
+    assert np.isfinite(started.fmu.get("Real", reals)).all()
 
 
 # --- settings of the solver --------------------------------------------------------------------

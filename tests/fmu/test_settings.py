@@ -7,15 +7,24 @@ from rotor_fmu.model import messages
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.message_templates import choice, fill_template
 from rotor_fmu.model.settings import SettingsError
+from rotor_fmu.model.simulation import StepFailure
 
 from rotor_fmu.fmi.binding import build_simulation
 from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.solver_parameters import settings_of, solver_parameters
 
-from .skins import Extracted, Native, Refused
+from .skins import Discarded, Extracted, Native, Refused
 
 DRAWS = 300
 NUMBERS = (-2.0, -0.3, 0.0, 0.08, 0.1, 0.5, 1e-3, 1e-5, 0.9, 1.0, 7.0)
+
+
+@pytest.fixture(scope="module")
+def free_native(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("free")
+    return build_native(folder, machine_of(is_free=True), platforms=["linux64"])
 
 
 def drawn(draw, table):
@@ -64,18 +73,45 @@ def test_random_parameters_are_settled_as_in_python_and_refused_in_the_same_word
     assert min(good, refused, warned) > DRAWS / 20
 
 
-@pytest.mark.parametrize("preset", range(5))
-def test_a_run_has_the_settings_that_its_parameters_stand_for(native_fmu, preset):
-    """Of its steps, bit for bit."""
-    extracted = Extracted(native_fmu)
-    table = interface(rig())
-    values = {v.name: v.start for v in table if v.start is not None} | {"solver.preset": preset}
-    simulation = build_simulation(rig(), table, values, lambda message: None)
-    _, fmu = in_the_fmu(extracted, {"solver.preset": preset})
+@pytest.mark.parametrize(
+    ("is_free", "values"),
+    [
+        *((False, {"solver.preset": preset}) for preset in range(5)),
+        (False, {"speed_continuation": 1}),
+        (False, {"speed_rate": -50.0}),
+        (False, {"solver.sensitivities": True}),
+        (False, {"limit.displacement": 4e-4}),
+        (False, {"limit.force": 30.0}),
+        (False, {"limit.contact": True}),
+        (True, {"w_start": 180.0}),
+        (True, {"tau_impedance": 0.02}),
+    ],
+)
+def test_a_run_is_what_its_parameters_stand_for(native_fmu, free_native, is_free, values):
+    """In its numbers, bit for bit, and in where and why it ends early."""
+    extracted = Extracted(free_native if is_free else native_fmu)
+    table = interface(rig(), is_free)
+    drive, first, change = ("tau_drive", 0.0, 0.01) if is_free else ("speed", 400.0, -1.5)
+    start = {v.name: v.start for v in table if v.start is not None}
+    simulation = build_simulation(rig(), table, start | {drive: first} | values, lambda _: None)
+    _, fmu = in_the_fmu(extracted, {drive: first} | values)
+    ends = []
     for i in range(5):
-        fmu.step(0.04 * i, 0.04)
-        simulation.advance(0.04 * i + 0.04, 400.0)
-    for name in ("solver.steps", "solver.newton", "solver.h_last", "disc[3].x"):
+        value = first + i * change
+        fmu.put({drive: value})
+        try:
+            fmu.step(0.04 * i, 0.04)
+        except Discarded as error:
+            ends.append(str(error))
+        try:
+            simulation.advance(0.04 * i + 0.04, value)
+        except StepFailure as error:
+            ends.append(str(error))
+        if ends:
+            break
+    assert bool(ends) == any(name.startswith("limit.") for name in values)
+    assert ends[:1] == ends[1:]
+    for name in ("w", "tau", "solver.steps", "solver.h_last", "disc[3].x", "disc[1].dx_dfx"):
         value = fmu.get(extracted.kinds[name], [extracted.refs[name]])
         assert value == [simulation.read(name)], name
 

@@ -172,6 +172,10 @@ def test_a_machine_that_nothing_holds_is_warned_of_as_by_build(tmp_path, capsys)
     [
         ({"step": "0"}, "--step 0: must be > 0 and at most 1 s"),
         ({"tau_max": "-1kN.m"}, "--tau-max -1kN.m: must be > 0 and at most 1e+06 N.m"),
+        (
+            {"step": "9ns", "stop": "10s"},
+            "--step 9ns: would make 1.11e+09 steps until --stop = 10 s; at most 1e+09",
+        ),
         ({"stop": "1ms", "step": "2ms"}, "--step 0.002 s: must be at most --stop = 0.001 s"),
         ({"tau_max": "5 mm"}, "--tau-max 5 mm: must be a torque, in N.m or such as"),
         ({"tau_max": "-1"}, "--tau-max -1: must be > 0"),

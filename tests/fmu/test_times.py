@@ -83,3 +83,11 @@ def test_an_instant_is_told_in_the_hosts_time(new):
     assert 0 < at < 0.5
     assert later == pytest.approx(at + 1000.0, abs=1e-9)
     assert warned_later == [f"{warned[0]} (t from the start, 1000 s)"]
+
+
+def test_a_step_may_miss_the_stop_time_by_a_thousandth_of_itself(new):
+    """As of a master that has added up its steps; not by more."""
+    host = new().start(0.0, stop=H)
+    with pytest.raises(Refused, match="past the stop time"):
+        host.fmu.step(0.0, 1.002 * H)
+    host.fmu.step(0.0, 1.0009 * H)

@@ -148,6 +148,15 @@ def test_messages_come_by_category_and_only_where_logging_is_on(library):
         library.c.fmi3FreeInstance(m)
 
 
+def test_a_category_that_is_switched_off_leaves_the_others_on(library):
+    m = library.ready()
+    for category, count in ((b"logStatusWarning", 1), (b"logStatusError", 1)):
+        assert library.c.fmi3SetDebugLogging(m, False, ONE, (ctypes.c_char_p * 1)(category)) == 0
+        assert library.c.fmi3DoStep(m, ZERO, ZERO, True, None, None, None, None) == ERROR
+        assert len(library.heard) == count
+    library.c.fmi3FreeInstance(m)
+
+
 def test_who_wants_an_event_mode_is_refused(library):
     assert not library.instantiate(has_events=True)
     assert library.heard[-1][2] == "instantiate: the event mode is asked for, and there is none"

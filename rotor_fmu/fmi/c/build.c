@@ -10,8 +10,6 @@ Status check_parameter(Instance *m, const Variable *v, double value)
 {
     const Table *t = m->table;
     char shown[LONGEST] = "";
-    if (fabs(value) > t->largest)
-        return refuse(m, "%s: must not exceed %g in size", text(t, v->name), t->largest);
     if ((value > v->least || (!v->strict && value == v->least)) && value <= v->most)
         return OK;
     add_number(shown, value, 6);

@@ -62,7 +62,7 @@ typedef struct {
 
 typedef struct {
     char magic[8], sources[16], guid[40];
-    double largest;    /* of a machine's parameter, in size */
+    double largest;    /* of what is set, in size */
     uint64_t checksum; /* of all of the file but itself */
     int64_t bytes, variables, observed_at, inputs, drive_at, is_free; /* the inputs come first */
     int64_t settings, tolerance_at, writes, needs, sentences, spans;

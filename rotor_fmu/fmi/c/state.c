@@ -93,8 +93,8 @@ Status read_state(Instance *m, const void *bytes, size_t size, void **state)
     State head;
     if (!bytes || !state)
         return refuse(m, "deSerializeFMUstate: NULL given");
-    memset(&head, 0, sizeof head);
-    memcpy(&head, bytes, size < sizeof head ? size : sizeof head);
+    if (size >= sizeof head)
+        memcpy(&head, bytes, sizeof head);
     if (size < sizeof head || head.bytes != size)
         return refuse(m, "the FMU state is truncated or corrupted");
     void *copy = malloc(size);

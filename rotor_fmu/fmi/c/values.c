@@ -83,17 +83,26 @@ Status get_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
     return OK;
 }
 
+/* A number is finite, and no larger in size than what a machine may have; before: its name. */
+static Status check_number(Instance *m, const char *before, uint32_t reference, double value)
+{
+    char shown[LONGEST] = "";
+    if (islessequal(fabs(value), m->table->largest)) /* of a NaN it does not trap */
+        return OK;
+    add_number(shown, value, 17);
+    if (!isfinite(value))
+        return refuse(m, "%s%s = %s: must be a finite number", before, name_of(m, reference), shown);
+    return refuse(m, "%s%s = %s: must not exceed %g in size", before, name_of(m, reference), shown,
+                  m->table->largest);
+}
+
 static Status check_value(Instance *m, uint32_t reference, double value)
 {
     const Variable *v = variables(m->table) + reference;
     const char *name = name_of(m, reference);
     int is_whole = v->kind == AN_INTEGER || v->kind == AN_ENUMERATION;
-    int is_outside = is_whole && !(v->low <= value && value <= v->high);
-    char shown[LONGEST] = "";
-    if (!isfinite(value) || is_outside)
-        add_number(shown, value, 17);
-    if (!isfinite(value))
-        return refuse(m, "%s = %s: must be a finite number", name, shown);
+    if (check_number(m, "", reference, value))
+        return ERROR;
     if (v->role >= READ)
         return refuse(m, "%s: is computed and cannot be set", name);
     int is_tunable = v->role == MACHINE && v->at;
@@ -101,8 +110,8 @@ static Status check_value(Instance *m, uint32_t reference, double value)
         return ERROR;
     if (v->role > LOAD && !is_tunable && m->state->phase == STEPPING)
         return refuse(m, "%s: a fixed parameter cannot be set after initialization", name);
-    if (is_outside)
-        return refuse(m, "%s = %s: must be an integer from %d to %d", name, shown, (int)v->low,
+    if (is_whole && !(v->low <= value && value <= v->high))
+        return refuse(m, "%s = %.17g: must be an integer from %d to %d", name, value, (int)v->low,
                       (int)v->high);
     return OK;
 }
@@ -155,16 +164,13 @@ Status set_slopes(Instance *m, const uint32_t *references, size_t count, const i
     if (allow(m, call, 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING))
         return ERROR;
     for (size_t i = 0; i < count; i++) {
-        char shown[LONGEST] = "";
         if (check_input(m, call, references[i]))
             return ERROR;
         if (orders[i] != 1)
             return refuse(m, "%s: %s: order %d: must be 1", call, name_of(m, references[i]),
                           orders[i]);
-        add_number(shown, values[i], 17);
-        if (!isfinite(values[i]))
-            return refuse(m, "%s: %s = %s: must be a finite number", call,
-                          name_of(m, references[i]), shown);
+        if (check_number(m, "setRealInputDerivatives: ", references[i], values[i]))
+            return ERROR;
     }
     for (size_t i = 0; i < count; i++) {
         m->slopes[references[i]] = values[i];
