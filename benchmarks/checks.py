@@ -20,6 +20,7 @@ from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.settings import Settings, choose
 from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.time_loop.control import Control
 from rotor_fmu.model.time_loop.monitors import monitor_bounces, monitor_losses, monitor_work
 
 from rotor_fmu.machine_file.loading import machine_text
@@ -78,7 +79,9 @@ def in_a_run() -> Iterator[tuple[str, int, float, float]]:
     for name, settings in SETTINGS.items():
         steps = int(run_down(settings).read("solver.steps"))
         whole = seconds(partial(run_down, settings))
-        run, control = _begun(rig(), settings)._run, settings.control()
+        run, numbers = _begun(rig(), settings)._run, settings.numbers
+        names = [name for name in Control._fields if name not in Control._field_defaults]
+        control = Control(**{name: numbers[name].item() for name in names})
         given = steps, STOP / steps, run.structure, control, run.motion, run.memory, run.work
         yield name, steps, whole, seconds(partial(watched, *given))
 

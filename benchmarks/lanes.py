@@ -95,7 +95,7 @@ def machine_of(simulation: Simulation) -> tuple[Machine, list[np.ndarray]]:
     pointers = [a.ctypes.data_as(_POINTER if a.dtype == float else _INTEGERS) for a in references]
     of_housing = [housing[name] for name in ("mass", "kx", "ky", "cx", "cy")]
     of_contact = [contact[name] for name in ("k", "c", "delta_c", "v_s", "journal_radius")]
-    scheme = simulation.settings.scheme()
+    scheme = simulation.settings.numbers
     machine = Machine(*numbers, *pointers)
     machine.housing[:], machine.contact[:] = of_housing, of_contact
     machine.scheme[:] = [scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma]

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from contextlib import nullcontext
 from multiprocessing.util import Finalize
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing import archive
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
+from rotor_fmu.plotting import figure_style
 
 from .documents.browser import driver, silent  # noqa: F401, fixtures
 
@@ -165,3 +167,4 @@ def _undrawn(request, monkeypatch):
 
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr(Figure, "savefig", savefig)
+        monkeypatch.setattr(figure_style, "placed", nullcontext)

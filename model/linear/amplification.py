@@ -21,6 +21,8 @@ from functools import cache, partial
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from ..prominent_peaks import prominent_peaks
+
 HALF_POWER = math.sqrt(0.5)
 DAMPED = 2.5  # amplification factor below which a peak is critically damped
 _PRECISE = 1e-10  # of a speed
@@ -153,10 +155,8 @@ def _is_step(response: Callable[[float], float], speed: float, largest: float) -
 def inner_peaks(values: np.ndarray) -> list[int]:
     """Return the places of values that are higher than their neighbours, and rise by more than
     rounding above the lowest on either side."""
-    from scipy.signal import find_peaks  # which takes longer than most analyses
-
-    at, rises = find_peaks(values, prominence=0.0)
-    return at[rises["prominences"] > _FLAT * values[at]].tolist()
+    at, heights = prominent_peaks(values)
+    return at[heights > _FLAT * values[at]].tolist()
 
 
 def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[float, float]:

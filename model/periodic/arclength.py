@@ -30,6 +30,9 @@ _LEAST_DAMPING_AHEAD = 0.05  # of a damped correction after a predictor, which a
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _LEAST_COSINE = 0.9  # least cosine of two tangents one after another
 _ERRORS = 1e3  # of a point: a change of x in which no resonance is looked for
+# Share of a step that its end may lie aside of its begin's and its end's mean tangent, which a
+# smooth curve does by the third power of the step: beyond, something lies between.
+_ASIDE = 0.03
 _SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
 _ACROSS_STEP = 4.0  # times as large is 1 less the cosine of the tangents at both ends of a way
 _GROW, _SHRINK = 1.5, 0.5
@@ -59,6 +62,11 @@ class ContinuationEquations(Equations):
         """Return whether the residual has a corner between two values of lambda."""
         return False
 
+    def motion(self, x: np.ndarray, value: float) -> np.ndarray:
+        """Return the motion of a solution, shape (n,), by which the longest step is measured: by
+        default the unknowns themselves."""
+        return x
+
     def seen(
         self, x: np.ndarray, value: float, direction: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -69,9 +77,9 @@ class ContinuationEquations(Equations):
 
 @dataclass(frozen=True)
 class ContinuationSteps:
-    """Step lengths of a continuation (initial, shortest, longest), the size of a motion from which
-    on the longest grows with it, all in the units of x, and the largest number of steps in one
-    direction."""
+    """Step lengths of a continuation: initial and shortest, in the units of x; longest, and the
+    size of a motion from which on it grows with that, in those of `ContinuationEquations.motion`;
+    and the largest number of steps in one direction."""
 
     initial: float = 0.02
     shortest: float = 1e-6
@@ -211,6 +219,7 @@ def trace(
     number of harmonics can change on the way.
     """
     point, length, bend, scale = start, steps.initial, math.inf, equations.scale
+    motion = equations.motion(point.x, point.value)
     for _ in range(steps.max_points):
         try:
             ahead = point.value + length * scale * point.tangent_value
@@ -248,34 +257,29 @@ def trace(
             length *= _GROW
         elif iterations > _DESIRED_ITERATIONS + 1:
             length *= 0.7
-        length = min(length, _longest(steps, result))
-        way = chord(point, result, scale)
+        way, before = chord(point, result, scale), motion
+        motion = equations.motion(result.x, result.value)
+        moved, of_x = (float(np.linalg.norm(each)) for each in (motion - before, way[:-1]))
+        size = float(np.linalg.norm(motion))
+        length = min(length, _longest(steps, result, size, moved / of_x if of_x else 1.0))
         bend = 1.0 - float(result.direction @ way / np.linalg.norm(way)) if way.any() else math.inf
         point = result
         replacement = yield point, length
         if replacement is not None:
             equations, point = replacement
+            motion = equations.motion(point.x, point.value)
 
 
 def _passes_over(equations: ContinuationEquations, before: CurvePoint, after: CurvePoint) -> bool:
-    """Return whether the change of x between two points, that of lambda, or that of what is seen
-    does not lie between those along their tangents: a step passes over a narrow resonance, beyond
-    which x has another sign, or back to where the curve came from. What is seen, measured by its
-    own size, must not turn far either: a resonance may lie where x hardly moves."""
-    scale, error = equations.scale, _ERRORS * equations.tolerance
-    length = distance(before, after, scale)
-
-    def is_off(change, slopes, size):
-        """Return whether a change is not between two slopes; size: of what changes."""
-        off = np.linalg.norm(change - 0.5 * length * sum(slopes))
-        most = 0.5 * length * sum(np.linalg.norm(slope) for slope in slopes)
-        return bool(off > most + error * size)
-
-    of_x, points = 1.0 + float(np.linalg.norm(after.x)), (before, after)
-    change = (after.value - before.value) / scale
-    if is_off(after.x - before.x, [p.tangent for p in points], of_x):
-        return True
-    if is_off(change, [p.tangent_value for p in points], of_x):
+    """Return whether the way between two points is not the mean of their tangents, or the change of
+    what is seen does not lie between those along them: a step passes over an S-bend, over a narrow
+    resonance, beyond which x has another sign, or back to where the curve came from. What is seen,
+    measured by its own size, must not turn far either: a resonance may lie where x hardly moves."""
+    error, points = _ERRORS * equations.tolerance, (before, after)
+    way = chord(before, after, equations.scale)
+    length = float(np.linalg.norm(way))
+    aside = np.linalg.norm(way - 0.5 * length * (before.direction + after.direction))
+    if aside > _ASIDE * length + error * (1.0 + np.linalg.norm(after.x)):
         return True
     seen, slopes = zip(*(equations.seen(p.x, p.value, p.direction) for p in points), strict=True)
     size = max(float(np.linalg.norm(each)) for each in seen)
@@ -283,14 +287,17 @@ def _passes_over(equations: ContinuationEquations, before: CurvePoint, after: Cu
         return False
     first, last = (np.append(p.direction, s / size) for p, s in zip(points, slopes, strict=True))
     cosine = first @ last / (np.linalg.norm(first) * np.linalg.norm(last))
-    return bool(cosine < _LEAST_COSINE) or is_off(seen[1] - seen[0], slopes, size)
+    off = np.linalg.norm(seen[1] - seen[0] - 0.5 * length * sum(slopes))
+    most = 0.5 * length * sum(np.linalg.norm(slope) for slope in slopes)
+    return bool(cosine < _LEAST_COSINE or off > most + error * size)
 
 
-def _longest(steps: ContinuationSteps, point: CurvePoint) -> float:
+def _longest(steps: ContinuationSteps, point: CurvePoint, size: float, rate: float) -> float:
     """Return the longest step from a point: of a large motion it is a share of its size, while that
-    in lambda stays the same."""
-    longest = steps.longest * max(1.0, float(np.linalg.norm(point.x)) / steps.large)
+    in lambda stays the same; rate: of the motion's change to that of x."""
     along = abs(point.tangent_value)
+    longest = steps.longest * max(1.0, size / steps.large)
+    longest /= math.sqrt(1.0 + (rate**2 - 1.0) * (1.0 - along**2))
     return longest if along * longest <= steps.longest else steps.longest / along
 
 

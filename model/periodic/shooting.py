@@ -293,6 +293,10 @@ class Shooting(ContinuationEquations):
         motion, along = (probes @ (each / self._weights)[n:] for each in (x, direction[:-1]))
         return motion, along
 
+    def motion(self, x: np.ndarray, value: float) -> np.ndarray:
+        """Return the orbit's series in clearances, as harmonic balance has it for its unknowns."""
+        return self.split(x, value).b.ravel() / self.balance.length_scale
+
     def multipliers(self, x: np.ndarray, value: float) -> np.ndarray:
         """Return the Floquet multipliers, the largest first."""
         last = self._last_transition

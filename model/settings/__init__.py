@@ -10,9 +10,7 @@ import numpy as np
 from ..errors import InputError
 from ..kernels.kernel import interpreted
 from ..message_templates import MOST_ARGUMENTS, Message, fill_template
-from ..schemes.family import Scheme
 from ..time_loop.block import METHOD
-from ..time_loop.control import Control
 from . import settings_messages, table
 from .resolver import COUNT, encoded, resolve, warning
 from .table import DEFAULT_PRESET, DEFAULTS, METHODS, NAMES, SETTINGS, SHAPES, Number
@@ -71,7 +69,7 @@ class Settings:
         return _given(0, {n: v for n, v in values.items() if n not in SHAPES or n in taken})
 
     @cached_property
-    def numbers(self) -> np.void:
+    def numbers(self) -> np.record:
         """The record of integrator and step control (`block.METHOD`)."""
         return _resolved(self._given)
 
@@ -79,16 +77,6 @@ class Settings:
     def warnings(self) -> list[Message]:
         """The warnings that hold for every run with these settings, such as an unstable method."""
         return _warnings(self._given, self._given, self.numbers, [COUNT])
-
-    def scheme(self) -> Scheme:
-        """Return the integrator's parameters."""
-        return Scheme(*(float(self.numbers[name]) for name in Scheme._fields))
-
-    def control(self) -> Control:
-        """Return the step control, in the form that the compiled loop takes."""
-        chosen = [name for name in Control._fields if name in (METHOD.names or ())]
-        values = {name: self.numbers[name].item() for name in chosen}
-        return Control(**values | {"is_fitted": bool(values["is_fitted"])})
 
 
 def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
@@ -103,7 +91,7 @@ def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
     return given
 
 
-def _resolved(given: np.ndarray) -> np.void:
+def _resolved(given: np.ndarray) -> np.record:
     """Return the record that the settings resolve to, and fill in `given`; raises
     `SettingsError`."""
     numbers, arguments = np.zeros(1, METHOD).view(np.recarray), np.zeros(MOST_ARGUMENTS)
@@ -155,7 +143,7 @@ def settings_of_given(given: np.ndarray, reduction: int) -> tuple[Settings, list
 
 
 def _warnings(
-    given: np.ndarray, own: np.ndarray, numbers: np.void, slots: Iterable[int]
+    given: np.ndarray, own: np.ndarray, numbers: np.record, slots: Iterable[int]
 ) -> list[Message]:
     """Return the warnings of `resolver.warning` about some of the settings."""
     arguments, result = np.zeros(MOST_ARGUMENTS), []

@@ -212,7 +212,8 @@ def response(
     stability : bool, optional
         Whether Floquet multipliers are computed.
     step : float, optional
-        Longest step along the curve, in clearances and shares of the range [1].
+        Longest step along the curve, by shooting as by harmonics: how far the contacts' Fourier
+        series moves, in clearances, with the share of the range [1].
     seeds : sequence of float, optional
         Values of the varied quantity at which runs in time search for further branches.
     whirl : bool, optional

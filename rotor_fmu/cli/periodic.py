@@ -62,8 +62,9 @@ def response(
     step: Annotated[
         float,
         typer.Option(
-            help="Longest step along the curve, in clearances (of motions past ten, in tenths of "
-            "their size) and shares of the range."
+            help="Longest step along the curve, by shooting as by harmonics: how far the contacts' "
+            "Fourier series moves, in clearances (of motions past ten, in tenths of their size), "
+            "with the share of the range."
         ),
     ] = 0.1,
     seed: Annotated[

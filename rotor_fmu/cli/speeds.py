@@ -85,26 +85,30 @@ def number_range(text: str, points: int | None, option: str, si: str) -> np.ndar
     low, high, count, unit = _ends(pieces, points, f"{option} {text}")
     if not low < high:
         raise InputError(f"{option} {text}: FROM must be below TO")
-    if not 2 <= count <= _MOST_POINTS:
-        raise InputError(f"{option} {text}: POINTS must be an integer from 2 to {_MOST_POINTS}")
     scale = factor(f"{option} {text}", unit, si) if unit else 1.0
     return np.linspace(low * scale, high * scale, count)
 
 
 def _ends(pieces: list[str], points: int | None, shown: str) -> tuple[float, float, int, str]:
     """Return both ends, the number of points and the unit, empty where there is none."""
-    ends = [split(piece) for piece in pieces[:2]]
-    for which, piece, end in zip(("FROM", "TO"), pieces, ends, strict=False):
-        if end is None and piece.strip():
+    form = "FROM:TO" if points is None else "FROM:TO or FROM:TO:POINTS"
+    if len(pieces) > (2 if points is None else 3) or not all(piece.strip() for piece in pieces):
+        raise InputError(f"{shown}: must be {form}")
+    ends = []
+    for which, piece in zip(("FROM", "TO"), pieces, strict=False):
+        end = split(piece)
+        if end is None:
             raise InputError(f"{shown}: {which} must be a finite number, not {piece.strip()}")
-    try:
-        count = int(pieces[2]) if len(pieces) > 2 else points or 2
-        (low, unit), (high, other) = (end for end in ends if end is not None)
-        if len(pieces) > (3 if points else 2):
-            raise ValueError
-    except ValueError as error:
-        form = "FROM:TO" if points is None else "FROM:TO or FROM:TO:POINTS"
-        raise InputError(f"{shown}: must be {form}") from error
+        ends.append(end)
+    count = points or 2
+    if len(pieces) > 2:
+        given = pieces[2].strip()
+        count = int(given) if given.isdecimal() else 0
+        if not 2 <= count <= _MOST_POINTS:
+            raise InputError(
+                f"{shown}: POINTS must be an integer from 2 to {_MOST_POINTS}, not {given}"
+            )
+    (low, unit), (high, other) = ends
     if unit and other and unit.lower() != other.lower():
         raise InputError(f"{shown}: must have one unit, not {unit} and {other}")
     return low, high, count, unit or other

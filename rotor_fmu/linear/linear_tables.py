@@ -7,6 +7,7 @@ import numpy as np
 
 from ..cells import cell, five_digits, html_table
 from ..display import speed_with_unit
+from ..model.prominent_peaks import prominent_peaks
 
 _ROUNDING = 1e-8  # of the largest of values of one kind
 _PROMINENT = 1e-4  # of a peak, by which it rises above what lies beside it: less is rounding
@@ -56,10 +57,8 @@ def turns(speed: float, contacts: str) -> str:
 
 def peaks(size: np.ndarray) -> list[int]:
     """Return the places of a curve's maxima, of its largest value where there is none inside."""
-    from scipy.signal import find_peaks  # which takes longer than most analyses
-
     with np.errstate(divide="ignore"):
-        inner, _ = find_peaks(np.log(size), prominence=_PROMINENT)
+        inner, _ = prominent_peaks(np.log(size), _PROMINENT)
     return inner.tolist() if len(inner) else [int(np.argmax(size))]
 
 

@@ -1,8 +1,9 @@
 """The common style of all pictures."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -136,8 +137,28 @@ def broken_at_turns(over: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np
     return np.insert(over, at, np.repeat(where, 3)), np.insert(degrees, at, ends)
 
 
-def save(figure: Figure, path: Path) -> Path:
+@contextmanager
+def placed(figure: Figure) -> Iterator[None]:
+    """Place the axes of a figure that is then written without its layout engine: with it,
+    Matplotlib draws the figure once more than it writes it, only to place them."""
+    engine = figure.get_layout_engine()
+    if isinstance(figure, PlainFigure):
+        figure.place_axes()
+        figure.set_layout_engine(None)
+    try:
+        yield
+    finally:
+        figure.set_layout_engine(engine)
+
+
+def write_png(figure: Figure, to: BinaryIO | Path) -> None:
     """Write a PNG without the date and versions that would make it differ each time."""
+    with placed(figure):
+        figure.savefig(to, format="png", metadata={"Software": None})
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a PNG, whole or not at all."""
     with unfinished(path) as part:
-        figure.savefig(part, metadata={"Software": None})
+        write_png(figure, part)
     return path

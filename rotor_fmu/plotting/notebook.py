@@ -10,8 +10,10 @@ if TYPE_CHECKING:
 
 def png(figure: "Figure") -> bytes:
     """Return a figure as a PNG."""
+    from .figure_style import write_png
+
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", metadata={"Software": None})
+    write_png(figure, buffer)
     return buffer.getvalue()
 
 

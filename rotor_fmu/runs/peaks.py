@@ -38,7 +38,7 @@ def start_up(t: np.ndarray, w: np.ndarray) -> float:
         return 0.0
     highest = float(np.abs(w).max())
     settled = START_UP.turns * TURN / highest if highest > 0 else math.inf
-    return min(settled, START_UP.share * float(t[-1]))
+    return float(t[0]) + min(settled, START_UP.share * float(t[-1] - t[0]))
 
 
 def largest_row(t: np.ndarray, amplitude: np.ndarray, begin: float) -> int:
@@ -59,7 +59,7 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | Non
         return None
     at = int(late[np.argmax(amplitude[late])])
     turn = TURN / max(abs(float(w[at])), 1e-9)
-    margin = max(_EDGE * float(t[-1] - t[late[0]]), min(turn, 0.1 * float(t[-1])))
+    margin = max(_EDGE * float(t[-1] - t[late[0]]), min(turn, 0.1 * float(t[-1] - t[0])))
     is_inside = t[late[0]] + margin < t[at] < t[-1] - margin
     passed = w[late]
     of_speeds = _EDGE * float(np.ptp(passed))
@@ -70,7 +70,7 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | Non
 def why_no_peak(t: np.ndarray, w: np.ndarray, status: str, largest: float = math.inf) -> str:
     """Return why a run of this status, in which `peak_index` finds none, has no peak; largest: its
     amplitude [m]."""
-    if not len(t) or not t[-1] > 0.0:
+    if not len(t) or not t[-1] > t[0]:
         return "the run stopped in its first communication step"
     if is_constant(w, _ROUNDING):
         return "the speed is constant"

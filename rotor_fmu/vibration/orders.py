@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError, check_positive, numbers
+from ..model.prominent_peaks import prominent_peaks
 from ..short_repr import ShortRepr
 from .recorded import finite
 from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
@@ -173,8 +174,6 @@ def resonances(
     amplitude that the prominence of a peak must reach. What is not finite is left out. Raises
     `InputError` for what is no signal, and for a speed that both rises and falls.
     """
-    from scipy.signal import find_peaks  # which takes longer than the rest of this package
-
     check_positive("least", least)
     of_time = {} if t is None else {"t": t}
     n, a, *times = finite(speed=speed, amplitude=amplitude, **of_time)
@@ -184,7 +183,7 @@ def resonances(
     order = np.argsort(n, kind="stable")
     n, a, time = n[order], a[order], time[order]
     floor = least * a.max(initial=0.0)
-    at, _ = find_peaks(a, prominence=floor)
+    at, _ = prominent_peaks(a, floor)
     result = [_resonance(n, a, time, i) for i in at.tolist()]
     return sorted(result, key=lambda peak: -peak.amplitude)
 

@@ -23,7 +23,8 @@ from rotor_fmu.linear import acceptance, answers, bearing_answers, frequency_ans
 from rotor_fmu.linear.displayed import _shear
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.machine_file.loading import load_rotor
-from rotor_fmu.plotting.figure_style import new_figure, new_panels, save
+from rotor_fmu.plotting.figure_style import PlainFigure, new_figure, new_panels, save
+from rotor_fmu.plotting.notebook import png
 from rotor_fmu.run_pictures import run_folder
 
 from ..known import EXAMPLES
@@ -47,6 +48,28 @@ def test_names_are_drawn_as_written_and_powers_of_ten_as_powers(tmp_path):
     labels = [label for label in axes.get_yticklabels() if label.get_text()]
     assert labels
     assert all(label.get_parse_math() for label in labels)
+
+
+@pytest.mark.usefixtures("drawn")
+def test_a_figure_is_written_as_matplotlib_would_drawn_once_less(tmp_path, monkeypatch):
+    def figure():
+        made, panels = new_panels(6.4, 5.0, 2, 2)
+        panels[0].plot([0, 1], [1e6, 2e6], label="a curve")
+        panels[3].set_ylabel("a label of an axis")
+        made.colorbar(panels[1].imshow([[0.0, 1.0]]), ax=panels[1])
+        made.suptitle("A title")
+        return made
+
+    figure().savefig(tmp_path / "matplotlib.png", metadata={"Software": None})
+    drawn, draw = [], PlainFigure.draw
+    monkeypatch.setattr(PlainFigure, "draw", lambda *of: (drawn.append(of), draw(*of)))
+    made = figure()
+    engine = made.get_layout_engine()
+    save(made, tmp_path / "saved.png")
+    assert len(drawn) == 1
+    assert made.get_layout_engine() is engine
+    written = [(tmp_path / f"{name}.png").read_bytes() for name in ("matplotlib", "saved")]
+    assert written[0] == written[1] == png(figure())
 
 
 def test_speeds_in_pictures_have_all_digits_before_the_point():

@@ -88,7 +88,7 @@ def vibration(t, omega=100.0):
 def test_indicators_are_newmarks_h_cubed_jerk_over_twelve_in_their_norm(indicator, norm):
     h = 1e-5
     old, new = vibration(0.02), vibration(0.02 + h)
-    control = choose("paper", method="newmark", indicator=indicator, norm=norm).control()
+    control = choose("paper", method="newmark", indicator=indicator, norm=norm).numbers
     size = np.linalg.norm(new.q - old.q)
     if norm == "mixed":
         size = control.atol + control.rtol * np.linalg.norm(new.q)
@@ -102,11 +102,11 @@ def test_indicators_are_newmarks_h_cubed_jerk_over_twelve_in_their_norm(indicato
 def test_no_motion_is_no_error():
     rest = State(*(np.zeros(2, dtype=complex) for _ in range(3)))
     for norm in ("increment", "mixed"):
-        control = choose("paper", norm=norm).control()
+        control = choose("paper", norm=norm).numbers
         assert error_indicator(control, 0.01, False, rest, rest) == 0
 
 
-CONTROL = choose("paper-adaptive", h=0.01, h_min=0.004, h_max=0.02).control()
+CONTROL = choose("paper-adaptive", h=0.01, h_min=0.004, h_max=0.02).numbers
 
 
 def test_a_rejected_step_shrinks_with_the_cube_root_but_not_below_the_least():

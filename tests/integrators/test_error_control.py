@@ -218,11 +218,11 @@ def test_a_repeated_step_ends_where_a_journal_touches():
     structure, old, new = run.structure, run.motion, run.trial
     dof, clearance = structure.interfaces[0].dof, rig().bearings[0].clearance
     old.q[dof], new.q[dof] = 0.7 * clearance * 1j, 1.3 * clearance * 1j
-    assert repeated_length(structure, choose().control(), 1e-3, 100.0, old, new) == pytest.approx(
+    assert repeated_length(structure, choose().numbers, 1e-3, 100.0, old, new) == pytest.approx(
         0.5e-3
     )
     new.q[dof] = 0.9 * clearance * 1j
-    assert repeated_length(structure, choose().control(), 1e-3, 100.0, old, new) == pytest.approx(
+    assert repeated_length(structure, choose().numbers, 1e-3, 100.0, old, new) == pytest.approx(
         SHRINKAGE * 1e-3
     )
 

@@ -11,6 +11,14 @@ RUN = """
 import rotor_fmu as rf
 rf.simulate(rf.load(), speed=185.0, stop=0.001)
 """
+UNBALANCE = """
+import numpy as np
+import rotor_fmu as rf
+from rotor_fmu import vibration
+rf.load().unbalance_response(np.linspace(50.0, 200.0, 20)).table()
+speeds = np.linspace(0.0, 9.0, 50)
+vibration.resonances(speeds, np.sin(speeds))
+"""
 HELP = """
 import contextlib, io, sys
 sys.argv = ["rotor-fmu", "--help"]
@@ -61,6 +69,7 @@ def run(script, **environment):
     ("script", "unused"),
     [
         (RUN, {"matplotlib", "scipy", "numba", "fmpy", "typer", "rich"}),
+        (UNBALANCE, {"scipy.signal"}),
         (HELP_OF_EACH, {"matplotlib", "scipy", "numba", "fmpy", "pandas"}),
         (HELP, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
         (COMPLETION, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),

@@ -9,10 +9,11 @@ import pytest
 import scipy.integrate
 import scipy.optimize
 from rotor_fmu.model.periodic import arclength
-from rotor_fmu.model.periodic.arclength import ContinuationSteps
+from rotor_fmu.model.periodic.arclength import ContinuationEquations, ContinuationSteps
 from rotor_fmu.model.periodic.floquet import multipliers
 from rotor_fmu.model.periodic.force_corners import SampledOrbit, crossings
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
+from rotor_fmu.model.periodic.newton import solve
 
 import rotor_fmu as rf
 
@@ -100,16 +101,14 @@ def test_each_located_bifurcation_has_its_multiplier(doubled):
             assert abs(b.multiplier + 1) < 2e-6
 
 
-class _Circle:
+class _Circle(ContinuationEquations):
     """x^2 + lambda^2 = 1."""
 
-    tolerance, damped_beyond, scale = 1e-12, 1.0, 1.0
+    tolerance, damped_beyond, scale, difference = 1e-12, 1.0, 1.0, 1e-7
+    is_central = True
 
-    def residual(self, x, value):
-        return x**2 + value**2 - 1.0
-
-    def linearized_with_parameter(self, x, value):
-        return self.residual(x, value), np.array([2.0 * x]), np.array([2.0 * value])
+    def linearized(self, x, value):
+        return x**2 + value**2 - 1.0, np.array([2.0 * x])
 
     def seen(self, x, value, direction):
         return x, direction[:-1]
@@ -125,6 +124,33 @@ def test_a_step_as_long_along_the_tangent_as_the_last_one_was_comes_to_its_end()
         length = a.tangent @ (b.x - a.x) + a.tangent_value * (b.value - a.value)
         again = arclength.step_along(circle, a, float(length))
         assert abs(again.value - b.value) < 1e-6 * abs(b.value - a.value)
+
+
+class _Bend(ContinuationEquations):
+    """lambda = x - A tanh((x - 1) / w), an S-bend about (1, 1) where A > w."""
+
+    scale, difference, is_central = 1.0, 1e-7, True
+
+    def __init__(self, w, ratio):
+        self.w, self.A = w, ratio * w
+
+    def linearized(self, x, value):
+        bend = np.tanh((x - 1.0) / self.w)
+        slope = 1.0 - self.A / self.w * (1.0 - bend**2)
+        return x - self.A * bend - value, np.array([slope])
+
+
+@pytest.mark.parametrize(("w", "ratio"), [(0.02, 1.5), (0.005, 1.5), (0.005, 3.0), (0.1, 0.5)])
+def test_a_step_is_shortened_where_it_would_pass_over_an_s_bend(w, ratio):
+    """Down to a twentieth of it; a bend without folds of that size takes few steps."""
+    bend = _Bend(w, ratio)
+    start = arclength.with_tangent(bend, solve(bend, np.zeros(1), 0.0), 0.0, 1.0)
+    trace = arclength.trace(bend, start, 0.0, 2.0, ContinuationSteps(longest=0.1))
+    points = [point for point, _ in trace]
+    ahead = [point.tangent_value > 0 for point in points]
+    assert np.count_nonzero(np.diff(ahead)) == (2 if ratio > 1 else 0)
+    assert len(points) < 70
+    assert points[-1].value == 2.0
 
 
 @pytest.mark.slow
@@ -148,7 +174,7 @@ def test_a_torus_begins_where_a_pair_of_multipliers_leaves_the_circle(curve, ove
     assert np.isnan(grazing.multiplier)
 
 
-class _Corner:
+class _Corner(ContinuationEquations):
     """lambda = 2 |x|, and so many more unknowns that are 0."""
 
     tolerance, damped_beyond, scale = 1e-12, 1.0, 1.0

@@ -2,18 +2,19 @@
 program, against harmonic balance, and gone on with after a stop."""
 
 from copy import copy
+from itertools import islice, pairwise
 
 import numpy as np
 import pytest
 import scipy.integrate
-from rotor_fmu.model.periodic import mesh
-from rotor_fmu.model.periodic.arclength import with_tangent
+from rotor_fmu.model.periodic import arclength, mesh
+from rotor_fmu.model.periodic.arclength import ContinuationSteps, with_tangent
 from rotor_fmu.model.periodic.bifurcation_search import bifurcations_between
 from rotor_fmu.model.periodic.branch import solution
 from rotor_fmu.model.periodic.branch_switching import follow_switched
 from rotor_fmu.model.periodic.checkpoint import EventLog
 from rotor_fmu.model.periodic.continuation import BranchSearch, follow, start_at
-from rotor_fmu.model.periodic.fourier import shifted
+from rotor_fmu.model.periodic.fourier import resized, shifted
 from rotor_fmu.model.periodic.harmonic_count import Accuracy
 from rotor_fmu.model.periodic.newton import solve
 from rotor_fmu.model.periodic.problem import PeriodicError, Response, Task, machines_of
@@ -255,3 +256,22 @@ def test_a_fold_found_by_shooting_has_no_curve_of_folds_and_says_what_to_do(by_s
     ) as error:
         folds_over(result, fold, "contact[1].clearance", 0.5 * CLEARANCE, 2 * CLEARANCE)
     assert "\n" not in str(error.value)
+
+
+def test_the_longest_step_is_as_long_by_shooting_as_by_harmonics():
+    """In clearances of the motion's series; a step is as long as the last one lets expect."""
+    (point,) = rf.response(sagging(), speed=(244.0, 246.0), harmonics=40).at(SPEED)
+    task = Task(200.0, 10200.0)
+    machines = machines_of(sagging().rotor, task)
+    balance = task.problem(machines, SPEED, 12)
+    for equations in (balance, Shooting(balance, point.orbit)):
+        x = solve(equations, equations.join(point.orbit), SPEED)
+        start = with_tangent(equations, x, SPEED, 1.0)
+        trace = arclength.trace(equations, start, 200.0, 1e4, ContinuationSteps(longest=0.1))
+        points = [start, *(point for point, _ in islice(trace, 15))]
+        b = [resized(equations.split(p.x, p.value).b, 60) / CLEARANCE for p in points]
+        ways = [
+            float(np.hypot(np.linalg.norm(after - before), (q.value - p.value) / 1e4))
+            for (p, q), (before, after) in zip(pairwise(points), pairwise(b), strict=True)
+        ]
+        assert max(ways) == pytest.approx(0.1, rel=0.03)

@@ -141,6 +141,22 @@ def test_the_start_up_lasts_as_many_turns_of_a_slow_machine_as_of_a_fast_one(sca
     assert start_up(t, 0 * w) == pytest.approx(0.2 * t[-1])
 
 
+def test_a_run_that_begins_at_another_time_has_the_same_start_up_and_peak():
+    """As of a host whose experiment begins later, or before 0, at a peak more or less than a
+    tenth of it from the end."""
+    for end in (19.0, 20.5):
+        t = np.linspace(2.0, 22.0, 4001)
+        w = 0.5 + 0.05 * t
+        amplitude = 9 - abs(t - end)
+        at = peak_index(t - 2.0, w, amplitude)
+        assert (at is None) == (end > 20.0)
+        for begin in (-1000.0, 1000.0):
+            assert start_up(t + begin, w) == pytest.approx(begin + 2.0 + start_up(t - 2.0, w))
+            assert peak_index(t + begin, w, amplitude) == at
+            assert "largest at an edge" in why_no_peak(t + begin, w, "ok")
+            assert "first communication step" in why_no_peak(t[:1] + begin, w[:1], "ok")
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_the_figures_of_a_run_scale_with_its_speed(scale):
     def figures(scale):

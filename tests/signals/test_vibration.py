@@ -4,7 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy.signal
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.prominent_peaks import prominent_peaks
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
@@ -306,3 +308,16 @@ def test_the_vector_and_the_ellipse_of_an_order_of_a_quarter_are_those_of_the_an
     assert track.backward == pytest.approx(1e-5, rel=1e-3)
     assert track.major(0.25) == pytest.approx(4e-5, rel=1e-3)
     assert track.minor(0.25) == pytest.approx(2e-5, rel=1e-3)
+
+
+def test_peaks_and_their_prominences_are_those_of_scipy():
+    """Of curves of few values, that have flat peaks and equal ones, and of a logarithm of 0."""
+    rng = np.random.default_rng(5)
+    for count in range(120):
+        values = rng.integers(0, 2 + count % 8, count).astype(float)
+        values[values == rng.integers(0, 8)] = -np.inf
+        for least in (0.0, 2.0):
+            at, heights = prominent_peaks(values, least)
+            expected, of = scipy.signal.find_peaks(values, prominence=least)
+            assert at.tolist() == expected.tolist()
+            assert heights.tolist() == of["prominences"].tolist()
