@@ -10,7 +10,7 @@ from ..display import speed_with_unit
 from ..model.linear.linear_machine import LinearMachine
 from ..model.linear.modes import LEAST_GROWTH, modes
 from ..model.linear.orbit import semi_axes
-from ..model.linear.own_frequency import OwnWhirl, own_whirl
+from ..model.linear.own_frequency import CRITICALLY_DAMPED, OwnWhirl, own_whirl
 from ..model.linear.unbalance import UnbalanceResponse
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
@@ -53,11 +53,15 @@ def where_linearized(
             f"have another damping, which a run shows: {', '.join(pads)}"
         )
     fastest = max(speeds, key=abs)
-    if whirl := whirl_in_pads(machine, fastest, contacts, coupling or {}):
+    whirl = whirl_in_pads(machine, fastest, contacts, coupling or {})
+    if whirl and not whirl.is_critically_damped:
+        here = "all are critically damped"
+        if whirl.synchronous < CRITICALLY_DAMPED:
+            here = f"it is {whirl.synchronous:.3g}"
         result.append(
             f"at {speed_with_unit(fastest)} the least log dec of slower whirls is "
             f"{whirl.log_dec:.3g}, of {speed_with_unit(whirl.frequency)}, where pads follow each "
-            f"at its own frequency; here it is {whirl.synchronous:.3g}"
+            f"at its own frequency; here {here}"
         )
     return result
 

@@ -243,8 +243,9 @@ def _stability(
 
 
 def _slower(whirl: OwnWhirl | None) -> Iterator[Conclusion]:
-    """Yield what it means that pads follow a whirl at its own frequency, not that of rotation."""
-    if whirl:
+    """Yield what it means that pads follow a whirl at its own frequency, not that of rotation;
+    nothing of whirls that are critically damped."""
+    if whirl and not whirl.is_critically_damped:
         yield Conclusion(
             "Whirls slower than the rotation, with tilting pads that follow each at its own "
             f"frequency: least log dec {whirl.log_dec:.3g}, of {speed_with_unit(whirl.frequency)}.",

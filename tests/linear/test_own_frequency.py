@@ -63,6 +63,22 @@ def test_answers_say_what_it_is_and_where_it_grows(q, is_unstable):
     assert all("Hz grows, which its pads follow" in sentence for sentence in said)
 
 
+@pytest.mark.parametrize(("speed", "is_said"), [(1500.0, True), (1000.0, False), (200.0, False)])
+def test_what_is_critically_damped_has_no_number(speed, is_said):
+    """By API 684 with an amplification factor below 2.5, a damping ratio above 0.2. Here whirls
+    are so on a thick shaft with synchronous coefficients, with which at 200 rad/s none is left."""
+    rotor = parse_rotor(on_pads(0.0).replace("0.08, 0.08", "0.2, 0.2"))
+    whirl, found = own_whirl(rotor, speed), modes(rotor, speed)
+    slower = found.damping_ratio[found.damped < speed]
+    assert (slower > 0.2).all()
+    assert (whirl.synchronous == math.inf) == (len(slower) == 0)
+    ratio = whirl.log_dec / math.hypot(2 * math.pi, whirl.log_dec)
+    assert whirl.is_critically_damped == (ratio > 0.2) == (not is_said)
+    said = [s for s in where_linearized(rotor, [speed]) if "least log dec" in s]
+    assert len(said) == len(list(report_page._slower(whirl))) == is_said
+    assert all(s.endswith("at its own frequency; here all are critically damped") for s in said)
+
+
 @pytest.mark.parametrize(("log_dec", "is_met"), [(-0.02, False), (0.02, True)])
 def test_the_report_concludes_whether_slower_whirls_decay(log_dec, is_met):
     (found,) = report_page._slower(OwnWhirl(log_dec, 300.0, 0.2))
@@ -78,6 +94,7 @@ def test_cross_coupling_does_the_same_as_in_a_seal_that_carries_nothing():
 
 
 def test_there_is_none_of_a_machine_slower_than_its_modes_or_without_pads():
+    """Beside the modes of the shaft there is a whirl in the films, which is critically damped."""
     rotor = parse_rotor(on_pads(0.0))
-    assert own_whirl(rotor, 100.0) is None
+    assert own_whirl(rotor, 100.0).is_critically_damped
     assert own_whirl(parse_rotor(on_pads(0.0).replace("tilting = true", "")), SPEED) is None
