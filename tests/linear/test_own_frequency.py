@@ -5,13 +5,19 @@ from dataclasses import replace
 
 import pytest
 from rotor_fmu.model.linear import modes
-from rotor_fmu.model.linear.frequency_response import frequency_response
+from rotor_fmu.model.linear.frequency_response import (
+    ControlLoop,
+    frequency_response,
+    sensitivity,
+)
 from rotor_fmu.model.linear.own_frequency import OwnWhirl, own_whirl
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear.where_linearized import where_linearized, where_not_reached
+from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.machine_report import report_page
 
+from ..known import EXAMPLES
 from ..toml_text import table
 
 SPEED = 1000.0
@@ -98,3 +104,22 @@ def test_there_is_none_of_a_machine_slower_than_its_modes_or_without_pads():
     rotor = parse_rotor(on_pads(0.0))
     assert own_whirl(rotor, 100.0).is_critically_damped
     assert own_whirl(parse_rotor(on_pads(0.0).replace("tilting = true", "")), SPEED) is None
+
+
+def is_stable(rotor, speed):
+    """Whether control loops are that do next to nothing."""
+    loop = ControlLoop("magnet", 2, 2, kp=1e-3, kd=0.0, force_per_current=1.0)
+    return sensitivity(rotor, [50.0], [loop], speed=speed).is_stable
+
+
+@pytest.mark.parametrize("q", [5.5e5, 8e5])
+def test_control_loops_are_as_stable_as_whirls_which_pads_follow(q):
+    rotor = parse_rotor(on_pads(q))
+    assert modes(rotor, SPEED).growth < 0.0
+    assert is_stable(rotor, SPEED) == (own_whirl(rotor, SPEED).log_dec > 0.0)
+
+
+@pytest.mark.parametrize("speed", [440.0, 460.0])
+def test_control_loops_are_as_stable_as_the_whirls_of_floating_rings(speed):
+    rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")[1]
+    assert is_stable(rotor, speed) == (modes(rotor, speed).growth < 0.0)
