@@ -118,7 +118,7 @@ def unbalance_check(
     probes = listed("probes", probes, "nodes")
     response = _Response(rotor, contacts, unbalances, mapped("clearances", clearances))
     trip = max(high, rotor.operation.trip_speed or high)
-    speeds = _speeds(rotor, max(LOOKED_AT * high, trip), contacts)
+    speeds = _speeds(rotor, highest_looked_at(rotor, high), contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
         for critical in _criticals(response, probes, speeds)
@@ -139,6 +139,12 @@ def unbalance_check(
         scale=scale,
         clearances=tuple(response.clearance_levels(np.append(speeds[speeds < trip], trip), scale)),
     )
+
+
+def highest_looked_at(rotor: Rotor, high: float) -> float:
+    """Return the highest speed that a check looks at [rad/s], for critical speeds or clearances;
+    high: the maximum continuous one."""
+    return max(LOOKED_AT * high, rotor.operation.trip_speed or high)
 
 
 def critical_peaks(

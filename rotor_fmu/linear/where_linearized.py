@@ -68,9 +68,13 @@ def where_linearized(
 
 def where_beyond_tables(machine: Rotor, speeds: Collection[float]) -> list[str]:
     """Return a sentence for each table of a machine outside of which the lowest or the highest of
-    some speeds [rad/s] lies."""
-    tables, ends = speed_ranges(machine), sorted({min(speeds), max(speeds)} if len(speeds) else ())
-    return [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
+    some speeds [rad/s] lies, by their size where the table is for either sense of rotation."""
+    result = []
+    for table in speed_ranges(machine):
+        over = [abs(speed) if table.is_of_size else speed for speed in speeds]
+        ends = sorted({min(over), max(over)}) if over else []
+        result += [table.beyond.format(speed=end) for end in ends if not table.holds(end)]
+    return result
 
 
 def where_not_reached(

@@ -20,7 +20,7 @@ from ..linear.where_linearized import where_films_are_left, where_linearized, wh
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.own_frequency import OwnWhirl
 from ..model.linear.unbalance import SteadyWhirl
-from ..model.linear.unbalance_check import LOOKED_AT
+from ..model.linear.unbalance_check import LOOKED_AT, highest_looked_at
 from ..model.machine.rotor import Rotor
 from ..report.report_tables import notice_html, table
 from ..report.run_page import figure_html, machine_html, page, template
@@ -101,12 +101,13 @@ def machine_report(
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
     whirl = whirl_in_pads(rotor, high, None, options.couplings or {})
     left = where_films_are_left(rotor, response)
+    looked_at = [*speeds, highest_looked_at(rotor, high)]
     conclusions = _conclusions(diagram, left, check, level_1, level_2, whirl, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
         "At rest": _at_rest(at_rest),
         "Critical speeds": [
-            *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, speeds)),
+            *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, looked_at)),
             _html(diagram.table()),
             figure_html(diagram.figure((low, high)), "Campbell diagram"),
             *_shown(over_stiffness, "Undamped critical speed map"),
