@@ -13,6 +13,7 @@ from ..machine.rotor import Rotor
 from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import OPEN, LinearError
 from .static import check_node, lowest_speed
+from .supports import walls
 from .unbalance import SteadyWhirl
 from .unbalance_peaks import Gap, gaps, major_axis, with_criticals
 from .unbalance_placement import vibration_limit
@@ -213,7 +214,7 @@ class _Response:
             dof = 2 * (check_node(self.machine, node) - 1)
             self._gaps.append(Gap(f"node {node}", clearance, dof, -1))
         if self.machine.contacts == OPEN:
-            self._gaps += gaps(rotor, self.machine)
+            self._gaps += gaps(self.machine, walls(rotor))
 
     def axis(self, node: int, axis: int, speed: float) -> float:
         """Return the amplitude of a node in x or y [m]."""

@@ -261,9 +261,21 @@ def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
         yield " to ".join(dict.fromkeys(shown_speed(end) for end in (group[0], group[-1])))
 
 
+def _clearances(check: acceptance.UnbalanceCheck, left: Sequence[str]) -> Iterator[Conclusion]:
+    """Yield what is said of clearances; left: sentences on those of films."""
+    if tight := ", ".join(c.name for c in check.clearances if not c.is_met):
+        yield Conclusion(f"More than 75 % of a clearance is taken: {tight}.", False)
+    elif check.clearances:
+        yield Conclusion("No clearance is taken by more than 75 %.", True)
+    elif not left:
+        yield Conclusion(
+            "No clearance was checked: no open contact and no --clearance is there.", None
+        )
+
+
 def _conclusions(
     diagram: answers.Campbell,
-    left: Iterable[str],
+    left: Sequence[str],
     check: acceptance.UnbalanceCheck,
     level_1: stability_answers.StabilityLevel1,
     level_2: stability_answers.StabilityLevel2,
@@ -273,7 +285,6 @@ def _conclusions(
     """Return what the report says, in a line each."""
     near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
     loud = [p for p in check.probes if p.peak_to_peak > check.limit]
-    tight = [c.name for c in check.clearances if not c.is_met]
     d = current()
     speeds = ", ".join(as_ranges(c.peak.speed for c in near))
     limit = f"{check.limit * d.small:.3g} {d.small_word}"
@@ -296,14 +307,7 @@ def _conclusions(
             else f"All probes stay below {limit} peak-to-peak.",
             not loud,
         ),
-        Conclusion(
-            f"More than 75 % of a clearance is taken: {', '.join(tight)}."
-            if tight
-            else "No clearance is taken by more than 75 %."
-            if check.clearances
-            else "No clearance was checked: no open contact and no --clearance is there.",
-            not tight if check.clearances else None,
-        ),
+        *_clearances(check, left),
         _stability(level_1, level_2),
         *_slower(whirl),
         Conclusion(rub.conclusion, not rub.closings),
