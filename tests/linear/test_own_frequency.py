@@ -10,6 +10,7 @@ from rotor_fmu.model.linear.frequency_response import (
     frequency_response,
     sensitivity,
 )
+from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.linear.own_frequency import OwnWhirl, own_whirl
 from rotor_fmu.model.machine.toml import parse_rotor
 
@@ -104,6 +105,15 @@ def test_there_is_none_of_a_machine_slower_than_its_modes_or_without_pads():
     rotor = parse_rotor(on_pads(0.0))
     assert own_whirl(rotor, 100.0).is_critically_damped
     assert own_whirl(parse_rotor(on_pads(0.0).replace("tilting = true", "")), SPEED) is None
+
+
+def test_an_answer_does_not_depend_on_what_was_asked_before():
+    """Or a pad may bear, or not, where it just begins to, by the order of speeds."""
+    rotor = parse_rotor(on_pads(0.0))
+    asked, fresh = LinearMachine(rotor), LinearMachine(rotor)
+    asked.at(3 * SPEED)
+    for one, other in zip(asked.at(SPEED).laws, fresh.at(SPEED).laws, strict=True):
+        assert (one == other).all()
 
 
 def is_stable(rotor, speed):
