@@ -36,7 +36,7 @@ _FLAT = 1e-4  # of a peak: what rises less is rounding beside an undamped mode t
 # Of a speed: so near a peak, though far from how exactly it is found, the response is the same on
 # both sides, in what it falls by; less than that, of the peak, is rounding. At the nearer distance
 # a step shows though it is small; at the other one though its edge is not sharp: whether a pad
-# bears there depends, within rounding, on where its equilibrium was looked for from.
+# bears there depends, within rounding, on the way of Newton's method to its equilibrium.
 _BESIDE, _FALLS = (1e-6, 1e-5), 1e-8
 # Damping ratio: a sharper peak is not looked at more closely. Ten times as close, the rounding of
 # some machines rises by 1e-5.

@@ -255,11 +255,12 @@ class _Plant:
 
 
 def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
-    """Return the poles of the machine with its closed loops [1/s], delays approximated by Pade's
-    rational functions."""
+    """Return the poles of the machine with its closed loops [1/s], states of laws, such as tilts of
+    pads, being unknowns beside its own, and delays approximated by Pade's rational functions."""
     from scipy.signal import tf2ss  # which takes longer than most analyses
 
-    linear = plant.linear
+    machine = plant.machine
+    linear = machine.with_own_states(plant.linear, of_all=True)
     M, D, K = (matrix.toarray() for matrix in (linear.M, linear.D, linear.K))
     for loop in loops:
         at = plant.selection([loop.magnet])
@@ -267,6 +268,9 @@ def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
     size = len(M)
     inverse = np.linalg.inv(M)
     rotor = np.block([[np.zeros((size, size)), np.eye(size)], [-inverse @ K, -inverse @ D]])
+    if (own := linear.own_states) is not None:
+        forces = np.vstack([np.zeros((size, len(own.tangents.by_states))), inverse @ own.forces()])
+        rotor = np.block([[rotor, forces], [own.rates(), own.tangents.by_states]])
     whole, read, push = [rotor], [], []
     for loop in loops:
         numerator, denominator = loop.rational()
@@ -286,7 +290,7 @@ def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
             read.append((plant.selection([loop.sensor])[axis], system))
             push.append(inverse @ plant.selection([loop.magnet])[axis])
     A = scipy.linalg.block_diag(*whole)
-    begin = 2 * size
+    begin = len(rotor)
     for (sensor, (a, b, c, d)), force in zip(read, push, strict=True):
         end = begin + len(a)
         A[begin:end, :size] += b @ sensor[None, :]

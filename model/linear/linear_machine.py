@@ -125,7 +125,6 @@ class LinearMachine:
         )
         turning = s.numbers[0].lowest_omega
         self._is_held_turning = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
-        self._near: np.ndarray | None = None  # where it was at rest last
         # pads that tilt, without preload, hold a journal only where it is off their middle
         if not (self._is_held_loaded or self._is_held_turning):
             fallen = [(self._moved(way, self._fall), self._moved(way, _FAR)) for way in _WAYS]
@@ -188,25 +187,25 @@ class LinearMachine:
         if not self._holds_at(speed, given):
             turning = "; it is held as it turns: give a speed above 0"
             raise LinearError(self.why_not_held() + (turning if self._is_held_turning else ""))
-        force = self.expand.T @ given
-        for near in (self._near, np.zeros_like(force)):
-            linear = None if near is None else self._rested(speed, force, near)
-            if linear is not None:
-                self._near = linear.rest
-                at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
-                check_films(self.rotor, names, speed, at, linear.laws.force, self.laws)
-                return self.vibrating(linear, abs(speed))
+        # from the same place whatever was asked before: whether a pad that begins to bear does so
+        # depends on that, within rounding
+        linear = self._rested(speed, self.expand.T @ given)
+        if linear is not None:
+            at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
+            check_films(self.rotor, names, speed, at, linear.laws.force, self.laws)
+            return self.vibrating(linear, abs(speed))
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
 
     def _moved(self, way: complex, far: float) -> np.ndarray:
         """Return the machine moved as one body in a direction, so far [m]."""
         return self._rigid()[:, :2] @ np.array([far * way.real, far * way.imag])
 
-    def _rested(self, speed: float, force: np.ndarray, rest: np.ndarray) -> Linear | None:
-        """Return the machine linearized where a force holds it, looked for from `rest` on by
+    def _rested(self, speed: float, force: np.ndarray) -> Linear | None:
+        """Return the machine linearized where a force holds it, looked for from the middle on by
         Newton's method; None where that finds nothing. Each step is halved until its tangents, from
         where it ends, lead hardly further than they did from where it began, which is no worse in
         other units (Deuflhard 2011)."""
+        rest = np.zeros_like(force)
         linear = self._linear(speed, rest)
         least, before = CHANGE * self.structure.numbers[0].small, 0.0
         for _ in range(_ITERATIONS):

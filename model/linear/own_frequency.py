@@ -8,18 +8,31 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
+import numpy as np
+
 from ..machine.rotor import Rotor
+from .amplification import DAMPED
 from .linear_machine import LinearMachine
 from .modes import DEFAULT_COUNT, LEAST_GROWTH, modes_of
+
+# The logarithmic decrement at an amplification factor 1 / (2 zeta) of 2.5, below which API 684
+# calls a mode critically damped. Larger ones, which have no limit, say nothing more.
+CRITICALLY_DAMPED = 2 * math.pi / math.sqrt((2 * DAMPED) ** 2 - 1)
 
 
 class OwnWhirl(NamedTuple):
     """The slower whirl with the least logarithmic decrement [1], and its frequency [rad/s]; the
-    least one of slower whirls where pads follow at the frequency of rotation [1]."""
+    least one of slower whirls where pads follow at the frequency of rotation, infinite where there
+    is none [1]."""
 
     log_dec: float
     frequency: float
     synchronous: float
+
+    @property
+    def is_critically_damped(self) -> bool:
+        """Whether its amplification factor is below 2.5."""
+        return self.log_dec >= CRITICALLY_DAMPED
 
     @property
     def growth(self) -> float:
@@ -51,14 +64,17 @@ def own_whirl(
     if not machine.laws.follows.any():
         return None
     linear = linear._replace(own_K=linear.own_K + added)
-    seen = (modes_of(machine, linear, DEFAULT_COUNT, pads_whirl=own) for own in (True, False))
-    slower = [(found, found.is_held & (found.damped < abs(speed))) for found in seen]
-    if not all(places.any() for _, places in slower):
+    own, synchronous = (
+        modes_of(machine, linear, DEFAULT_COUNT, pads_whirl=whirl) for whirl in (True, False)
+    )
+    of_own, of_synchronous = (
+        found.is_held & (found.damped < abs(speed)) for found in (own, synchronous)
+    )
+    if not of_own.any():
         return None
-    (own, of_own), (synchronous, of_synchronous) = slower
-    least = own.eigenvalues[of_own][own.log_dec[of_own].argmin()]
+    least = np.flatnonzero(of_own)[own.log_dec[of_own].argmin()]
     return OwnWhirl(
-        float(own.log_dec[of_own].min()),
-        float(least.imag),
-        float(synchronous.log_dec[of_synchronous].min()),
+        float(own.log_dec[least]),
+        float(own.damped[least]),
+        float(synchronous.log_dec[of_synchronous].min(initial=math.inf)),
     )

@@ -25,6 +25,14 @@ class OwnStates(NamedTuple):
     between: Callable[[np.ndarray], np.ndarray]
     tangents: StateTangents
 
+    def rates(self) -> np.ndarray:
+        """Return R_d and R_v of the unknowns' displacements and velocities, shape (s, 2 N)."""
+        return np.hstack([of @ self.across for of in (self.tangents.by_d, self.tangents.by_v)])
+
+    def forces(self) -> np.ndarray:
+        """Return the forces F_s on the unknowns, shape (N, s) [N]."""
+        return np.asarray(self.across.T @ self.tangents.force)
+
     def following(self, root: float) -> "Following":
         """Return how they follow motions about exp(root t), root [1/s]."""
         by, m = self.tangents, np.arange(self.across.shape[0] // 2)
@@ -35,7 +43,7 @@ class OwnStates(NamedTuple):
         inverse /= size[:, None]
         return Following(
             self.between((by.force @ moved).reshape(len(m), 2, len(m), 2)[m, :, m]),
-            (self.across.T @ by.force) * size,
+            self.forces() * size,
             inverse @ by.by_d @ self.across,
             inverse @ by.by_v @ self.across,
             inverse * size,

@@ -40,6 +40,17 @@ def walls(rotor: Rotor) -> dict[str, InterfaceElement]:
     return {where: e for where, e in rotor.elements_of_kind(InterfaceElement) if e.law.has_wall}
 
 
+def touching(rotor: Rotor) -> dict[str, InterfaceElement]:
+    """Return the interfaces that observe whether they touch, by the parts' names: those with a
+    wall, and films, behind which there may be one."""
+    elements = rotor.elements_of_kind(InterfaceElement)
+    return {
+        where: e
+        for where, e in elements
+        if any(output.name == "contact" for output in e.law.outputs_of(e.source))
+    }
+
+
 def are_linear(rotor: Rotor) -> np.ndarray:
     """Return which interfaces have a force that is linear in displacement and velocity."""
     return np.array([e.law is LINEAR_BEARING for e in interfaces(rotor)], bool)

@@ -17,6 +17,7 @@ from ..machine.rotor import Rotor
 from . import orbit
 from .linear_machine import LinearMachine
 from .modes import check_speed
+from .real_matrices import to_complex
 from .static import check_node
 from .support_loads import support_loads
 from .system_at_speed import LinearError
@@ -149,24 +150,32 @@ class SteadyWhirl:
         [m, rad]."""
         return self._solved(float(speed))[0]
 
+    def rest(self, speed: float) -> np.ndarray:
+        """Return where gravity holds the machine at a speed [rad/s], x + i y of every dof, shape
+        (size,) [m, rad]; 0 where that is not looked for, all that bears it being linear."""
+        x_y = self.machine.expand @ self._solved(float(speed))[2]
+        return np.asarray(to_complex(x_y))
+
     def loads(self, speed: float) -> np.ndarray:
         """Return the complex loads on the supports in x and y at a speed [rad/s] in N."""
         return self._solved(float(speed))[1]()
 
-    def _solve(self, speed: float) -> tuple[np.ndarray, Callable[[], np.ndarray]]:
-        """Return the motion at a speed, and what computes the loads, which take longer."""
+    def _solve(self, speed: float) -> tuple[np.ndarray, Callable[[], np.ndarray], np.ndarray]:
+        """Return the motion at a speed, what computes the loads, which take longer, and where the
+        unknowns are at rest."""
         check_speed(speed)
         machine = self.machine
         if speed == 0.0 and not machine.is_held:  # it turns about its centre of mass
             return self._solve(_CREEPING * float(machine.structure.numbers[0].lowest_omega))
         if speed == 0.0:  # nothing pulls, even on journals that no film carries yet
             nothing = np.zeros((len(machine.supports.names), 2), complex)
-            return np.zeros((len(self._pull) // 2, 2), complex), lambda: nothing
+            at_rest = np.zeros(machine.expand.shape[1])
+            return np.zeros((len(self._pull) // 2, 2), complex), lambda: nothing, at_rest
         linear = machine.at(speed)
         force = speed**2 * self._pull
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
         loads = partial(support_loads, machine, linear, u, pull, force, speed)
-        return (machine.expand @ u).reshape(-1, 2), loads
+        return (machine.expand @ u).reshape(-1, 2), loads, linear.rest
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
         """Return the response at speeds [rad/s], at least one."""

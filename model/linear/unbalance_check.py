@@ -13,6 +13,7 @@ from ..machine.rotor import Rotor
 from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import OPEN, LinearError
 from .static import check_node, lowest_speed
+from .supports import walls
 from .unbalance import SteadyWhirl
 from .unbalance_peaks import Gap, gaps, major_axis, with_criticals
 from .unbalance_placement import vibration_limit
@@ -118,7 +119,7 @@ def unbalance_check(
     probes = listed("probes", probes, "nodes")
     response = _Response(rotor, contacts, unbalances, mapped("clearances", clearances))
     trip = max(high, rotor.operation.trip_speed or high)
-    speeds = _speeds(rotor, max(LOOKED_AT * high, trip), contacts)
+    speeds = _speeds(rotor, highest_looked_at(rotor, high), contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
         for critical in _criticals(response, probes, speeds)
@@ -139,6 +140,12 @@ def unbalance_check(
         scale=scale,
         clearances=tuple(response.clearance_levels(np.append(speeds[speeds < trip], trip), scale)),
     )
+
+
+def highest_looked_at(rotor: Rotor, high: float) -> float:
+    """Return the highest speed that a check looks at [rad/s], for critical speeds or clearances;
+    high: the maximum continuous one."""
+    return max(LOOKED_AT * high, rotor.operation.trip_speed or high)
 
 
 def critical_peaks(
@@ -207,7 +214,7 @@ class _Response:
             dof = 2 * (check_node(self.machine, node) - 1)
             self._gaps.append(Gap(f"node {node}", clearance, dof, -1))
         if self.machine.contacts == OPEN:
-            self._gaps += gaps(rotor, self.machine)
+            self._gaps += gaps(self.machine, walls(rotor))
 
     def axis(self, node: int, axis: int, speed: float) -> float:
         """Return the amplitude of a node in x or y [m]."""

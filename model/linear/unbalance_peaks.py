@@ -2,7 +2,7 @@
 one is narrower than the distance of speeds spaced evenly."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
@@ -15,7 +15,6 @@ from .campbell import campbell
 from .linear_machine import LinearMachine
 from .orbit import semi_axes
 from .static import check_node, lowest_speed
-from .supports import walls
 from .unbalance import SteadyWhirl, UnbalanceResponse
 
 _MODES = 12
@@ -37,13 +36,10 @@ class Gap(NamedTuple):
         return partial(major_axis, whirl, self.dof, self.end, -1.0)
 
 
-def gaps(rotor: Rotor, machine: LinearMachine) -> list[Gap]:
-    """Return the clearances of a machine's contacts."""
-    at = machine.structure.interfaces[machine.pinned]
-    return [
-        Gap(name, float(i.length), int(i.dof), int(i.end))
-        for name, i in zip(walls(rotor), at, strict=True)
-    ]
+def gaps(machine: LinearMachine, names: Iterable[str]) -> list[Gap]:
+    """Return the clearances of interfaces of these names, such as a machine's contacts."""
+    at = dict(zip(machine.supports.interfaces, machine.structure.interfaces, strict=True))
+    return [Gap(name, *(at[name][of].item() for of in ("length", "dof", "end"))) for name in names]
 
 
 def with_criticals(

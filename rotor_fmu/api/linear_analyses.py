@@ -1,13 +1,15 @@
 """The linear analyses of a machine: natural frequencies, responses, statics, checks by API 617."""
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from ..errors import InputError, is_one_of
 from ..model.machine.rotor import Rotor
+from ..model.simulation import RotorWarning
 
 if TYPE_CHECKING:
     from ..linear.acceptance import CriticalMap, UnbalanceCheck
@@ -15,12 +17,15 @@ if TYPE_CHECKING:
     from ..linear.frequency_answers import FrequencyResponse
     from ..linear.stability_answers import StabilityLevel1, StabilityLevel2
 
+Answer = TypeVar("Answer")
+
 # the analyses are imported when they are called: they need SciPy, which runs do without
 
 
 @dataclass(frozen=True)
 class LinearAnalyses:
     """The linear analyses of a machine; each result shows a table and a picture in a notebook.
+    Speeds outside of a part's table over the speed are said by a `RotorWarning`.
 
     Attributes
     ----------
@@ -61,7 +66,7 @@ class LinearAnalyses:
         """
         from ..linear.answers import modes
 
-        return modes(self.rotor, speed, **options)
+        return _said(modes(self.rotor, speed, **options), self.rotor, [speed])
 
     def campbell(self, speeds: Sequence[float] | np.ndarray, **options: Any) -> "Campbell":
         """Return the frequencies over speeds, critical speeds and the threshold of stability.
@@ -89,7 +94,7 @@ class LinearAnalyses:
         """
         from ..linear.answers import campbell
 
-        return campbell(self.rotor, speeds, **options)
+        return _said(campbell(self.rotor, speeds, **options), self.rotor, speeds)
 
     def unbalance_response(
         self, speeds: Sequence[float] | np.ndarray, **options: Any
@@ -118,7 +123,7 @@ class LinearAnalyses:
         """
         from ..linear.answers import unbalance_response
 
-        return unbalance_response(self.rotor, speeds, **options)
+        return _said(unbalance_response(self.rotor, speeds, **options), self.rotor, speeds)
 
     def unbalance_check(
         self, low: float, high: float, probes: Sequence[int], **options: Any
@@ -151,8 +156,10 @@ class LinearAnalyses:
             If the range, a node or a clearance cannot be.
         """
         from ..linear.acceptance import unbalance_check
+        from ..model.linear.unbalance_check import highest_looked_at
 
-        return unbalance_check(self.rotor, low, high, probes, **options)
+        result = unbalance_check(self.rotor, low, high, probes, **options)
+        return _said(result, self.rotor, [low, highest_looked_at(self.rotor, high)])
 
     def critical_map(
         self, stiffness: Sequence[float] | np.ndarray | None = None, **options: Any
@@ -184,8 +191,10 @@ class LinearAnalyses:
             If the stiffnesses do not ascend from above 0, or the machine has no bearing.
         """
         from ..linear.acceptance import critical_map
+        from ..model.linear.undamped import without_seals
 
-        return critical_map(self.rotor, stiffness, **options)
+        result = critical_map(self.rotor, stiffness, **options)
+        return _said(result, without_seals(self.rotor), [each.speed for each in result.crossings])
 
     def stability(
         self, speed: float, level: int = 1, **options: Any
@@ -222,12 +231,14 @@ class LinearAnalyses:
             If the level is neither 1 nor 2.
         """
         from ..linear.stability_answers import level_1, level_2
+        from ..model.linear.undamped import without_seals
 
         if not is_one_of(level, (1, 2)):
             raise InputError(f"level = {level!r}: must be 1 or 2")
         if level == 1:
-            return level_1(self.rotor, speed, **options)
-        return level_2(self.rotor, speed, **options)
+            bare = self.rotor if options.get("seals") else without_seals(self.rotor)
+            return _said(level_1(self.rotor, speed, **options), bare, [speed])
+        return _said(level_2(self.rotor, speed, **options), self.rotor, [speed])
 
     def frequency_response(
         self,
@@ -263,7 +274,8 @@ class LinearAnalyses:
         """
         from ..linear.frequency_answers import frequency_response
 
-        return frequency_response(self.rotor, frequencies, force, nodes, **options)
+        result = frequency_response(self.rotor, frequencies, force, nodes, **options)
+        return _said(result, self.rotor, [result.speed])
 
     def static(self, speed: float | None = None, **options: Any) -> "Static":
         """Deflection and loads on the supports under gravity.
@@ -290,4 +302,15 @@ class LinearAnalyses:
         """
         from ..linear.answers import static
 
-        return static(self.rotor, speed, **options)
+        result = static(self.rotor, speed, **options)
+        return _said(result, self.rotor, [result.speed])
+
+
+def _said(result: Answer, rotor: Rotor, speeds: Iterable[float]) -> Answer:
+    """Return an answer, after a `RotorWarning` for each table of a machine that ends before some of
+    these speeds [rad/s]."""
+    from ..linear.where_linearized import where_beyond_tables
+
+    for sentence in where_beyond_tables(rotor, [*speeds]):
+        warnings.warn(RotorWarning(sentence), stacklevel=3)
+    return result

@@ -18,7 +18,7 @@ from ..linear.where_linearized import whirl_in_pads
 from ..model.linear.modes import LEAST_GROWTH
 from ..model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
 from ..model.linear.static import check_node
-from ..model.linear.supports import walls
+from ..model.linear.supports import touching
 from ..model.linear.unbalance_placement import residual_unbalance
 from ..model.machine.rotor import Rotor
 from ..model.parts.port import Sensor
@@ -141,7 +141,7 @@ class _Bench:
         ]
         sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
-        self._touching = [f"{name}.contact" for name in walls(rotor)]
+        self._touching = [f"{name}.contact" for name in touching(rotor)]
         self._done, self.touches, self.messages = 0, False, dict[str, None]()
         self.change = 0.0  # between the halves of what was measured, at most [m]
 

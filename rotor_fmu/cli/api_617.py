@@ -195,6 +195,7 @@ def unbalance(
         where_linearized,
         where_not_reached,
     )
+    from ..model.linear.unbalance_check import highest_looked_at
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
 
     if mode is not None and ends is not None:
@@ -210,8 +211,9 @@ def unbalance(
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
     highest = dict.fromkeys((float(max(speeds, key=abs)), *(ends or ())[1:]))
+    looked_at = [*speeds, *(() if ends is None else (ends[0], highest_looked_at(machine, ends[1])))]
     say(
-        where_linearized(machine, [*speeds, *(ends or ())], contacts),
+        where_linearized(machine, looked_at, contacts),
         where_not_reached(machine, highest, contacts),
         where_films_are_left(machine, result),
     )

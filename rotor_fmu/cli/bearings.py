@@ -11,7 +11,7 @@ from ..files import write_text
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options
 from .shared import PictureFolder, Units
-from .show_result import machine_in_units, print_answer
+from .show_result import machine_in_units, print_answer, say
 from .speeds import number_range, speed_range
 
 if TYPE_CHECKING:
@@ -67,7 +67,12 @@ def bearing(
             raise InputError(f"--load {load}: must be one where --speed {speed} is a range")
         if table is not None:
             raise InputError(f"--load {load}: must be one, for the speeds of --table")
+    from ..linear.where_linearized import where_beyond_tables
+
     result = _result(machine, name, speeds, loads)
+    beyond = where_beyond_tables(machine, speeds if len(speeds) else [0.0])
+    # a load that is given asks nothing of the machine's other parts
+    say(s for s in beyond if loads is None or s.startswith(f"{result.bearing}: "))
     if table is None:
         return print_answer(result, out, "bearing")
     text = _linear_bearing(result, machine, file)

@@ -177,7 +177,11 @@ def frequency_response(
         raise InputError(f"--zones {zones}: are of --loop, which is not given")
     bounds = () if zones is None else _zones(zones)
     from ..linear import frequency_answers as answers
-    from ..linear.where_linearized import where_linearized, where_not_reached
+    from ..linear.where_linearized import (
+        where_beyond_tables,
+        where_linearized,
+        where_not_reached,
+    )
 
     compute: Callable[..., answers.FrequencyResponse | answers.Sensitivity]
     if loop is not None:
@@ -192,11 +196,13 @@ def frequency_response(
         ends = usual_frequencies(machine, at, contacts, _FREQUENCIES)
     points = np.geomspace(ends[0], ends[-1], len(ends))
     result = compute(machine, points, speed=at, contacts=contacts)
-    if loop is None:  # loops hold a machine, and their answer says whether they do
+    if loop is None:
         say(
             where_linearized(machine, [at], contacts, follows_force=True),
             where_not_reached(machine, [at], contacts),
         )
+    else:  # loops hold a machine, and their answer says whether they do
+        say(where_beyond_tables(machine, [at]))
     return print_answer(result, out, "frequency_response")
 
 

@@ -10,14 +10,12 @@ from ..display import speed_with_unit
 from ..model.linear.linear_machine import LinearMachine
 from ..model.linear.modes import LEAST_GROWTH, modes
 from ..model.linear.orbit import semi_axes
-from ..model.linear.own_frequency import OwnWhirl, own_whirl
+from ..model.linear.own_frequency import CRITICALLY_DAMPED, OwnWhirl, own_whirl
 from ..model.linear.unbalance import UnbalanceResponse
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
-from ..model.parts.base import GROUND
-from ..model.parts.floating_ring_bearing import FloatingRingBearing
-from ..model.parts.journal_bearing import JournalBearing
-from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
+from ..model.parts.base import GROUND, InterfaceElement
+from ..model.parts.law import never_breaks
 
 _SMALL = 0.5  # of a film's clearance: in a larger motion its coefficients are others
 
@@ -39,8 +37,8 @@ def where_linearized(
     if linear.weight.any() and not linear.is_held:
         where = "linearized in the middle of all clearances, as if it had no weight"
         result.append(f"{linear.why_not_held()}; {where}")
-    kinds = JournalBearing, FloatingRingBearing
-    films = {name: part for name, part in machine.named_parts() if isinstance(part, kinds)}
+    # a damper's film is where its spring or cage holds the ring
+    films = (name for name, film in _films(machine).items() if film.law.stiffness is None)
     if names := ", ".join(films):
         where = "where its journal rests at that speed"
         if not any(speeds) and not linear.holds_at(0.0):
@@ -48,26 +46,35 @@ def where_linearized(
         result.append(f"oil films, each linearized {where}: {names}")
     if follows_force:
         return result
-    if pads := [name for name, part in films.items() if getattr(part, "tilting", False)]:
+    if linear.laws.follows.any():
+        pads = np.array(linear.supports.interfaces)[linear.laws.follows]
         result.append(
             "their pads that tilt follow a vibration at the frequency of rotation; slower whirls "
             f"have another damping, which a run shows: {', '.join(pads)}"
         )
     fastest = max(speeds, key=abs)
-    if whirl := whirl_in_pads(machine, fastest, contacts, coupling or {}):
+    whirl = whirl_in_pads(machine, fastest, contacts, coupling or {})
+    if whirl and not whirl.is_critically_damped:
+        here = "all are critically damped"
+        if whirl.synchronous < CRITICALLY_DAMPED:
+            here = f"it is {whirl.synchronous:.3g}"
         result.append(
             f"at {speed_with_unit(fastest)} the least log dec of slower whirls is "
             f"{whirl.log_dec:.3g}, of {speed_with_unit(whirl.frequency)}, where pads follow each "
-            f"at its own frequency; here it is {whirl.synchronous:.3g}"
+            f"at its own frequency; here {here}"
         )
     return result
 
 
 def where_beyond_tables(machine: Rotor, speeds: Collection[float]) -> list[str]:
     """Return a sentence for each table of a machine outside of which the lowest or the highest of
-    some speeds [rad/s] lies."""
-    tables, ends = speed_ranges(machine), sorted({min(speeds), max(speeds)} if len(speeds) else ())
-    return [t.beyond.format(speed=speed) for t in tables for speed in ends if not t.holds(speed)]
+    some speeds [rad/s] lies, by their size where the table is for either sense of rotation."""
+    result = []
+    for table in speed_ranges(machine):
+        over = [abs(speed) if table.is_of_size else speed for speed in speeds]
+        ends = sorted({min(over), max(over)}) if over else []
+        result += [table.beyond.format(speed=end) for end in ends if not table.holds(end)]
+    return result
 
 
 def where_not_reached(
@@ -92,17 +99,15 @@ def where_films_are_left(machine: Rotor, response: UnbalanceResponse) -> list[st
     """Return a sentence for oil films in which a steady response is no small motion."""
     at_housing = dict(zip(response.housings, range(len(response.housings)), strict=True))
     taken = []
-    for name, part in machine.named_parts():
-        if not isinstance(part, (JournalBearing, FloatingRingBearing, SqueezeFilmDamper)):
-            continue
-        x, y = response.x[:, part.node - 1], response.y[:, part.node - 1]
-        ring, housing = (getattr(part, which, GROUND) for which in ("ring", "housing"))
-        if ring != GROUND:
-            x, y = (of[:, at_housing[ring]] for of in (response.housing_x, response.housing_y))
-        if housing != GROUND:
-            x = x - response.housing_x[:, at_housing[housing]]
-            y = y - response.housing_y[:, at_housing[housing]]
-        share = semi_axes(x, y)[0] / (part.clearance + getattr(part, "outer_clearance", 0.0))
+    for name, film in _films(machine).items():
+        x, y = response.x[:, film.node - 1], response.y[:, film.node - 1]
+        if film.ring != GROUND:
+            x, y = (of[:, at_housing[film.ring]] for of in (response.housing_x, response.housing_y))
+        if film.housing != GROUND:
+            x = x - response.housing_x[:, at_housing[film.housing]]
+            y = y - response.housing_y[:, at_housing[film.housing]]
+        clearances = (getattr(film.source, of, 0.0) for of in ("clearance", "outer_clearance"))
+        share = semi_axes(x, y)[0] / sum(clearances)
         if share.max() > _SMALL:
             at = speed_with_unit(float(response.speeds[np.argmax(share)]))
             taken.append(f"{name} {100 * share.max():.3g} % at {at}")
@@ -112,6 +117,12 @@ def where_films_are_left(machine: Rotor, response: UnbalanceResponse) -> list[st
         f"the response takes more than half of the clearance of oil films: {', '.join(taken)}; "
         "they are linearized, for small motions: a run has the real one"
     ]
+
+
+def _films(machine: Rotor) -> dict[str, InterfaceElement]:
+    """Return the interfaces of oil films by the parts' names: the laws of films alone may break."""
+    elements = machine.elements_of_kind(InterfaceElement)
+    return {name: e for name, e in elements if e.law.breaks is not never_breaks}
 
 
 def whirl_in_pads(

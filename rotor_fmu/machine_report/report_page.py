@@ -20,7 +20,7 @@ from ..linear.where_linearized import where_films_are_left, where_linearized, wh
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.own_frequency import OwnWhirl
 from ..model.linear.unbalance import SteadyWhirl
-from ..model.linear.unbalance_check import LOOKED_AT
+from ..model.linear.unbalance_check import LOOKED_AT, highest_looked_at
 from ..model.machine.rotor import Rotor
 from ..report.report_tables import notice_html, table
 from ..report.run_page import figure_html, machine_html, page, template
@@ -101,12 +101,13 @@ def machine_report(
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
     whirl = whirl_in_pads(rotor, high, None, options.couplings or {})
     left = where_films_are_left(rotor, response)
+    looked_at = [*speeds, highest_looked_at(rotor, high)]
     conclusions = _conclusions(diagram, left, check, level_1, level_2, whirl, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
         "At rest": _at_rest(at_rest),
         "Critical speeds": [
-            *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, speeds)),
+            *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, looked_at)),
             _html(diagram.table()),
             figure_html(diagram.figure((low, high)), "Campbell diagram"),
             *_shown(over_stiffness, "Undamped critical speed map"),
@@ -243,8 +244,9 @@ def _stability(
 
 
 def _slower(whirl: OwnWhirl | None) -> Iterator[Conclusion]:
-    """Yield what it means that pads follow a whirl at its own frequency, not that of rotation."""
-    if whirl:
+    """Yield what it means that pads follow a whirl at its own frequency, not that of rotation;
+    nothing of whirls that are critically damped."""
+    if whirl and not whirl.is_critically_damped:
         yield Conclusion(
             "Whirls slower than the rotation, with tilting pads that follow each at its own "
             f"frequency: least log dec {whirl.log_dec:.3g}, of {speed_with_unit(whirl.frequency)}.",
@@ -259,9 +261,21 @@ def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
         yield " to ".join(dict.fromkeys(shown_speed(end) for end in (group[0], group[-1])))
 
 
+def _clearances(check: acceptance.UnbalanceCheck, left: Sequence[str]) -> Iterator[Conclusion]:
+    """Yield what is said of clearances; left: sentences on those of films."""
+    if tight := ", ".join(c.name for c in check.clearances if not c.is_met):
+        yield Conclusion(f"More than 75 % of a clearance is taken: {tight}.", False)
+    elif check.clearances:
+        yield Conclusion("No clearance is taken by more than 75 %.", True)
+    elif not left:
+        yield Conclusion(
+            "No clearance was checked: no open contact and no --clearance is there.", None
+        )
+
+
 def _conclusions(
     diagram: answers.Campbell,
-    left: Iterable[str],
+    left: Sequence[str],
     check: acceptance.UnbalanceCheck,
     level_1: stability_answers.StabilityLevel1,
     level_2: stability_answers.StabilityLevel2,
@@ -271,7 +285,6 @@ def _conclusions(
     """Return what the report says, in a line each."""
     near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
     loud = [p for p in check.probes if p.peak_to_peak > check.limit]
-    tight = [c.name for c in check.clearances if not c.is_met]
     d = current()
     speeds = ", ".join(as_ranges(c.peak.speed for c in near))
     limit = f"{check.limit * d.small:.3g} {d.small_word}"
@@ -294,14 +307,7 @@ def _conclusions(
             else f"All probes stay below {limit} peak-to-peak.",
             not loud,
         ),
-        Conclusion(
-            f"More than 75 % of a clearance is taken: {', '.join(tight)}."
-            if tight
-            else "No clearance is taken by more than 75 %."
-            if check.clearances
-            else "No clearance was checked: no open contact and no --clearance is there.",
-            not tight if check.clearances else None,
-        ),
+        *_clearances(check, left),
         _stability(level_1, level_2),
         *_slower(whirl),
         Conclusion(rub.conclusion, not rub.closings),

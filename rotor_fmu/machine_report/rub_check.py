@@ -18,9 +18,10 @@ from ..display import current
 from ..linear.answers import static
 from ..model.linear.amplification import with_tops
 from ..model.linear.linear_machine import OPEN
-from ..model.linear.supports import walls
+from ..model.linear.static import lowest_speed
+from ..model.linear.supports import touching, walls
 from ..model.linear.unbalance import SteadyWhirl
-from ..model.linear.unbalance_peaks import gaps, major_axis, with_criticals
+from ..model.linear.unbalance_peaks import Gap, gaps, major_axis, with_criticals
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
@@ -108,7 +109,8 @@ class RubCheck:
         if not touched:
             return (
                 "The linear response closes a clearance, but the runs pass without touching: at "
-                "this rate of the speed the resonance has no time to build up."
+                "this rate of the speed the resonance has no time to build up, or oil films bear "
+                "more than their linearized ones."
             )
         lasting = [c for c in touched if c.share_in_range > _LASTING]
         largest = max(touched, key=lambda c: c.force)
@@ -166,7 +168,8 @@ def rub_check(
     machine = with_unbalances(rotor, unbalances, scale)
     top = max(1.25 * high, rotor.operation.trip_speed or 0.0)
     whirl = SteadyWhirl(machine)
-    close = with_criticals(machine, np.linspace(_FIRST * top, top, _SPEEDS))
+    first = max(_FIRST * top, lowest_speed(machine, top))
+    close = with_criticals(machine, np.linspace(first, top, _SPEEDS))
     closings = _closings(machine, whirl, close, high)
     probes = {
         name: partial(major_axis, whirl, 2 * of.node - 2, 2 * of.node - 1, of.offset)
@@ -185,28 +188,45 @@ def rub_check(
 
 
 def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray, high: float) -> list[Closing]:
-    contacts = gaps(rotor, whirl.machine)
+    contacts = walls(rotor)
     if whirl.machine.contacts != OPEN:
-        return [Closing(gap.name, gap.clearance, *4 * (math.nan,)) for gap in contacts]
+        held = gaps(whirl.machine, contacts)
+        return [Closing(gap.name, gap.clearance, *4 * (math.nan,)) for gap in held]
     rest = static(rotor, afloat=high)
     of_nodes, of_housings = rest.x + 1j * rest.y, rest.housing_x + 1j * rest.housing_y
     at_rest = np.concatenate([np.repeat(of_nodes, 2), of_housings, [0.0]])  # last: ground
-    result = []
-    for gap in contacts:
-        sag = float(abs(at_rest[gap.dof] - at_rest[gap.end]))
-        room = gap.clearance - sag
-        distance = gap.size(whirl)
-        peaked = with_tops([distance], speeds)
-        free = room - np.array([distance(speed) for speed in peaked])
-        if (free <= 0).any():
-            closed = np.flatnonzero(free <= 0)[[0, -1]]
-            begin, to = (
-                _meeting(lambda s: room - distance(s), peaked, int(i), side)  # noqa: B023
-                for i, side in zip(closed, (-1, 1), strict=True)
-            )
-            largest = float(room - free.min())
-            result.append(Closing(gap.name, gap.clearance, sag, largest, begin, to))
-    return result
+    found = []
+    for gap in gaps(whirl.machine, touching(rotor)):
+        is_open = gap.name in contacts  # nothing of it bears; a film's journal rises with the speed
+        sag = partial(_distance, gap, (lambda speed: at_rest) if is_open else whirl.rest)
+        found.append(_closing(gap, sag, gap.size(whirl), speeds))
+    return [each for each in found if each]
+
+
+def _distance(gap: Gap, rest: Callable[[float], np.ndarray], speed: float) -> float:
+    """Return how far a gap's middle is left at rest, the machine being there, at a speed."""
+    at = rest(speed)
+    return float(abs(at[gap.dof] - at[gap.end]))
+
+
+def _closing(
+    gap: Gap, sag: Callable[[float], float], size: Callable[[float], float], speeds: np.ndarray
+) -> Closing | None:
+    """Return where a motion closes a gap, if it does; sag, size: at rest, and of the motion, at a
+    speed. A journal that rests on its wall behind a film is not moved there."""
+
+    def free(speed: float) -> float:
+        return gap.clearance - sag(speed) - size(speed)
+
+    peaked = with_tops([lambda speed: sag(speed) + size(speed)], speeds)
+    peaked = peaked[[sag(speed) < gap.clearance for speed in peaked]]
+    left = np.array([free(speed) for speed in peaked])
+    closed = np.flatnonzero(left <= 0.0)
+    if not len(closed):
+        return None
+    begin, end = (_meeting(free, peaked, int(closed[i]), side) for i, side in ((0, -1), (-1, 1)))
+    most = float(peaked[left.argmin()])
+    return Closing(gap.name, gap.clearance, sag(most), size(most), begin, end)
 
 
 def _meeting(free: Callable[[float], float], speeds: np.ndarray, i: int, side: int) -> float:
@@ -226,7 +246,7 @@ def _run(
     settled = _SETTLING * 2 * math.pi / ends[0]  # until the start at this speed is forgotten
     stop = settled + _TURNS * 4 * math.pi / (first + top)
     offer = reduction_offer(rotor, assemble(rotor), top)
-    contacts = list(walls(rotor))
+    contacts = list(touching(rotor))
     record = [f"{name}.{what}" for name in contacts for what in ("fn", "contact")]
     record += [f"{place}.{axis}" for axis in "xy"] if place else []
     with warnings.catch_warnings():

@@ -47,49 +47,6 @@ def test_each_command_tells_a_table_and_writes_a_picture(command, tmp_path, argu
     assert json.loads((tmp_path / "out" / f"{name}.json").read_text())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "outside"),
-    [
-        (["modes", "--speed", "200"], []),
-        pytest.param(["modes", "--speed", "400"], ["400"], marks=pytest.mark.slow),
-        (["campbell", "--speed", "0:400:5"], ["0", "400"]),
-        (["unbalance", "--speed", "200:500:5"], ["500"]),
-        (["unbalance", "--speed", "200:300:5", "--rated", "350"], ["350"]),
-        (["static"], ["0"]),
-        (["critical-map", "--stiffness", "1e7:1e8:3", "--count", "1"], ["1803"]),
-    ],
-)
-def test_linear_answers_outside_of_a_table_over_the_speed_say_so(
-    command, tmp_path, arguments, outside
-):
-    tables = "kxx = [1e7, 2e7]\nkyy = [1e7, 2e7]\ncxx = [1e3, 1e3]\ncyy = [1e3, 1e3]\n"
-    bearings = (
-        f"[[linear_bearing]]\nnode = {node}\nspeed = [100.0, 300.0]\n{tables}" for node in (1, 2)
-    )
-    shaft = "[material]\nyoung = 2e11\ndensity = 7800.0\n[[section]]\nlength = 0.5\nouter = 0.05\n"
-    file = tmp_path / "tables.toml"
-    unbalance = "[[unbalance]]\nnode = 1\namount = 1e-5\n"
-    file.write_text(shaft + unbalance + "".join(bearings))
-    said = command(*arguments, "--rotor", str(file), "--out", str(tmp_path))
-    named = "linear_bearing[1]: speed {} rad/s lies outside its table, 100 to 300 rad/s"
-    assert said.count("linear_bearing[1]: speed") == len(outside)
-    assert all(named.format(speed) in said for speed in outside)
-
-
-@pytest.mark.parametrize(("level", "is_said"), [("1", False), ("2", True)])
-def test_level_1_says_nothing_of_the_tables_of_seals_which_it_leaves_out(
-    command, tmp_path, level, is_said
-):
-    alike = "kxx = 1e7\nkyy = 1e7\ncxx = 1e3\ncyy = 1e3\n"
-    bearings = (f"[[linear_bearing]]\nnode = {node}\n{alike}" for node in (1, 2))
-    seal = alike.replace("kxx = 1e7", "speed = [100.0, 300.0]\nkxx = [0.0, 1e3]")
-    shaft = "[material]\nyoung = 2e11\ndensity = 7800.0\n[[section]]\nlength = 0.5\nouter = 0.05\n"
-    file = tmp_path / "sealed.toml"
-    file.write_text(shaft + "".join(bearings) + f"[[seal]]\nnode = 1\n{seal}")
-    said = command("stability", "--rotor", str(file), "--rated", "400", "--level", level)
-    assert ("seal[1]: speed 400 rad/s lies outside its table" in said) == is_said
-
-
 def test_campbell_has_critical_speeds_of_several_orders(command, tmp_path):
     """Of twice the speed those whose doubles are frequencies of the diagram."""
     said = command(

@@ -5,13 +5,20 @@ from dataclasses import replace
 
 import pytest
 from rotor_fmu.model.linear import modes
-from rotor_fmu.model.linear.frequency_response import frequency_response
+from rotor_fmu.model.linear.frequency_response import (
+    ControlLoop,
+    frequency_response,
+    sensitivity,
+)
+from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.linear.own_frequency import OwnWhirl, own_whirl
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear.where_linearized import where_linearized, where_not_reached
+from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.machine_report import report_page
 
+from ..known import EXAMPLES
 from ..toml_text import table
 
 SPEED = 1000.0
@@ -63,6 +70,22 @@ def test_answers_say_what_it_is_and_where_it_grows(q, is_unstable):
     assert all("Hz grows, which its pads follow" in sentence for sentence in said)
 
 
+@pytest.mark.parametrize(("speed", "is_said"), [(1500.0, True), (1000.0, False), (200.0, False)])
+def test_what_is_critically_damped_has_no_number(speed, is_said):
+    """By API 684 with an amplification factor below 2.5, a damping ratio above 0.2. Here whirls
+    are so on a thick shaft with synchronous coefficients, with which at 200 rad/s none is left."""
+    rotor = parse_rotor(on_pads(0.0).replace("0.08, 0.08", "0.2, 0.2"))
+    whirl, found = own_whirl(rotor, speed), modes(rotor, speed)
+    slower = found.damping_ratio[found.damped < speed]
+    assert (slower > 0.2).all()
+    assert (whirl.synchronous == math.inf) == (len(slower) == 0)
+    ratio = whirl.log_dec / math.hypot(2 * math.pi, whirl.log_dec)
+    assert whirl.is_critically_damped == (ratio > 0.2) == (not is_said)
+    said = [s for s in where_linearized(rotor, [speed]) if "least log dec" in s]
+    assert len(said) == len(list(report_page._slower(whirl))) == is_said
+    assert all(s.endswith("at its own frequency; here all are critically damped") for s in said)
+
+
 @pytest.mark.parametrize(("log_dec", "is_met"), [(-0.02, False), (0.02, True)])
 def test_the_report_concludes_whether_slower_whirls_decay(log_dec, is_met):
     (found,) = report_page._slower(OwnWhirl(log_dec, 300.0, 0.2))
@@ -78,6 +101,35 @@ def test_cross_coupling_does_the_same_as_in_a_seal_that_carries_nothing():
 
 
 def test_there_is_none_of_a_machine_slower_than_its_modes_or_without_pads():
+    """Beside the modes of the shaft there is a whirl in the films, which is critically damped."""
     rotor = parse_rotor(on_pads(0.0))
-    assert own_whirl(rotor, 100.0) is None
+    assert own_whirl(rotor, 100.0).is_critically_damped
     assert own_whirl(parse_rotor(on_pads(0.0).replace("tilting = true", "")), SPEED) is None
+
+
+def test_an_answer_does_not_depend_on_what_was_asked_before():
+    """Or a pad may bear, or not, where it just begins to, by the order of speeds."""
+    rotor = parse_rotor(on_pads(0.0))
+    asked, fresh = LinearMachine(rotor), LinearMachine(rotor)
+    asked.at(3 * SPEED)
+    for one, other in zip(asked.at(SPEED).laws, fresh.at(SPEED).laws, strict=True):
+        assert (one == other).all()
+
+
+def is_stable(rotor, speed):
+    """Whether control loops are that do next to nothing."""
+    loop = ControlLoop("magnet", 2, 2, kp=1e-3, kd=0.0, force_per_current=1.0)
+    return sensitivity(rotor, [50.0], [loop], speed=speed).is_stable
+
+
+@pytest.mark.parametrize("q", [5.5e5, 8e5])
+def test_control_loops_are_as_stable_as_whirls_which_pads_follow(q):
+    rotor = parse_rotor(on_pads(q))
+    assert modes(rotor, SPEED).growth < 0.0
+    assert is_stable(rotor, SPEED) == (own_whirl(rotor, SPEED).log_dec > 0.0)
+
+
+@pytest.mark.parametrize("speed", [440.0, 460.0])
+def test_control_loops_are_as_stable_as_the_whirls_of_floating_rings(speed):
+    rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")[1]
+    assert is_stable(rotor, speed) == (modes(rotor, speed).growth < 0.0)

@@ -4,11 +4,17 @@ import math
 from dataclasses import replace
 
 import pytest
+from rotor_fmu.model.linear import static, unbalance_response
 from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor
 
+from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.machine_report import rub_check as module
+from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
 from rotor_fmu.machine_report.rub_check import rub_check
 from rotor_fmu.machine_report.rub_shown import rub_figure, runs_table
+
+from ..known import EXAMPLES
 
 _JEFFCOTT = """
 gravity = 0.0
@@ -92,3 +98,51 @@ def test_a_run_that_fails_before_it_has_settled_is_told_as_failed():
     assert "the run diverged" in check.conclusion
     assert "failed" in runs_table(check).html()
     assert rub_figure(check).axes
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """Runs of a few turns."""
+    for name, value in (("_TURNS", 100.0), ("_SETTLING", 10.0), ("_SPEEDS", 13)):
+        monkeypatch.setattr(module, name, value)
+
+
+def _on_films(example, viscosity):
+    """An example, the oil of whose films may be another."""
+    rotor = load_rotor(EXAMPLES / example / "rotor.toml")[1]
+    parts = (replace(p, viscosity=viscosity) if hasattr(p, "viscosity") else p for p in rotor.parts)
+    return replace(rotor, parts=tuple(parts))
+
+
+@pytest.mark.usefixtures("short")
+@pytest.mark.parametrize(("viscosity", "touches"), [(0.004, False), (1e-5, True)])
+def test_films_that_the_response_closes_are_run_too(viscosity, touches):
+    """Oil, in which the rings of the dampers stay off their walls, and hardly any."""
+    check = rub_check(_on_films("squeeze_film", viscosity), 250.0, 260.0)
+    names = ["squeeze_film_damper[1]", "squeeze_film_damper[2]"]
+    assert [c.name for c in check.closings] == names
+    for run in check.runs:
+        assert [c.name for c in run.contacts] == names
+        assert all((c.share > 0.0) == touches for c in run.contacts)
+    assert ("oil films bear more" in check.conclusion) != touches
+
+
+@pytest.mark.usefixtures("short")
+def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at_that_speed():
+    rotor = module.with_unbalances(_on_films("oil_film", 0.005), None, 30.0)
+    for closing in rub_check(rotor, 400.0, 450.0).closings:
+        response, rest = unbalance_response(rotor, [closing.begin]), static(rotor, closing.begin)
+        node = next(part.node for name, part in rotor.named_parts() if name == closing.name) - 1
+        sag = math.hypot(rest.x[node], rest.y[node])
+        assert sag + response.major[0, node] == pytest.approx(closing.clearance, rel=1e-6)
+        assert 0.1 * closing.clearance < closing.sag < closing.clearance
+        assert closing.begin < closing.end == pytest.approx(1.25 * 450.0)
+
+
+@pytest.mark.usefixtures("short")
+@pytest.mark.parametrize(("e", "said"), [(1.0, 0), (0.01, 1)])
+def test_a_report_that_names_films_does_not_say_that_no_clearance_was_checked(e, said):
+    rotor = module.with_unbalances(_on_films("squeeze_film", 0.004), None, e)
+    texts = [c.text for c in machine_report(rotor, ReportOptions(250.0, 260.0)).conclusions]
+    assert sum(text.startswith("No clearance was checked") for text in texts) == said
+    assert sum("of the clearance of oil films" in text for text in texts) == 1 - said

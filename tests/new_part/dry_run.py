@@ -6,6 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.model.linear import supports
 from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.linear.unbalance_peaks import gaps
 from rotor_fmu.model.machine.toml import parse_rotor
@@ -74,7 +75,9 @@ seen = {
     "table": {v.name: [v.causality, v.unit, v.text] for v in variables},
     "misspelt": input_error(TOML.replace("cubic = ", "cubik = ")),
     "impossible": input_error(TOML.replace("4e12", "-4e12")),
-    "clearances": [(gap.name, gap.clearance) for gap in gaps(stopped.rotor, stopped)],
+    "clearances": [
+        (gap.name, gap.clearance) for gap in gaps(stopped, supports.walls(stopped.rotor))
+    ],
     "corners": walls.corner_gaps(moved, 0.0 * moved)[:, 0].tolist(),
     "rolling": len(walls.rubbing),
     "page": files["documentation/index.html"].decode(),
