@@ -83,16 +83,17 @@ Status get_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
     return OK;
 }
 
-/* A number is finite, and no larger in size than what a machine may have; before: its name. */
-static Status check_number(Instance *m, const char *before, uint32_t reference, double value)
+/* A number is finite, and no larger in size than what a machine may have; call: named if any. */
+static Status check_number(Instance *m, const char *call, uint32_t reference, double value)
 {
+    const char *name = name_of(m, reference), *colon = *call ? ": " : "";
     char shown[LONGEST] = "";
     if (islessequal(fabs(value), m->table->largest)) /* of a NaN it does not trap */
         return OK;
     add_number(shown, value, 17);
     if (!isfinite(value))
-        return refuse(m, "%s%s = %s: must be a finite number", before, name_of(m, reference), shown);
-    return refuse(m, "%s%s = %s: must not exceed %g in size", before, name_of(m, reference), shown,
+        return refuse(m, "%s%s%s = %s: must be a finite number", call, colon, name, shown);
+    return refuse(m, "%s%s%s = %s: must not exceed %g in size", call, colon, name, shown,
                   m->table->largest);
 }
 
@@ -169,7 +170,7 @@ Status set_slopes(Instance *m, const uint32_t *references, size_t count, const i
         if (orders[i] != 1)
             return refuse(m, "%s: %s: order %d: must be 1", call, name_of(m, references[i]),
                           orders[i]);
-        if (check_number(m, "setRealInputDerivatives: ", references[i], values[i]))
+        if (check_number(m, call, references[i], values[i]))
             return ERROR;
     }
     for (size_t i = 0; i < count; i++) {
