@@ -127,8 +127,8 @@ class Coupling:
         they are connected; arguments and errors are those of `master.coupled`."""
         connections, initial = (self._table(name) for name in ("CONNECTIONS", "INITIAL"))
         of_source = f"{self.source.name}: CONNECTIONS", f"{self.source.name}: INITIAL"
-        told: dict[str, Any] = {"stop": stop, "tolerance": tolerance}
-        return coupled(fmus, connections, initial, parameters, recorded, of_source, **told)
+        given = fmus, connections, initial, parameters, recorded, of_source
+        return coupled(*given, stop=stop, tolerance=tolerance)
 
     def run(
         self,

@@ -30,7 +30,7 @@ class Member:
     fmu: its file, or the folder into which it was extracted, which is kept: every new place from
     which its library is loaded costs a process half a megabyte that is never freed. parameters:
     values by name; messages: those of all FMUs, since FMPy hands them to the logger made last;
-    stop, tolerance: end of the run [s] and relative tolerance [1] that it is told, if any.
+    stop, tolerance: end of the run [s] and relative tolerance [1] that it gets, if any.
     Raises `RunFailed` with the FMU's own message when a call fails, and, before anything of the FMU
     is loaded, `InputError` for what is no FMU for co-simulation, for a parameter that it does not
     have, and for a value that is none of the parameter's type.
@@ -61,7 +61,7 @@ class Member:
             raise InputError(f"{fmu}: must be an FMU for co-simulation")
         self._description = description
         self._variables = {v.name: v for v in description.modelVariables}
-        self._groups: dict[tuple[tuple[str, ...], str], _Groups] = {}
+        self._groups: dict[tuple[str, ...], _Groups] = {}
         for name, value in parameters.items():
             self._typed(name, value)
         self._parameters = parameters
@@ -130,14 +130,15 @@ class Member:
         """Return the values of variables by name, in whatever order; those of all types that are
         `readable`, as numbers."""
         values: dict[str, float] = {}
-        for kind, group, references in self._grouped(tuple(names), self.readable):
+        for kind, group, references in self._grouped(tuple(names)):
+            self.readable(group[0])  # as are all of its type
             got = self._call(getattr(self._fmu, f"get{kind}"), references)
             values.update(zip(group, map(float, got), strict=True))
         return values
 
     def set(self, values: Mapping[str, Any]) -> None:
         """Set variables by name, those of a type in one call."""
-        for kind, group, references in self._grouped(tuple(values), self.variable):
+        for kind, group, references in self._grouped(tuple(values)):
             given = [self._typed(name, values[name]) for name in group]
             self._call(getattr(self._fmu, f"set{kind}"), references, given)
 
@@ -160,19 +161,17 @@ class Member:
             return str(variable.type)
         return "Int64" if self._is_fmi3 else "Integer"
 
-    def _grouped(self, names: tuple[str, ...], described: Callable[[str], Any]) -> _Groups:
-        """Return variables by their kinds, once they are `described`: kind, names and value
-        references."""
-        key = names, described.__name__
-        if key not in self._groups:
+    def _grouped(self, names: tuple[str, ...]) -> _Groups:
+        """Return variables by their kinds: kind, names and value references."""
+        if names not in self._groups:
             groups: dict[str, list[str]] = {}
             for name in names:
-                groups.setdefault(self._kind(described(name)), []).append(name)
-            self._groups[key] = [
+                groups.setdefault(self._kind(self.variable(name)), []).append(name)
+            self._groups[names] = [
                 (kind, group, [self._variables[name].valueReference for name in group])
                 for kind, group in groups.items()
             ]
-        return self._groups[key]
+        return self._groups[names]
 
     def _typed(self, name: str, value: Any) -> Any:
         """Return the value of a variable as FMPy takes it; `InputError` for one of another type."""
