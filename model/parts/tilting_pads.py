@@ -148,6 +148,14 @@ def pivot_damping(bearing):
     return _OF_PIVOT * bearing.viscosity * bearing.length * slender * slender * slender
 
 
+@jit
+def _slope_of_pivot(part, bearing, outwards, by, by_displacement, by_velocity):
+    """Return the derivative of the balance of a pad's pivot; by: see `_by_pivot`."""
+    stiffness = part.pivot_stiffness * by_displacement
+    damping = pivot_damping(bearing) * by_velocity
+    return (outwards.conjugate() * by).real - stiffness - damping
+
+
 @jit_not_inlined
 def pad_motion(part, bearing, tables, kinematics, i, free, b):
     """Return the `PadMotion` of a pad, and move the pad there; free: the states at the end of a
@@ -181,7 +189,7 @@ def pad_motion(part, bearing, tables, kinematics, i, free, b):
         if is_found or abs(residual) <= negligible:
             break
         by = _by_pivot(at, search, slope, outwards, by_displacement, by_velocity)
-        slope_of_pivot = (outwards.conjugate() * by).real - k * by_displacement - c * by_velocity
+        slope_of_pivot = _slope_of_pivot(part, bearing, outwards, by, by_displacement, by_velocity)
         ahead, low, high, reach = next_iterate(z, residual, slope_of_pivot, low, high, reach, scale)
         is_narrow = high - low <= CONVERGED * scale
         is_found = is_narrow or abs(ahead - z) <= CONVERGED * scale
@@ -196,13 +204,11 @@ def pad_motion(part, bearing, tables, kinematics, i, free, b):
 def _tangent_of_pad(part, bearing, tables, i, pad, by_d, by_v, by_displacement, by_velocity):
     """Return the pair p, q of a pad's force for `Weights` of displacement and velocity."""
     p, q = following(pad.at, pad.search, pad.slope, by_d, by_v)
-    k = part.pivot_stiffness
-    if k > 0.0:
+    if part.pivot_stiffness > 0.0:
         outwards = across_of(bearing, tables, i) * -1j
         back = outwards.conjugate()
         by = _by_pivot(pad.at, pad.search, pad.slope, outwards, by_displacement, by_velocity)
-        slope_of_pivot = (back * by).real - k * by_displacement
-        slope_of_pivot -= pivot_damping(bearing) * by_velocity
+        slope_of_pivot = _slope_of_pivot(part, bearing, outwards, by, by_displacement, by_velocity)
         if slope_of_pivot < 0.0:
             g = outwards * p.conjugate() + back * q
             by *= 0.5 / slope_of_pivot
