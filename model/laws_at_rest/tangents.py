@@ -44,8 +44,7 @@ class LawsAtRest:
         self.states, self.is_invalid = self._samples.solved[0], self._samples.is_invalid[:, 0]
         of = [LAWS[i] for i in interfaces.law]
         self.whirls = np.array([law.whirls for law in of], bool)
-        self.follows = np.array([law.vibrates for law in of], bool) & ~self.whirls
-        self.follows &= interfaces.states > 0
+        self.follows = (interfaces.vibrating > 0) & ~self.whirls
         self._starts = starts_of(interfaces)
         self._vibrate = bound_unless_compiled(vibrate_laws, self._block)
         self._linearize = bound_unless_compiled(linearize_laws, self._block)
