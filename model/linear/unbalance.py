@@ -9,6 +9,7 @@ equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y:
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -114,6 +115,15 @@ def _of(node: int, amount: float, phase: float) -> complex:
     return complex(amount * np.exp(1j * phase))
 
 
+class _Solved(NamedTuple):
+    """A steady whirl: complex amplitudes of x and y of every dof, shape (size, 2) [m, rad]; what
+    computes the loads on the supports [N], which take longer; where the unknowns are at rest."""
+
+    amplitudes: np.ndarray
+    loads: Callable[[], np.ndarray]
+    rest: np.ndarray
+
+
 class SteadyWhirl:
     """The steady motion of a machine under its unbalances, or under those given instead, at any
     speed, solved for once; see `unbalance_response` for these and `contacts`."""
@@ -148,21 +158,20 @@ class SteadyWhirl:
     def at(self, speed: float) -> np.ndarray:
         """Return the complex amplitudes of x and y of every dof at a speed [rad/s], shape (size, 2)
         [m, rad]."""
-        return self._solved(float(speed))[0]
+        return self._solved(float(speed)).amplitudes
 
     def rest(self, speed: float) -> np.ndarray:
         """Return where gravity holds the machine at a speed [rad/s], x + i y of every dof, shape
         (size,) [m, rad]; 0 where that is not looked for, all that bears it being linear."""
-        x_y = self.machine.expand @ self._solved(float(speed))[2]
+        x_y = self.machine.expand @ self._solved(float(speed)).rest
         return np.asarray(to_complex(x_y))
 
     def loads(self, speed: float) -> np.ndarray:
         """Return the complex loads on the supports in x and y at a speed [rad/s] in N."""
-        return self._solved(float(speed))[1]()
+        return self._solved(float(speed)).loads()
 
-    def _solve(self, speed: float) -> tuple[np.ndarray, Callable[[], np.ndarray], np.ndarray]:
-        """Return the motion at a speed, what computes the loads, which take longer, and where the
-        unknowns are at rest."""
+    def _solve(self, speed: float) -> _Solved:
+        """Return the whirl at a speed."""
         check_speed(speed)
         machine = self.machine
         if speed == 0.0 and not machine.is_held:  # it turns about its centre of mass
@@ -170,12 +179,12 @@ class SteadyWhirl:
         if speed == 0.0:  # nothing pulls, even on journals that no film carries yet
             nothing = np.zeros((len(machine.supports.names), 2), complex)
             at_rest = np.zeros(machine.expand.shape[1])
-            return np.zeros((len(self._pull) // 2, 2), complex), lambda: nothing, at_rest
+            return _Solved(np.zeros((len(self._pull) // 2, 2), complex), lambda: nothing, at_rest)
         linear = machine.at(speed)
         force = speed**2 * self._pull
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
         loads = partial(support_loads, machine, linear, u, pull, force, speed)
-        return (machine.expand @ u).reshape(-1, 2), loads, linear.rest
+        return _Solved((machine.expand @ u).reshape(-1, 2), loads, linear.rest)
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
         """Return the response at speeds [rad/s], at least one."""

@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -27,6 +27,10 @@ from .speeds import (
     speed_range,
     usual_speeds,
 )
+
+if TYPE_CHECKING:
+    from ..linear.answers import UnbalanceResponse
+    from ..model.machine.rotor import Rotor
 
 _SPEEDS = 401  # speeds of the response to unbalance
 
@@ -190,12 +194,6 @@ def unbalance(
     check_nodes(machine, "--clearance", gaps)
     check_nodes(machine, "--unbalance", (n for n, _, _ in given or ()), may_repeat=True)
     from ..linear import acceptance, answers
-    from ..linear.where_linearized import (
-        where_films_are_left,
-        where_linearized,
-        where_not_reached,
-    )
-    from ..model.linear.unbalance_check import highest_looked_at
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
 
     if mode is not None and ends is not None:
@@ -210,13 +208,7 @@ def unbalance(
     else:
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
-    highest = dict.fromkeys((float(max(speeds, key=abs)), *(ends or ())[1:]))
-    looked_at = [*speeds, *(() if ends is None else (ends[0], highest_looked_at(machine, ends[1])))]
-    say(
-        where_linearized(machine, looked_at, contacts),
-        where_not_reached(machine, highest, contacts),
-        where_films_are_left(machine, result),
-    )
+    _say_where_it_holds(machine, result, ends, contacts)
     if ends is None:
         ends_of_ways = {float(min(*speeds, 0.0)), float(max(*speeds, 0.0))}
         tops = sorted(ends_of_ways - {0.0}) or [0.0]
@@ -228,6 +220,32 @@ def unbalance(
     more = {"criticals" if ends is None else "check": checked}
     shown = result.table(nodes), result.figure(nodes, ends)
     return print_answer(result, out, "unbalance", *shown, more)
+
+
+def _say_where_it_holds(
+    machine: "Rotor",
+    response: "UnbalanceResponse",
+    ends: tuple[float, float] | None,
+    contacts: str | None,
+) -> None:
+    """Print about which states a response, and its check over an operating range, is linearized."""
+    from ..linear.where_linearized import (
+        where_films_are_left,
+        where_linearized,
+        where_not_reached,
+    )
+    from ..model.linear.unbalance_check import highest_looked_at
+
+    looked_at = [*response.speeds]
+    highest = [max(looked_at, key=abs)]
+    if ends is not None:
+        looked_at += [ends[0], highest_looked_at(machine, ends[1])]
+        highest.append(ends[1])
+    say(
+        where_linearized(machine, looked_at, contacts),
+        where_not_reached(machine, dict.fromkeys(highest), contacts),
+        where_films_are_left(machine, response),
+    )
 
 
 def _unbalance(text: str) -> tuple[int, float, float]:

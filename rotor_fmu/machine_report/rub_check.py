@@ -215,10 +215,13 @@ def _closing(
     """Return where a motion closes a gap, if it does; sag, size: at rest, and of the motion, at a
     speed. A journal that rests on its wall behind a film is not moved there."""
 
-    def free(speed: float) -> float:
-        return gap.clearance - sag(speed) - size(speed)
+    def taken(speed: float) -> float:
+        return sag(speed) + size(speed)
 
-    peaked = with_tops([lambda speed: sag(speed) + size(speed)], speeds)
+    def free(speed: float) -> float:
+        return gap.clearance - taken(speed)
+
+    peaked = with_tops([taken], speeds)
     peaked = peaked[[sag(speed) < gap.clearance for speed in peaked]]
     left = np.array([free(speed) for speed in peaked])
     closed = np.flatnonzero(left <= 0.0)
