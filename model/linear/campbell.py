@@ -17,7 +17,8 @@ from .modes import DEFAULT_COUNT, LEAST_GROWTH, Modes, Spectrum, check_count, ma
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _UNLIKE = 0.3  # shapes less alike than this are not of the same mode
 _OF_ITSELF = 0.01  # weight of a shape's own likeness beside that of the space it is any one of
-_PRECISION = 1e-12
+_PRECISION = 1e-12  # of a speed at which a mode meets a harmonic
+_MET = 1e-6  # of a harmonic: a frequency further from it has jumped past, to another mode's
 _LOST = complex(np.nan, np.nan)  # a frequency of 0 would be one
 
 
@@ -226,7 +227,8 @@ def _critical(
         if before != 0.0 and before * after <= 0:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             # what nothing holds has a frequency of rounding, in which it meets a speed of rounding
-            if at >= 0 and there.is_held[at] and there.has_peak[at]:
+            is_met = abs(_excess(there, at, harmonic)) <= _MET * harmonic * abs(there.speed)
+            if at >= 0 and is_met and there.is_held[at] and there.has_peak[at]:
                 log_dec = float(there.log_dec[at])
                 whirl = there.whirl[at]
                 result.append(CriticalSpeed(int(mode), there.speed, whirl, log_dec, harmonic))
@@ -243,16 +245,22 @@ def _meeting(
 ) -> tuple[Modes, int]:
     """Return the modes where that with the place places[mode] in `a` has its frequency in the
     harmonic, before the speed `end`, and its place there."""
+    followed = [(a, places)]
 
     def seen_at(speed: float) -> tuple[Modes, int]:
+        """From the nearest speed at which the mode is known: there the shapes are most alike."""
+        near, lines = min(followed, key=lambda seen: abs(seen[0].speed - speed))
         there = follow.at(speed)
-        return there, int(follow.onward(a, there, places)[mode])
+        onward = follow.onward(near, there, lines)
+        if onward[mode] >= 0:
+            followed.append((there, onward))
+        return there, int(onward[mode])
 
     def excess(speed: float) -> float:
         there, at = seen_at(speed)
-        return _excess(there, at, harmonic) if at >= 0 else last[0]
+        return _excess(there, at, harmonic) if at >= 0 else before
 
-    last = [_excess(a, places[mode], harmonic)]
+    before = _excess(a, places[mode], harmonic)
     precision = _PRECISION * max(abs(a.speed), abs(end))
     return seen_at(brentq(excess, a.speed, end, xtol=precision, rtol=1e-13))
 

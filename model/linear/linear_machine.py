@@ -117,6 +117,8 @@ class LinearMachine:
         )
         strained = (full.strained @ self.expand).tocsr()
         self.system = StrainedMatrices(places, strained, full.stiffness)
+        self._onto = self._across.T.tocsr()
+        self._held_softly = self._soft * self.system.places.matrix(self._M)
         self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
         # elements that bear a load may be few, but there are others wherever it falls
         self._is_held_loaded = self._is_held_at_rest or (
@@ -235,12 +237,11 @@ class LinearMachine:
         a force, and the elements' end forces; softly held at that place, for the tangents may hold
         the machine in one direction only."""
         solve = linear._replace(own_K=linear.own_K + self._soft * linear.own_M).factorized()
-        M, onto = linear.M, self._across.T  # made once for all places that are tried
 
         def lead(at: np.ndarray, of_laws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             # not by what is left: that is small numbers of large ones where the shaft is stiff
             of_laws = of_laws - to_complex(self.tangent(linear.laws.by_d, at))
-            return solve(force + onto @ in_plane(of_laws) + self._soft * (M @ at))
+            return solve(force + self._onto @ in_plane(of_laws) + self._held_softly @ at)
 
         return lead
 

@@ -151,3 +151,22 @@ def test_a_mode_that_does_not_oscillate_in_between_meets_no_speed_there():
     for critical in result.critical:
         seen = modes(parse_rotor(text), critical.speed, count=18).damped
         assert np.abs(seen / critical.speed - 1).min() < 1e-6
+
+
+def test_a_frequency_that_jumps_past_the_speed_meets_it_nowhere():
+    """Where an upper pad begins to bear, that of a mode changes at once."""
+    text = table("material", young=2.1e11, density=7850.0)
+    text += table("[section]", length=0.859, outer=0.056, elements=6)
+    for z, mass, across, polar in ((0.431, 28.493, 0.1958, 2.2751), (0.505, 4.522, 0.023, 2.0583)):
+        text += table("[body]", z=z, mass=mass, I_d=across, I_p=polar)
+    pads = {"pads": [0.785, 2.356, 3.927, 5.498], "arc": 1.3, "preload": 0.2, "tilting": True}
+    for z, length, clearance, viscosity in (
+        (0.043, 0.0539, 1.093e-4, 0.0041),
+        (0.816, 0.042, 7.165e-5, 0.0542),
+    ):
+        film = {"length": length, "clearance": clearance, "viscosity": viscosity}
+        text += table("[journal_bearing]", z=z, journal_radius=0.028, **film, **pads)
+    result = campbell(parse_rotor("gravity = 9.81\n" + text), (1250.7, 1250.8), count=6)
+    before, after = result.damped[:, 5] - result.speeds
+    assert before > 0 > after
+    assert not result.critical
