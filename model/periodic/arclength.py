@@ -320,10 +320,9 @@ def _beyond_corner(
         beyond = _along(equations, x, value)
         beyond /= np.linalg.norm(beyond)
         for direction in (beyond, -beyond):
-            x = point.x + length * direction[:-1]
-            value = point.value + length * scale * direction[-1]
+            ahead = x + length * direction[:-1], value + length * scale * direction[-1]
             try:
-                result = correct(equations, x, value, direction)
+                result = correct(equations, *ahead, direction)
             except NotConverged:
                 continue
             way = chord(point, result, scale)

@@ -220,15 +220,20 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
     report = analyse(out)
     write_json(report, out / "analysis.json")
     shown = {c.name: current().of_si(c.unit) for c in definition.model.columns}
-    rows = []
+    rows, empty = [], []
     for name, result in report["columns"].items():
-        if result["count"]:
+        if not result["count"]:
+            empty.append(name)
+        else:
             factor, unit = shown[name].factor, shown[name].word
             values = result | result.get("quantiles", {})
             lengths = {k: factor * v for k, v in values.items() if k not in ("count", "quantiles")}
             rows.append({"column": _named(name, unit), "count": result["count"], **lengths})
-    typer.echo("columns:")
-    _print_table(rows)
+    if rows:
+        typer.echo("columns:")
+        _print_table(rows)
+    if empty:
+        typer.echo(f"no run has a value of {', '.join(empty)}")
     for name, result in report["limits"].items():
         if result["count"]:
             limit = shown[name].text(result["limit"], digits=6)

@@ -209,3 +209,16 @@ def test_a_curve_doubles_back_in_a_corner_with_other_unknowns_at_each_point():
         except StopIteration:
             break
     assert values[-1] == pytest.approx((-1.5, 3.0))
+
+
+def test_beside_a_corner_a_tangent_that_is_wrong_does_not_lead_back():
+    """As one is that a difference across the corner gave; how far from the way to its point it lies
+    is known."""
+    line, turn = _Corner(0), 0.1
+    point = arclength.with_tangent(line, np.array([1.0]), 2.0, -1.0)
+    x, value = point.direction
+    tangent = np.array([x * np.cos(turn) - value * np.sin(turn)])
+    wrong = point._replace(tangent=tangent, tangent_value=x * np.sin(turn) + value * np.cos(turn))
+    bend = 1.0 - point.cosine(wrong)
+    ahead = arclength._beyond_corner(line, wrong, bend, ContinuationSteps())
+    assert ahead.value < point.value

@@ -202,6 +202,20 @@ def test_a_curve_doubles_back_where_a_contact_begins_however_narrow_the_range(wi
     assert sorted(r) == pytest.approx([whirl, rub(omega, sign=-1), rub(omega)], rel=1e-6)
 
 
+def test_an_undamped_resonance_that_a_hard_wall_stops_goes_on_at_the_wall():
+    """The wall is as stiff as 600 of the rotor's springs: where its curve comes to the wall, it
+    turns at right angles, and back along the motion that is just pressed against it."""
+    e, beta, omega = 0.004, 600.0, 1.03
+    machine = jeffcott(zeta=1e-6, beta=beta, mu=0.0, e=e)
+    found = rf.response(machine, speed=(0.98 * OMEGA, 1.05 * OMEGA), stability=False)
+    assert {branch.ends for branch in found.branches} == {("start", "end of the range")}
+    r = [found.amplitude(p, "disc") / CLEARANCE for p in found.at(omega * OMEGA)]
+    pushed, stiff = e * omega**2, 1 + beta - omega**2
+    free = pushed / (omega**2 - 1)
+    expected = [free, (beta - pushed) / stiff, (beta + pushed) / stiff]
+    assert sorted(r) == pytest.approx(expected, rel=1e-5)
+
+
 @pytest.mark.slow
 def test_over_its_clearance_a_rub_goes_on_beyond_the_corner_where_its_contact_begins():
     """In one branch: the rub up to its fold, back to the corner, and the whirl without contact."""

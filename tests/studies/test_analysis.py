@@ -167,6 +167,19 @@ def test_only_indices_of_morris_have_the_columns_unit(kind, heading, tmp_path, c
     assert f"\n{heading}" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("of", "said"), [("y", "no run has a value of y\n"), ("curve", "the points of a grid")]
+)
+def test_columns_without_a_number_are_said_instead_of_an_empty_table(of, said, tmp_path, capsys):
+    columns = tuple(column for column in Ishigami.columns if column.name == of)
+    model = type("Failing", (Ishigami,), {"columns": columns})(fails_above=-math.inf)
+    values = "\n".join(f"x{i} = {{ values = [1.0] }}" for i in (1, 2, 3))
+    study = ishigami_study(tmp_path, model, f"[vary]\n{values}\n")
+    run_study(study, tmp_path / "out", here, quiet)
+    _analyse(study, tmp_path / "out")
+    assert capsys.readouterr().out.startswith(said)
+
+
 def test_points_that_morris_places_give_no_quantiles_and_no_share(tmp_path):
     report = with_limit(tmp_path, "morris", 32)
     assert set(report["columns"]["y"]) == {"count", "least", "largest"}
