@@ -194,8 +194,11 @@ class _Reader:
         sides = ("idl", "odl", "idr", "odr")
         loads = ("axial_force", "torque", "alpha", "beta")
         element.refuse_others("L", "n", "material", "shear_method_calc", *sides, *flags, *loads)
-        for flag in flags[1:]:
-            if element.values.get(flag, True) is not True:
+        for flag in flags:
+            value = element.values.get(flag, True)
+            if not isinstance(value, bool):
+                raise QuantityError(f"{element.where}.{flag} = {value!r}: must be true or false")
+            if not value and flag != "shear_effects":
                 raise QuantityError(
                     f"{element.where}.{flag} = false: not supported, a shaft here always has it"
                 )

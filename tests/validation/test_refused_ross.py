@@ -20,6 +20,7 @@ from .test_ross import text_of
         ("mxx = [ 0,]", "mxx = [ 2.0,]", "SealElement_balance piston.mxx: must be 0"),
         ("torque = 0\n", "torque = 5.0\n", "torque = 5.0: must be 0"),
         ("gyroscopic = true", "gyroscopic = false", "gyroscopic = false: not supported, a shaft"),
+        ("shear_effects = true", 'shear_effects = ""', "shear_effects = '': must be true or false"),
         ("alpha = 0.0", "alpha = 0.1", "alpha: is not the same of all shaft elements; here one"),
         ('"cowper"', '"timoshenko"', "must be cowper or hutchinson"),
         (
