@@ -104,15 +104,17 @@ def test_required_margins_are_those_of_api_617(factor, is_above, expected):
 
 
 def test_margins_are_shares_of_the_nearer_end_of_the_range():
-    def at(speed):  # AF = 5
-        return margin(Peak(speed, 1.0, 0.9 * speed, 1.1 * speed), 100.0, 200.0)
+    def at(speed, width=0.2):  # AF = 5
+        half = width * speed / 2
+        return margin(Peak(speed, 1.0, speed - half, speed + half), 100.0, 200.0)
 
     assert at(80.0).actual == pytest.approx(0.2)
     assert at(80.0).is_met
     assert at(230.0).actual == pytest.approx(0.15)
     assert not at(230.0).is_met
-    assert at(150.0).actual == 0.0
-    assert not at(150.0).is_met
+    for within in (100.0, 150.0, 200.0):
+        assert at(within) == Margin(required_margin(5.0, is_above=True), 0.0)
+        assert not at(within, 0.4).is_met  # AF = 2.5, which needs none below the range
 
 
 def test_limits_are_those_of_api_617():
