@@ -47,9 +47,10 @@ _MEASURED = {
     "1": ("a number", "percent"),
 }
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^:]*?)\s*")
-# What no unit contains: commas and sums, and numbers that are no exponents nor the 1 of 1/min. Pint
-# would calculate with them: 0,01 mm, 1 000 rpm and 1+1 mm would be 0, 0 and 1.
-_NO_UNIT = re.compile(r"^\.|[,+]|\s-|-\s|(?<![\w.^)])(?<!\*\*)(?<!\^-)(?<!\*\*-)\d")
+# What no unit contains: characters but letters, digits and signs of powers, products and quotients,
+# differences, and numbers that are no exponents nor the 1 of 1/min. Pint would leave them out or
+# calculate with them: 2 mm# 3, 0,01 mm, 1 000 rpm and 1+1 mm would be 2 mm, 0, 0 and 1.
+_NO_UNIT = re.compile(r"^\.|[^\w\s*^/().\-·⋅%°]|\s-|-\s|(?<![\w.^)])(?<!\*\*)(?<!\^-)(?<!\*\*-)\d")
 # What has the same name in two systems of units: what pint would take it for is not what most mean.
 _AMBIGUOUS = {
     "gr": "grams or grains? write g or grain",

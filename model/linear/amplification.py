@@ -100,13 +100,12 @@ def required_margin(amplification: float, is_above: bool) -> float:
 def margin(peak: Peak, low: float, high: float) -> Margin:
     """Return the separation of a peak from the operating range, from the minimum to the maximum
     continuous speed [rad/s]."""
-    needed = required_margin(peak.amplification, peak.speed > high)
+    needed = required_margin(peak.amplification, is_above=peak.speed >= low)
     if peak.speed > high:
         return Margin(needed, (peak.speed - high) / high)
     if peak.speed < low:
         return Margin(needed, (low - peak.speed) / low)
-    # within the range no distance is enough, unless the peak is critically damped
-    return Margin(max(needed, required_margin(peak.amplification, is_above=True)), 0.0)
+    return Margin(needed, 0.0)  # no distance is enough, unless the peak is critically damped
 
 
 def about(frequency: float, damping_ratio: float) -> np.ndarray:

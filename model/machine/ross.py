@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ..parts.shaft import POISSON
 from ..quantities import QuantityError
 from .ross_element import Element
-from .table_reader import a_table, printable
+from .table_reader import a_table
 
 _SHAFT, _DISC, _MASS = "ShaftElement", "DiskElement", "PointMass"
 _BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
@@ -83,16 +83,15 @@ class _Reader:
 
     def _element(self, key: str, value: object) -> Element:
         """Return an element; a bearing or seal that ROSS computed is one by its coefficients."""
-        kind, where = key.partition("_")[0], printable(key)
+        kind = key.partition("_")[0]
+        where = key if key.isprintable() else repr(key)  # notes become comments of a file
         values = a_table(where, value)
         is_computed = kind in _COMPUTED or any(name in values for name in _COMPUTED_BY)
         if kind in (_SHAFT, _DISC, _MASS, *_BEARINGS) and not is_computed:
             return Element(where, kind, values)
         if not is_computed or "kxx" not in values or "cxx" not in values:
             other = ", or save its coefficients as a BearingElement" if is_computed else ""
-            raise QuantityError(
-                f"{where}: a {printable(kind)} of ROSS is not supported; remove it{other}"
-            )
+            raise QuantityError(f"{where}: a {kind} of ROSS is not supported; remove it{other}")
         self._notes.append(
             f"{where}: imported by its coefficients; what ROSS computed them from is left out"
         )
@@ -195,8 +194,11 @@ class _Reader:
         sides = ("idl", "odl", "idr", "odr")
         loads = ("axial_force", "torque", "alpha", "beta")
         element.refuse_others("L", "n", "material", "shear_method_calc", *sides, *flags, *loads)
-        for flag in flags[1:]:
-            if element.values.get(flag, True) is not True:
+        for flag in flags:
+            value = element.values.get(flag, True)
+            if not isinstance(value, bool):
+                raise QuantityError(f"{element.where}.{flag} = {value!r}: must be true or false")
+            if not value and flag != "shear_effects":
                 raise QuantityError(
                     f"{element.where}.{flag} = false: not supported, a shaft here always has it"
                 )

@@ -5,7 +5,7 @@ import re
 from typing import Any, NamedTuple
 
 from ..quantities import QuantityError
-from .table_reader import nearest, number, printable
+from .table_reader import nearest, number
 
 # Entries that draw, name or repeat something, those of the classes beside the coefficients, and of
 # old solvers.
@@ -72,5 +72,4 @@ class Element(NamedTuple):
         for key, value in self.values.items():
             if value is not None and key not in (*known, *_IDLE):
                 hint = nearest(key, known)
-                where = f"{self.where}.{printable(key)}"
-                raise QuantityError(f"{where}: unknown key, {hint}not carried over")
+                raise QuantityError(f"{self.where}.{key}: unknown key, {hint}not carried over")

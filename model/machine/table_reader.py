@@ -36,11 +36,6 @@ def number(value: Any, may_be_list: bool = False) -> Any:
     return float(value) if is_number and abs(value) < 2**1023 else value
 
 
-def printable(key: str) -> str:
-    """Return a key as it is shown, on one line."""
-    return key if key.isprintable() else repr(key)
-
-
 def nearest(given: object, known: Collection[str]) -> str:
     """Return `did you mean x? ` if a known name is near."""
     near = near_names(given, known)
@@ -51,7 +46,7 @@ def refuse_unknown(where: str, table: dict[str, Any], known: Collection[str]) ->
     """Raise `UnfitKeys` for the first key that is not known."""
     for key in table:
         if key not in known:
-            shown = f"{where}.{printable(key)}" if where else printable(key)
+            shown = f"{where}.{key}" if where else key
             hint = nearest(key, known)
             raise UnfitKeys(f"{shown}: unknown key; {hint}known are {', '.join(known)}")
 

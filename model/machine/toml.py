@@ -41,8 +41,7 @@ def parse_rotor(text: str) -> Rotor:
     try:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        reason = " ".join(str(error).split())
-        raise QuantityError(f"not valid TOML: {reason}") from error
+        raise QuantityError(f"not valid TOML: {error}") from error
     refuse_unknown("", data, (*_OWN_KEYS, *(part.KIND for part in PARTS)))
     for key in ("material",) if "section" in data else ("material", "shaft"):
         if key not in data:

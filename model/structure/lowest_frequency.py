@@ -67,7 +67,8 @@ def _lowest_square(rotor: Rotor, M: np.ndarray, others: np.ndarray, free: np.nda
     own = sparse(others)[free][:, free].tocoo()
     places = Places(len(free), own.row, own.col)
     system = StrainedMatrices(places, across[:, free], stiffness)
-    solve = system.factorized(places.numbers(own.row, own.col, own.data), np.eye(1))
+    numbers = places.numbers(own.row, own.col, own.data)
+    solve = system.factorized(numbers, np.eye(1), refines=False)  # no masses are in it
     return lowest_square_supported(lambda f: solve(f)[0], sparse(M)[free][:, free])
 
 

@@ -111,6 +111,10 @@ def test_what_to_write_in_the_place_of_such_a_name_is_read():
         ("2 mm-1 mm", "m", "x = 2 mm-1 mm: "),
         ("1 mm - 1 um", "m", "x = 1 mm - 1 um: the unit 'mm - 1 um' is unknown"),
         ("1 mm*2", "m", "x = 1 mm*2: the unit 'mm*2' is unknown"),
+        ("2 mm!", "m", "x = 2 mm!: the unit 'mm!' is unknown"),
+        ("2 mm#x", "m", "x = 2 mm#x: the unit 'mm#x' is unknown"),
+        ("two\nmm", "m", r"x = two\nmm: must be a number"),
+        ("2\nxx", "m", r"x = 2\nxx: the unit 'xx' is unknown"),
     ],
 )
 def test_a_unit_that_does_not_fit_is_one_line(text, unit, expected):

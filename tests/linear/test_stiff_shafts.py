@@ -125,6 +125,29 @@ def test_bearings_and_pins_of_a_stiff_shaft_bear_its_weight_by_the_lever(element
     np.testing.assert_allclose(pinned.load_y, [-weight - left - right, left, right], rtol=1e-6)
 
 
+@pytest.mark.parametrize(("length", "outer", "bore"), [(10.0, 1.0, 0.1), (0.02, 0.003, 0.0)])
+def test_a_shaft_sags_as_timoshenkos_beam_whatever_its_size(length, outer, bore):
+    young, density, poisson, gravity = 2.1e11, 7850.0, 0.3, 9.81
+    area, ratio = np.pi / 4 * (outer**2 - bore**2), bore / outer
+    inertia, around = np.pi / 64 * (outer**4 - bore**4), (1 + ratio**2) ** 2
+    cowper = 6 * (1 + poisson) * around
+    cowper /= (7 + 6 * poisson) * around + (20 + 12 * poisson) * ratio**2
+    load, shear = density * area * gravity, cowper * young / (2 * (1 + poisson)) * area
+    stiffness = 100 * young * inertia / length**3
+    bearing = f"[[linear_bearing]]\nkxx = {stiffness}\nkyy = {stiffness}\ncxx = 0.0\ncyy = 0.0\n"
+    result = static(
+        parse_rotor(
+            f"[material]\nyoung = {young}\ndensity = {density}\npoisson = {poisson}\n"
+            f"[[section]]\nlength = {length}\nouter = {outer}\nbore = {bore}\nelements = 20\n"
+            f"{bearing}z = 0.0\n{bearing}z = {length}\n"
+        )
+    )
+    z = result.z
+    sag = load * z / (24 * young * inertia) * (length**3 - 2 * length * z**2 + z**3)
+    sag += load * z * (length - z) / (2 * shear) + load * length / (2 * stiffness)
+    np.testing.assert_allclose(result.y, -sag, rtol=1e-12)
+
+
 def test_modes_of_a_steel_shaft_of_many_elements_are_found():
     """Rounding of its stiffness hid the equilibrium of five hundred."""
     few, many = (modes(machine(2.1e11, n), SPEED, count=4).eigenvalues for n in (20, 500))

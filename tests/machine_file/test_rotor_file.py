@@ -131,6 +131,7 @@ WRONG_PARTS = [
     ("[[housing]]\nmass = 1.0\nkx = 1.0\nky = 1.0\ncx = 0\ncy = 0", ["housing[1].name is missing"]),
     (2 * f"{HOUSING}\n", ["housing[2]: housing[1] has the name a already"]),
     (HOUSING.replace('"a"', '"bearing[2]"'), ["has the name bearing[2] already"]),
+    (2 * f"{HOUSING}\n".replace('"a"', '"a\\nb"'), [r"housing[1] has the name a\nb already"]),
     ("[[section]]\nlength = 1.0", ["shaft.nodes: cannot be combined with [[section]]"]),
     ("[[port]]\nnode = 9", ["port[1].node = 9", "from 1 to 8"]),
     (

@@ -262,13 +262,27 @@ def test_power_by_sink_is_what_was_dissipated_in_the_turn():
     assert speed == pytest.approx(400.0 - 10.0 * middle, rel=1e-3)
 
 
+def test_at_constant_speed_the_spectrum_is_of_the_last_turns():
+    turns = np.linspace(0.0, 40.0, 40 * 64 + 1)
+    phi = 2 * np.pi * turns
+    settled = np.exp(1j * phi) * (1.0 + np.exp(-turns / 2))
+    result = vibration.full_spectrum(turns, phi, settled, 2 * np.pi, turns=8)
+    assert result.amplitude.max() == pytest.approx(1.0, abs=np.exp(-32.0 / 2))
+
+
+@pytest.mark.parametrize("off", [-1e-12, 0.0, 1e-12])
+def test_a_turn_that_begins_at_a_mark_but_for_rounding_is_whole(off):
+    phi = 2 * np.pi * (np.linspace(1.0, 3.0, 129) + off)
+    assert len(vibration.turns_of(np.linspace(0.0, 2.0, 129), phi).mark) == 2
+
+
 def test_an_order_that_the_block_does_not_hold_is_refused():
+    """Nor 0.25, which is a line of the block's spectrum, but one into which the mean leaks."""
     t, phi = run_down(2.0)
-    with pytest.raises(
-        ValueError,
-        match=r"order 0\.3: a block of 4 turns resolves multiples of 0\.25, from 0\.5",
-    ):
-        vibration.order_track(t, phi, phi + 0j, [0.3])
+    for order in (0.3, 0.25):
+        reason = r"a block of 4 turns resolves multiples of 0\.25, from 0\.5"
+        with pytest.raises(ValueError, match=rf"order {order}: {reason}"):
+            vibration.order_track(t, phi, phi + 0j, [order])
     with pytest.raises(ValueError, match=r"order 3: must be one of 0\.5, 1, 2"):
         vibration.order_track(t, phi, phi + 0j).x(3)
 

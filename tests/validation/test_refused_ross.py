@@ -20,6 +20,7 @@ from .test_ross import text_of
         ("mxx = [ 0,]", "mxx = [ 2.0,]", "SealElement_balance piston.mxx: must be 0"),
         ("torque = 0\n", "torque = 5.0\n", "torque = 5.0: must be 0"),
         ("gyroscopic = true", "gyroscopic = false", "gyroscopic = false: not supported, a shaft"),
+        ("shear_effects = true", 'shear_effects = ""', "shear_effects = '': must be true or false"),
         ("alpha = 0.0", "alpha = 0.1", "alpha: is not the same of all shaft elements; here one"),
         ('"cowper"', '"timoshenko"', "must be cowper or hutchinson"),
         (
@@ -47,7 +48,7 @@ from .test_ross import text_of
         ("m = 12.0", f"m = 1{400 * '0'}", "must be a number"),
         ("G_s = 81200000000.0", "G_s = 1e12", "Element 0.material: E / (2 G_s) - 1 = -0.8945"),
         ('["SealElement_balance', '["SealElement\\nbalance', "'SealElement\\nbalance piston'"),
-        ("mxx = [ 0,]", '"a\\nb" = 1', "'a\\nb': unknown key"),
+        ("mxx = [ 0,]", '"a\\nb" = 1', "balance piston.a\\nb: unknown key"),
     ],
 )
 def test_what_cannot_be_carried_over_is_refused_by_name(before, after, expected):
