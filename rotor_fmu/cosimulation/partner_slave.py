@@ -42,7 +42,7 @@ def described(call: Callable[..., Any]) -> Callable[..., Any]:
             said = str(error) if isinstance(error, Refused) else f"{type(error).__name__}: {error}"
             if isinstance(error, KeyboardInterrupt):
                 said = wrapper.INTERRUPTED
-            raise Refused(wrapper.in_one_line(said)[:_LONGEST]) from None
+            raise Refused(wrapper.escaped(wrapper.in_one_line(said)[:_LONGEST])) from None
 
     return guarded
 

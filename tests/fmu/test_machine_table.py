@@ -2,13 +2,14 @@
 wrong place in memory may end."""
 
 import shutil
+from types import SimpleNamespace
 
 import pytest
 
 from rotor_fmu.fmi.machine_table import HEAD_SIZE
 
 from ..processes import run_python
-from .skins import SKINS
+from .skins import SKINS, Refused
 
 FLIPS = """
 import ctypes, random, struct, sys
@@ -144,3 +145,13 @@ def test_a_missing_table_is_named_to_the_host(kind, extracted, tmp_path):
     done = run_python(script, tmp_path / "fmu")
     assert done.stdout.split() == ["refused"], done.stderr
     assert "resources/machine.table: cannot be read" in done.stderr
+
+
+def test_a_hash_in_what_the_slave_says_itself_reaches_the_host_as_two(extracted, tmp_path, capfd):
+    """As FMI's loggers want it, and the terminal does not."""
+    folder = tmp_path / "job #1"
+    shutil.copytree(extracted["python"].folder, folder)
+    (folder / "resources" / "machine.table").unlink()
+    with pytest.raises(Refused, match=r"/job ##1/resources/machine\.table: cannot be read$"):
+        SKINS["python"](SimpleNamespace(folder=folder)).setup()
+    assert "/job #1/resources/machine.table: cannot be read\n" in capfd.readouterr().err

@@ -31,6 +31,7 @@ for _ in range(20):  # a reference too few and the host would be gone
         ("raise KeyboardInterrupt", "interrupted by the user"),
         ("raise SystemExit(3)", "SystemExit: 3"),
         ("raise ValueError('5 %s\\nmore')", "ValueError: 5 percents more"),
+        ("raise ValueError('disc #3, ##')", "ValueError: disc #3, ##"),
         ("raise ValueError('x' * 5000)", f"ValueError: {'x' * 688}"),
         ("self.w = 'fast'", "w = 'fast': must be a number"),
     ],

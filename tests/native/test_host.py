@@ -206,6 +206,22 @@ def test_a_category_that_is_unknown_is_named(library, capfd):
     library.c.fmi2FreeInstance(m)
 
 
+def test_a_hash_reaches_the_hosts_logger_as_two_and_the_terminal_as_it_is(library, capfd):
+    """In FMI's messages it stands before references to variables."""
+    heard = []
+    logger = LOGGER(lambda *logged: heard.append(logged[-1].decode()))
+    callbacks = (ctypes.c_void_p * 5)(ctypes.cast(logger, ctypes.c_void_p).value)
+    assert not library.instantiate(resources=b"file:///of%20job%20%2312", callbacks=callbacks)
+    assert heard == ["/of job ##12/machine.table: cannot be read"]
+    assert "error: /of job #12/machine.table: cannot be read\n" in capfd.readouterr().err
+    names = (ctypes.c_char_p * 1)(b"#" * 900)
+    m = library.instantiate(callbacks=callbacks)
+    assert library.c.fmi2SetDebugLogging(m, 1, ctypes.c_size_t(1), names) == ERROR
+    said = capfd.readouterr().err.partition("error: ")[2].rstrip()
+    assert heard[-1] == said.replace("#", "##")
+    library.c.fmi2FreeInstance(m)
+
+
 def test_the_host_keeps_its_callbacks_no_longer_than_the_call(library):
     heard = []
     logger = LOGGER(lambda *logged: heard.append(logged[-1].decode()))

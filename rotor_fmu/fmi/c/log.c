@@ -16,13 +16,19 @@ static void log_message(Instance *m, Status status, char *message)
 {
     static const char *const LEVELS[] = {"note", "warning", "discard", "error"};
     const char *level = LEVELS[status];
+    char given[2 * LONGEST], *to = given;
     int category = (int)status;
-    for (char *c = message; *c; c++)
+    for (char *c = message; *c; c++) {
         if (*c == '%' || *c == '\n') /* hosts read it as a printf format */
             *c = ' ';
+        if (*c == '#') /* FMI's escape character, before references to variables and itself */
+            *to++ = *c;
+        *to++ = *c;
+    }
+    *to = 0;
     write_error(m->name, level, message);
     if (m->categories & 1u << category)
-        m->skin->emit(m, status, CATEGORIES[category], message);
+        m->skin->emit(m, status, CATEGORIES[category], given);
 }
 
 static void vlog_message(Instance *m, Status status, const char *format, va_list arguments)

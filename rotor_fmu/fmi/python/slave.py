@@ -24,6 +24,7 @@ from .wrapper import (
     INTERRUPTED,
     CallFailed,
     HeldFromLookUp,
+    escaped,
     held,
     in_one_line,
     settle_exit,
@@ -206,7 +207,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         plain = in_one_line(sentence)
         with suppress(OSError, ValueError):  # a host may have closed it, or have none
             print(f"{self.instance_name}: error: {plain}", file=sys.stderr, flush=True)
-        return plain
+        return escaped(plain)
 
     # --- life of an instance -----------------------------------------------------------------
 

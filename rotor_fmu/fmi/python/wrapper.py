@@ -46,6 +46,12 @@ def in_one_line(message: str) -> str:
     return " ".join(message.replace("%", " percent").split())
 
 
+def escaped(message: str) -> str:
+    """Return a message as FMI's loggers read it: `#` is an escape character, which stands before
+    references to variables and itself."""
+    return message.replace("#", "##")
+
+
 class HeldFromLookUp:
     """A method of a slave that the wrapper may fail to call, as with a state that is NULL.
 
