@@ -170,13 +170,6 @@ def _draw(metric: Metric, shown: Shown, unit: str, panel: Panel, ax: "Axes") -> 
     from ..plotting.figure_style import BLUE, GREY, ORANGE
 
     across = current().of_si(unit).factor
-    place, _, side = metric.of.rpartition(".")
-    response = panel.response
-    if response is not None and place in response.probes and side in "xy":
-        for over, value, stable in response.section(place, side):
-            dashes = "-" if stable else (0, (4, 2))
-            width = 2.2 if stable else 1.2
-            ax.plot(over * across, value * shown.factor, color=GREY, ls=dashes, lw=width, zorder=1)
     for falls, color, text in ((False, BLUE, "rising"), (True, ORANGE, "falling")):
         mine = panel.falls == falls
         if mine.any():
@@ -191,9 +184,17 @@ def _draw(metric: Metric, shown: Shown, unit: str, panel: Panel, ax: "Axes") -> 
                 zorder=2,
                 label=label,
             )
-    if response is not None:
-        ax.plot([], [], color=GREY, lw=2.2, label="periodic, stable")
-        ax.plot([], [], color=GREY, lw=1.2, ls=(0, (4, 2)), label="periodic, unstable")
+    place, _, side = metric.of.rpartition(".")
+    response = panel.response
+    if response is not None and place in response.probes and side in "xy":
+        lines = response.section(place, side)
+        for is_stable, text in ((True, "periodic, stable"), (False, "periodic, unstable")):
+            dashes, width = ("-", 2.2) if is_stable else ((0, (4, 2)), 1.2)
+            alike = [line for line in lines if line.is_stable == is_stable]
+            for line in alike:
+                over, value = line.parameter * across, line.value * shown.factor
+                named = text if line is alike[0] else None
+                ax.plot(over, value, color=GREY, ls=dashes, lw=width, zorder=1, label=named)
     ax.legend(frameon=False, fontsize=8)
     ax.set_title(", ".join(panel.others), fontsize=9)
     ax.set_ylabel(f"{metric.of} at the mark [{shown.unit}]")

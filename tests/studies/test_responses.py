@@ -171,6 +171,20 @@ def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
         assert titles == ["rising", "falling", "periodic, stable", "periodic, unstable"]
 
 
+def test_a_diagram_names_no_unstable_motions_where_none_are(tmp_path):
+    """Far below the speeds at which the rotor rubs."""
+    study = read(
+        tmp_path,
+        "kind = 'steps'\nfrom = 40\nto = 50\ncount = 2\nsettle = 0.1\nturns = 1",
+        'x = { poincare = "disc.x" }',
+        '"contact[1].mu" = { values = [0.05] }',
+    )
+    run_study(study, tmp_path / "out", here, quiet)
+    (axes,) = diagrams(study, open_dataset(tmp_path / "out"), quiet)["x"].axes
+    titles = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert titles == ["once a turn", "periodic, stable"]
+
+
 def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_path, process):
     study = read(
         tmp_path,
