@@ -227,8 +227,7 @@ def _critical(
         if before != 0.0 and before * after <= 0:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             # what nothing holds has a frequency of rounding, in which it meets a speed of rounding
-            is_met = abs(_excess(there, at, harmonic)) <= _MET * harmonic * abs(there.speed)
-            if at >= 0 and is_met and there.is_held[at] and there.has_peak[at]:
+            if at >= 0 and there.is_held[at] and there.has_peak[at]:
                 log_dec = float(there.log_dec[at])
                 whirl = there.whirl[at]
                 result.append(CriticalSpeed(int(mode), there.speed, whirl, log_dec, harmonic))
@@ -244,7 +243,7 @@ def _meeting(
     follow: _Follower, a: Modes, places: np.ndarray, mode: int, end: float, harmonic: float
 ) -> tuple[Modes, int]:
     """Return the modes where that with the place places[mode] in `a` has its frequency in the
-    harmonic, before the speed `end`, and its place there."""
+    harmonic, before the speed `end`, and its place there, -1 where it jumps past."""
     followed = [(a, places)]
 
     def seen_at(speed: float) -> tuple[Modes, int]:
@@ -262,7 +261,9 @@ def _meeting(
 
     before = _excess(a, places[mode], harmonic)
     precision = _PRECISION * max(abs(a.speed), abs(end))
-    return seen_at(brentq(excess, a.speed, end, xtol=precision, rtol=1e-13))
+    there, at = seen_at(brentq(excess, a.speed, end, xtol=precision, rtol=1e-13))
+    is_met = at >= 0 and abs(_excess(there, at, harmonic)) <= _MET * harmonic * abs(there.speed)
+    return there, at if is_met else -1
 
 
 def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:

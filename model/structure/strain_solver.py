@@ -19,7 +19,7 @@ from scipy.sparse.linalg import splu
 from ..machine.rotor import Rotor
 from .beam import shaft_element
 
-# Returns q and s for a right-hand side f, shape (N,) or (N, columns).
+# From f to q and the end forces, see `StrainedMatrices.factorized`.
 Solve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 _SCALINGS = 4
 
@@ -115,6 +115,8 @@ class StrainedMatrices:
         factors = splu(matrix)
 
         def solve(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            """Return q [m, rad] and the elements' end forces [N, N.m] under f [N, N.m], each of
+            shape (size,) or with columns as f has."""
             by_row = scale.reshape(-1, *[1] * (f.ndim - 1))
             right = np.zeros((len(scale), *f.shape[1:]), dtype=values.dtype)
             right[: len(f)] = f
