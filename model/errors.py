@@ -1,4 +1,9 @@
-"""The class of all errors in what a user gives."""
+"""The class of all errors in what a user gives, and how text from a file is shown on one line."""
+
+
+def printable(text: str) -> str:
+    """Return the text on one line; characters that are not printed, as Python writes them."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 class InputError(ValueError):
@@ -13,7 +18,5 @@ class InputError(ValueError):
     """
 
     def __init__(self, message: str) -> None:
-        """Take the message, whose line breaks and other characters that are not printed, such as of
-        a name in a file, are shown as they are written in Python: it is one line."""
-        shown = (c if c.isprintable() else repr(c)[1:-1] for c in message)
-        super().__init__("".join(shown))
+        """Take the message; names in it may come from a file and hold line breaks."""
+        super().__init__(printable(message))

@@ -21,6 +21,7 @@ from .model.arguments import numbers as numbers
 from .model.arguments import path_of as path_of
 from .model.arguments import shown_value as shown_value
 from .model.errors import InputError as InputError
+from .model.errors import printable as printable
 from .model.near_names import near_names, suggestion
 
 if TYPE_CHECKING:

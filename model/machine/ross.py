@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from ..errors import printable
 from ..parts.shaft import POISSON
 from ..quantities import QuantityError
 from .ross_element import Element
@@ -84,19 +85,18 @@ class _Reader:
     def _element(self, key: str, value: object) -> Element:
         """Return an element; a bearing or seal that ROSS computed is one by its coefficients."""
         kind = key.partition("_")[0]
-        where = key if key.isprintable() else repr(key)  # notes become comments of a file
-        values = a_table(where, value)
+        values = a_table(key, value)
         is_computed = kind in _COMPUTED or any(name in values for name in _COMPUTED_BY)
         if kind in (_SHAFT, _DISC, _MASS, *_BEARINGS) and not is_computed:
-            return Element(where, kind, values)
+            return Element(key, kind, values)
         if not is_computed or "kxx" not in values or "cxx" not in values:
             other = ", or save its coefficients as a BearingElement" if is_computed else ""
-            raise QuantityError(f"{where}: a {kind} of ROSS is not supported; remove it{other}")
+            raise QuantityError(f"{key}: a {kind} of ROSS is not supported; remove it{other}")
         self._notes.append(
-            f"{where}: imported by its coefficients; what ROSS computed them from is left out"
+            f"{key}: imported by its coefficients; what ROSS computed them from is left out"
         )
         own = {name: of for name, of in values.items() if name in _OF_BEARINGS}
-        return Element(where, "SealElement" if "Seal" in kind else "BearingElement", own)
+        return Element(key, "SealElement" if "Seal" in kind else "BearingElement", own)
 
     def read(self) -> Imported:
         """Return the tables of a machine file."""
@@ -124,7 +124,7 @@ class _Reader:
                 held = self._bearing(element, last, pedestals)
                 self._append(tables, _BEARINGS[element.kind], held, element)
         given = {k: v for k, v in tables.items() if v}
-        return Imported(given, tuple(self._notes), self._origins)
+        return Imported(given, tuple(map(printable, self._notes)), self._origins)
 
     def _operation(self) -> dict[str, float]:
         """Return the operating speeds that are given."""

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import InputError, check_one_of, writable_folder
+from ..errors import InputError, check_one_of, printable, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 
@@ -93,7 +93,7 @@ def import_ross(
 
     result = read("FILE", file)
     writable_folder(out.parent)
-    head = f"# From {file.name}, a rotor that ROSS saved.\n"
+    head = f"# From {printable(file.name)}, a rotor that ROSS saved.\n"
     head += "".join(f"# {note}\n" for note in result.notes)
     text = f"{head}\n{toml_text(result.tables)}"
     if out.is_file() and out.read_text("utf-8", "replace") != text:

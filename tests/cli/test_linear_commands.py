@@ -91,6 +91,18 @@ def test_a_rotor_from_ross_is_taken_as_it_is_and_imported(command, tmp_path):
     assert output.splitlines()[-9:-1] == direct.splitlines()[-9:-1]
 
 
+def test_names_in_the_comments_of_an_import_from_ross_end_no_comment(tmp_path):
+    saved = tmp_path / "rotor.a\nb"
+    text = (ROSS / "compressor.toml").read_text()
+    saved.write_text(text.replace("BearingElement_bearing 0", "BearingElement_a\\nb 0"))
+    machine = tmp_path / "machine.toml"
+    app(["import-ross", str(saved), "--out", str(machine)], standalone_mode=False)
+    head = machine.read_text().partition("\n\n")[0].splitlines()
+    assert [line[0] for line in head] == len(head) * ["#"]
+    assert r"rotor.a\nb" in head[0]
+    assert any(r"BearingElement_a\nb 0" in line for line in head)
+
+
 def test_an_import_from_ross_overwrites_nothing_that_a_user_wrote(tmp_path):
     machine = tmp_path / "machine.toml"
     arguments = ["import-ross", str(ROSS / "on_pedestals.json"), "--out", str(machine)]

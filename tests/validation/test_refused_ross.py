@@ -47,7 +47,7 @@ from .test_ross import text_of
         ('"cowper"', '["cowper"]', "must be cowper or hutchinson"),
         ("m = 12.0", f"m = 1{400 * '0'}", "must be a number"),
         ("G_s = 81200000000.0", "G_s = 1e12", "Element 0.material: E / (2 G_s) - 1 = -0.8945"),
-        ('["SealElement_balance', '["SealElement\\nbalance', "'SealElement\\nbalance piston'"),
+        ('["SealElement_balance', '["SealElement\\nbalance', "SealElement\\nbalance piston"),
         ("mxx = [ 0,]", '"a\\nb" = 1', "balance piston.a\\nb: unknown key"),
     ],
 )
