@@ -75,12 +75,18 @@ def _thrown_out(value):
     return [1.0 - 0.1 * (value - 0.6) if value > 0.3 else 0.97]
 
 
+def _thrown_far(value):
+    """One that it throws out from far within, where it is at the end as well."""
+    return [1.0 - 0.3 * (value - 0.6) if value > 0.3 else 0.88]
+
+
 @pytest.mark.parametrize(
     ("pairs", "kinds", "values"),
     [
         (_dips, ["Neimark-Sacker"] * 2, [0.65, 0.95]),
         (_change_places, ["Neimark-Sacker"] * 2, [0.3, 0.7]),
         (_thrown_out, ["grazing", "Neimark-Sacker"], [0.3, 0.6]),
+        (_thrown_far, ["grazing", "Neimark-Sacker"], [0.3, 0.6]),
     ],
 )
 def test_two_bifurcations_of_which_the_second_undoes_the_first_are_located(
@@ -93,7 +99,7 @@ def test_two_bifurcations_of_which_the_second_undoes_the_first_are_located(
         each[..., 1] = each[..., 0].conj()
         return each.ravel()[np.argsort(-np.abs(each.ravel()), kind="stable")]
 
-    has_contact = pairs is _thrown_out
+    has_contact = pairs in (_thrown_out, _thrown_far)
     seen = located(multipliers_at, lambda value: has_contact and value > 0.3)
     assert [b.kind for b in seen] == kinds
     assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)

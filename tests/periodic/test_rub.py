@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic import newton
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
-from rotor_fmu.model.periodic.queries import folds_over
+from rotor_fmu.model.periodic.queries import folds_over, motions_at
 
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
@@ -55,6 +56,28 @@ def test_at_the_value_of_a_point_of_the_curve_its_motion_is_given_once(curve):
         found = radii(curve, point.value / OMEGA)
         again = radii(curve, (point.value + 1e-6) / OMEGA)
         assert [r for r, _ in found] == pytest.approx([r for r, _ in again], rel=1e-4)
+
+
+@pytest.mark.parametrize("failures", [1, 2])
+def test_a_motion_between_points_far_apart_is_found_in_smaller_steps(curve, monkeypatch, failures):
+    """Where Newton's method does not converge from what lies between them, in 4 or 16."""
+    few, solve, calls = replace(curve._response), newton.solve, []
+    few.branches = [replace(curve.branches[0], points=curve.points[10:31:20])]
+    first, last = few.branches[0].points
+    value = 0.6 * first.value + 0.4 * last.value
+    (expected,) = motions_at(few, value)
+
+    def failing(*arguments):
+        calls.append(arguments[2])
+        if len(calls) <= failures:
+            raise newton.NotConverged
+        return solve(*arguments)
+
+    monkeypatch.setattr(newton, "solve", failing)
+    (found,) = motions_at(few, value)
+    assert found.orbit.b == pytest.approx(expected.orbit.b, abs=1e-9 * CLEARANCE)
+    assert len(calls) == failures + 4**failures
+    assert (np.diff(calls[failures:]) > 0).all()
 
 
 def test_it_jumps_up_and_down_where_the_closed_form_does(curve):
