@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from rotor_fmu.model.periodic import newton
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
+from rotor_fmu.model.periodic.folds import FoldCurve
 from rotor_fmu.model.periodic.queries import folds_over, motions_at
 
 import rotor_fmu as rf
@@ -131,6 +132,18 @@ def test_jumps_over_friction_lie_where_the_closed_form_folds(curve, least, most)
     folds = curve.fold_curve("contact[1].mu", least, most)
     assert folds.ends == WHOLE
     assert_folds_are_those_of_the_closed_form(folds)
+
+
+def test_a_curve_of_folds_is_drawn_in_the_units_shown_with_a_cross_where_it_is_lost(curve):
+    second, first = 1e-3 * np.array([0.9, 1.0, 1.1]), np.array([190.0, 202.0, 215.0])
+    folds = FoldCurve(second, first, ("end of the range", "lost: at a corner"))
+    axes = curve.fold_figure("contact[1].clearance", folds).axes[0]
+    line, cross = axes.lines
+    assert line.get_xdata() == pytest.approx(1e6 * second)
+    assert line.get_ydata() == pytest.approx(first / (2 * math.pi))
+    assert cross.get_xydata() == pytest.approx(line.get_xydata()[-1:])
+    assert axes.get_xlabel() == "contact[1].clearance [µm]"
+    assert axes.get_ylabel() == "speed of the fold [Hz]"
 
 
 def test_a_curve_of_folds_begins_at_the_least_that_the_machine_can_have():
