@@ -81,6 +81,8 @@ def test_the_contact_that_is_shown_is_the_last_one_that_touches():
     columns = recorded().columns
     idle = {"labyrinth.psi": columns["bearing[1].psi"], "labyrinth.fn": 0 * columns["phi"]}
     assert last_contact(columns | idle) == "bearing[1]"
+    faint = {"bearing[1].fn": 1e-3 * columns["bearing[1].fn"]}
+    assert last_contact(columns | idle | faint) == "bearing[1]"
     assert last_contact(idle) == "labyrinth"
     assert last_contact({"phi": columns["phi"]}) is None
 
