@@ -340,8 +340,6 @@ def _end_point(
     """Return the point at an end of the range, about one step length away; raises
     `NotConverged`."""
     x = solve(equations, point.x + length * point.tangent, value, _ITERATIONS)
-    if np.linalg.norm(x - point.x) > 3.0 * length + equations.tolerance:
-        raise NotConverged()
     end = with_tangent(equations, x, value, math.copysign(1.0, point.tangent_value))
     if _passes_over(equations, point, end):
         raise NotConverged()

@@ -98,9 +98,7 @@ class _Piece(NamedTuple):
     def least_count(self) -> int:
         """How many bifurcations show, at least. Kinds are counted apart, since a multiplier that
         enters the unit circle hides another one that leaves it."""
-        change = np.abs(_outside(self.second) - _outside(self.first))
-        change[0] = max(change[0], self.turns)
-        return int(change.sum())
+        return int(np.abs(_outside(self.second) - _outside(self.first)).sum())
 
     def is_simple(self, problem: PeriodicEquations, halvings: int) -> bool:
         """Return whether not more than one bifurcation is expected; halvings: that are left."""

@@ -120,19 +120,16 @@ def by_parameter(
     difference over a step, as a share of the scale, upwards where that is possible, or where
     is_central to both sides; is_across: whether the residual has a corner between its value and
     another one."""
-    ends, result = [value + side * scale for side in (step, -step)], np.zeros(0)
+    result, ends = np.zeros(0), [value + side * scale for side in (step, -step)]
     with suppress(QuantityError):
         if is_central and not any(map(is_across, ends)):
             above, below = map(residual_at, ends)
             return (above - below) / (2 * step)
-    for side in (step, -step):
-        try:
-            beside = residual_at(value + side * scale)
-        except QuantityError:  # beyond the largest that the machine can have
-            continue
-        if not is_across(value + side * scale):
-            return (beside - residual) / side
-        result = result if len(result) else (beside - residual) / side
+    for side, end in zip((step, -step), ends, strict=True):
+        with suppress(QuantityError):  # beyond what the machine can have
+            result = (residual_at(end) - residual) / side
+            if not is_across(end):
+                break
     return result
 
 

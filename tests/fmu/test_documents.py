@@ -2,6 +2,7 @@
 
 import math
 import re
+import subprocess
 import zipfile
 from html.parser import HTMLParser
 from pathlib import Path
@@ -14,7 +15,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.about import __version__
 from rotor_fmu.fmi.description import default_experiment, summary
 from rotor_fmu.fmi.interface import interface
-from rotor_fmu.fmi.packing.archive import contents_of
+from rotor_fmu.fmi.packing.archive import contents_of, wrap
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
@@ -31,6 +32,17 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 @pytest.fixture(scope="module")
 def contents(fmu):
     return contents_of(fmu)
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"), [("Traceback\nno disk\n", "no disk"), ("", "status 7")]
+)
+def test_an_fmu_that_cannot_be_made_says_why_in_one_line(said, reason, monkeypatch, tmp_path):
+    """By the last line of pythonfmu, or, where it says nothing, its exit status."""
+    failed = subprocess.CompletedProcess([], 7, "", said)
+    monkeypatch.setattr(subprocess, "run", lambda *_, **__: failed)
+    with pytest.raises(OSError, match=rf"cannot make an FMU of entry\.py: .*{reason}$"):
+        wrap(tmp_path / "entry.py", [], tmp_path / "raw.fmu")
 
 
 class Links(HTMLParser):

@@ -247,6 +247,11 @@ def test_a_machine_balanced_to_nothing_does_not_vibrate_by_its_sag():
         rig().with_parts(Bearing, *bearings), [150.0, 500.0], [4, 5, 6], measured=[4, 6]
     )
     assert result.residual < 1e-4
+    table = result.table()
+    assert "rank" not in table.title
+    measured = [row for row in table.rows if row[0].startswith("node")]
+    for row, v in zip(measured, result.vibrations, strict=True):
+        assert row[7:9] == pytest.approx((1e6 * abs(v.corrected), 1e6 * abs(v.expected)))
 
 
 def test_a_machine_whose_planes_are_dependent_says_so():

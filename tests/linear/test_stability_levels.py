@@ -46,6 +46,9 @@ def test_the_rotor_is_unstable_from_the_threshold_on():
     assert below > 0 > above
     assert result.ratio == pytest.approx(result.threshold / 5e3)
     assert result.sensitivity < 0
+    # of API 617 the range need only hold the smaller of these two
+    assert result.stiffness[[0, -1]] == pytest.approx([0.0, 10 * 5e3])
+    assert result.threshold < 5e4
 
 
 def test_a_jeffcott_rotor_is_unstable_where_the_cross_coupling_is_its_damping_times_its_frequency():
@@ -63,6 +66,11 @@ def test_without_gyroscopic_moments_the_forward_mode_is_the_one_that_cross_coupl
     result = level_1(parse_rotor(text), 150.0, node=2)
     assert result.threshold == pytest.approx(20.0 * 100.0, rel=1e-3)
     assert result.log_dec_alone == pytest.approx(2 * math.pi * 0.1 / math.sqrt(1 - 0.01), rel=1e-3)
+    # the root of s^2 + 20 s + 1e4 - i q has the derivative 1 / (2 omega_d) by q
+    assert result.sensitivity == pytest.approx(-math.pi / (1e4 - 10.0**2), rel=1e-3)
+    # Q0 is within the range without QA too, and what is beyond it
+    assert result.stiffness[[0, -1]] == pytest.approx([0.0, 1.2 * result.threshold])
+    assert result.log_dec[-1] < 0 < result.log_dec[0]
 
 
 def test_on_stiffnesses_that_differ_cross_coupling_has_to_overcome_their_difference_too():

@@ -11,9 +11,10 @@ from typer.testing import CliRunner
 
 from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
-from rotor_fmu.live.controls import MOST_ROWS, course
+from rotor_fmu.live.controls import MOST_ROWS, course, groups, settings_of_run
 from rotor_fmu.live.live_page import solver_page, solver_table
 
+from ..recordings import recorded
 from .live import LivePage
 from .wasm import Native, rows_of
 
@@ -118,6 +119,49 @@ def test_a_run_that_no_page_repeats_is_refused(tmp_path, monkeypatch, arguments,
     done = CliRunner().invoke(app, ["report", *arguments])
     assert said in str(done.exception)
     assert not (tmp_path / "report.html").exists()
+
+
+def test_a_slider_holds_what_the_file_says_and_goes_from_there_as_far_as_a_machine_may():
+    machine = machine_of()
+    controls = [c for group in groups(machine) for c in group["controls"]]
+    sliders = {c["name"]: c["slider"] for c in controls}
+    for control in controls:
+        if slider := control["slider"]:
+            assert slider["low"] <= control["start"] <= slider["high"]
+            assert slider["low"] < slider["high"]
+    expected = {
+        "bearing[1].clearance": (5e-6, 5e-4, True),  # of 50 um, which must be > 0
+        "bearing[1].mu": (0.0, 0.2, False),  # of 0.05
+        "disc[2].e": (0.0, 3.2e-4, False),  # of 80 um
+        "disc[2].phase": (-math.pi, math.pi, False),
+        "disc[1].fx": (-60.0, 60.0, False),  # the rotor weighs 55.3 N
+    }
+    for name, (low, high, log) in expected.items():
+        assert sliders[name] == {"low": pytest.approx(low), "high": pytest.approx(high), "log": log}
+    (phase,) = [c for c in controls if c["name"] == "disc[2].phase"]
+    assert (phase["unit"], phase["factor"]) == ("°", pytest.approx(180.0 / math.pi))
+    assert {"loads", "bearing 1", "disc 2", "machine"} <= {
+        group["title"] for group in groups(machine)
+    }
+    # nothing to compare with, and how the solver works
+    assert sliders["shaft.eta_h"] is sliders["solver.tolerance"] is None
+    assert "speed" not in sliders
+    (_, _, rate, hold, _) = course(machine.rotor)["controls"]
+    assert rate["slider"] == {"low": 1.0, "high": 100.0, "log": True}
+    assert hold["slider"] is None
+
+
+@pytest.mark.parametrize(
+    ("rate", "ramp"),
+    [(0.0, {"to": 300.0, "hold": 5.999}), (-20.0, {"to": 180.02, "rate": 20.0})],
+)
+def test_a_page_repeats_what_was_set_in_a_run_and_the_course_of_its_speed(rate, ramp):
+    machine = machine_of()
+    given = {"bearing[1].mu": 0.05, "bearing[2].mu": 0.02, "solver.reduction": 3.0}
+    run = recorded(rate=rate, parameters=given)
+    expected = {"bearing[2].mu": 0.02, "course.from": 300.0}
+    expected |= {f"course.{name}": value for name, value in ramp.items()}
+    assert settings_of_run(run, machine) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("rate", [0.1, 50.0])

@@ -23,19 +23,31 @@ class _Line:
         return SimpleNamespace(parameter=value)
 
 
+ENDS = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
+
+
+class _Turn(_Line):
+    """lambda = 1 - x^2, with a fold at 0, where another branch passes at x = 0.3."""
+
+    def linearized_with_parameter(self, x, value):
+        return 1.0 - x**2 - value, np.array([-2.0 * x]), -np.ones(1)
+
+    def linearized(self, x, value):
+        return 1.0 - x**2 - value, np.array([-2.0 * x * (0.3 - x)])
+
+
 @pytest.fixture
 def located(monkeypatch):
     """Bifurcations of a line, in one step from 0 to 1, along which it has these multipliers and
     touches its walls so often."""
     monkeypatch.setattr(bifurcation_search, "_bifurcation", lambda _, found: found)
 
-    def search(multipliers_at, touches=lambda _: 0, line=None):
+    def search(multipliers_at, touches=lambda _: 0, line=None, ends=ENDS):
         monkeypatch.setattr(bifurcation_search, "_multipliers", lambda _, p: multipliers_at(p))
         monkeypatch.setattr(
             bifurcation_search, "_touches", lambda _, orbit: np.array([touches(orbit.parameter)])
         )
         line = line or _Line()
-        ends = [CurvePoint(np.zeros(1), value, np.zeros(1), 1.0) for value in (0.0, 1.0)]
         motions = [
             SimpleNamespace(multipliers=multipliers_at(end), orbit=line.split(0, end.value))
             for end in ends
@@ -75,12 +87,18 @@ def _thrown_out(value):
     return [1.0 - 0.1 * (value - 0.6) if value > 0.3 else 0.97]
 
 
+def _thrown_far(value):
+    """One that it throws out from far within, where it is at the end as well."""
+    return [1.0 - 0.3 * (value - 0.6) if value > 0.3 else 0.88]
+
+
 @pytest.mark.parametrize(
     ("pairs", "kinds", "values"),
     [
         (_dips, ["Neimark-Sacker"] * 2, [0.65, 0.95]),
         (_change_places, ["Neimark-Sacker"] * 2, [0.3, 0.7]),
         (_thrown_out, ["grazing", "Neimark-Sacker"], [0.3, 0.6]),
+        (_thrown_far, ["grazing", "Neimark-Sacker"], [0.3, 0.6]),
     ],
 )
 def test_two_bifurcations_of_which_the_second_undoes_the_first_are_located(
@@ -93,7 +111,7 @@ def test_two_bifurcations_of_which_the_second_undoes_the_first_are_located(
         each[..., 1] = each[..., 0].conj()
         return each.ravel()[np.argsort(-np.abs(each.ravel()), kind="stable")]
 
-    has_contact = pairs is _thrown_out
+    has_contact = pairs in (_thrown_out, _thrown_far)
     seen = located(multipliers_at, lambda value: has_contact and value > 0.3)
     assert [b.kind for b in seen] == kinds
     assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)
@@ -157,6 +175,22 @@ def test_doublings_of_a_pair_that_meets_on_the_real_axis_are_located(
     seen = located(multipliers_at, lambda _: 1)
     assert [b.kind for b in seen] == kinds
     assert [b.point.value for b in seen] == pytest.approx(values, abs=1e-4)
+
+
+def test_a_fold_does_not_hide_a_branch_point_in_its_step(located):
+    """One multiplier goes out of the circle at the fold, and another one comes in at 1."""
+
+    def multipliers_at(point):
+        return np.sort([1.0 + 0.2 * point.x[0], 1.3 - point.x[0]])[::-1]
+
+    tangents = (np.array([1.0, -2.0 * x]) / np.hypot(1.0, 2.0 * x) for x in (-0.2, 0.5))
+    ends = [
+        CurvePoint(np.array([x]), 1.0 - x**2, of[:1], of[1])
+        for x, of in zip((-0.2, 0.5), tangents, strict=True)
+    ]
+    seen = located(multipliers_at, line=_Turn(), ends=ends)
+    assert [b.kind for b in seen] == ["fold", "branch point"]
+    assert [b.point.x[0] for b in seen] == pytest.approx([0.0, 0.3], abs=1e-4)
 
 
 @pytest.mark.parametrize("inside", [[0.3, 0.3], [0.9j, -0.9j]])

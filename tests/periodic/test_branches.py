@@ -8,9 +8,16 @@ import numpy as np
 import pytest
 from rotor_fmu.model.periodic import starting_points, tracer
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
+from rotor_fmu.model.periodic.balance import Orbit
 from rotor_fmu.model.periodic.branch import Branch
 from rotor_fmu.model.periodic.checkpoint import EventLog
-from rotor_fmu.model.periodic.continuation import BranchSearch, _reason_lost, follow, start_at
+from rotor_fmu.model.periodic.continuation import (
+    BranchSearch,
+    _joined,
+    _reason_lost,
+    follow,
+    start_at,
+)
 from rotor_fmu.model.periodic.harmonic_count import Accuracy
 from rotor_fmu.model.periodic.newton import NotConverged, solve
 from rotor_fmu.model.periodic.problem import Response, Task, machines_of
@@ -138,6 +145,19 @@ def test_a_branch_that_comes_to_one_that_was_lost_ends_there(curve):
     assert branch.ends == ("start", "joins branch 2")
     assert [b.kind for b in branch.bifurcations] == ["grazing", "fold"]
     assert branch.points[-1].value == pytest.approx(lost.points[-1].value, rel=0.01)
+
+
+@pytest.mark.parametrize(("side", "joined"), [(1.0, 1), (-1.0, None)])
+def test_the_other_side_of_a_fold_is_not_joined_however_close(side, joined):
+    """Two motions each of the sides of a fold at 1, which are a percent apart."""
+
+    def motions(side, *values):
+        series = ([[1.0 + 0.005 * side * math.sqrt(1.0 - value)], [0.0], [0.0]] for value in values)
+        orbits = (Orbit(np.array(b), np.zeros((3, 0)), 1.0, 1, 1.0, 0.0) for b in series)
+        return [SimpleNamespace(value=v, orbit=o) for v, o in zip(values, orbits, strict=True)]
+
+    lost = Branch(points=motions(1.0, 0.0, 0.5, 0.9), ends=("start", "lost: at a corner"))
+    assert _joined([lost], Branch(points=motions(side, 0.8, 0.2))) == joined
 
 
 def test_a_seed_where_nothing_else_is_says_so():

@@ -12,8 +12,9 @@ from rotor_fmu.model.periodic import arclength
 from rotor_fmu.model.periodic.arclength import ContinuationEquations, ContinuationSteps
 from rotor_fmu.model.periodic.floquet import multipliers
 from rotor_fmu.model.periodic.force_corners import SampledOrbit, crossings
+from rotor_fmu.model.periodic.harmonic_count import transferred
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
-from rotor_fmu.model.periodic.newton import solve
+from rotor_fmu.model.periodic.newton import NotConverged, solve
 
 import rotor_fmu as rf
 
@@ -151,6 +152,42 @@ def test_a_step_is_shortened_where_it_would_pass_over_an_s_bend(w, ratio):
     assert np.count_nonzero(np.diff(ahead)) == (2 if ratio > 1 else 0)
     assert len(points) < 70
     assert points[-1].value == 2.0
+
+
+def test_the_step_to_the_end_of_the_range_passes_over_no_s_bend():
+    """The range ends just behind one."""
+    bend = _Bend(0.02, 1.5)
+    start = arclength.with_tangent(bend, solve(bend, np.zeros(1), 0.0), 0.0, 1.0)
+    trace = arclength.trace(bend, start, 0.0, 1.01, ContinuationSteps(longest=0.1))
+    points = [point for point, _ in trace]
+    assert np.count_nonzero(np.diff([point.tangent_value > 0 for point in points])) == 2
+    assert points[-1].value == 1.01
+
+
+class _Parabola(ContinuationEquations):
+    """lambda = 1 - (x - at)^2, with a fold at x = at."""
+
+    scale, difference, is_central = 1.0, 1e-7, True
+
+    def __init__(self, at):
+        self.at = at
+
+    def linearized(self, x, value):
+        return 1.0 - (x - self.at) ** 2 - value, np.array([-2.0 * (x - self.at)])
+
+
+def test_a_point_just_before_a_fold_is_before_it_by_other_equations_too():
+    """By which the fold lies a little earlier: what is nearest to the point is past it."""
+    point = arclength.with_tangent(_Parabola(0.0), np.array([-1e-3]), 1.0 - 1e-6, 1.0)
+    earlier = _Parabola(-3e-3)
+    nearest = arclength.correct(earlier, point.x, point.value, point.direction)
+    assert nearest.tangent_value < 0 < point.tangent_value
+    moved = transferred(earlier, point.x, point, point.direction)
+    assert moved.tangent_value > 0
+    assert moved.x[0] < earlier.at
+    assert moved.value == pytest.approx(1.0 - (moved.x[0] - earlier.at) ** 2, abs=1e-12)
+    with pytest.raises(NotConverged):
+        transferred(_Parabola(-0.05), point.x, point, point.direction)
 
 
 @pytest.mark.slow

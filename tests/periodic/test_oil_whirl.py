@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import bearing_curves
+from rotor_fmu.model.periodic.newton import solve
+from rotor_fmu.model.periodic.problem import Task, machines_of
+from rotor_fmu.model.periodic.self_excited import _SIZES, growing_whirls
 
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
@@ -44,6 +47,18 @@ def test_the_branch_begins_where_rest_loses_its_stability(whirl, threshold):
     assert [b.kind for b in whirl.bifurcations] == ["fold", "fold"]
     upper, lower = (b.value / threshold for b in whirl.bifurcations)
     assert lower < 1.0 < upper
+
+
+def test_far_beyond_the_threshold_a_large_whirl_is_found_that_carries_its_load_itself(threshold):
+    """From a guess about the place of rest Newton's method does not get there."""
+    speed = 2.0 * threshold
+    task = Task(speed, 1.1 * speed)
+    problem = task.problem(machines_of(_rotor(), task), speed, 3, is_autonomous=True, omega=speed)
+    guess = list(growing_whirls(problem, speed))[_SIZES.index(0.9)]
+    x = problem.join(guess)
+    problem.fix_phase(x)
+    b = problem.split(solve(problem, x, speed), speed).b / _C
+    assert np.abs(b[0]).max() < 0.1 < 0.9 < np.abs(b[1:3]).max() < 1.0
 
 
 def test_a_whirl_shows_its_own_frequency_and_nothing_that_is_bound_to_the_shaft(whirl):

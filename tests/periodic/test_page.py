@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from rotor_fmu.model.periodic.branch import FOLD, Bifurcation
+from rotor_fmu.model.periodic.branch import FOLD, Bifurcation, Branch, Solution
 
 import rotor_fmu as rf
 from rotor_fmu.display import choose, restored
 from rotor_fmu.periodic.response_page import response_page
-from rotor_fmu.periodic.vertices import vertices
+from rotor_fmu.periodic.vertices import pieces, vertices
 
 from ..documents.browser import NASTY, Page
 from ..parts.machines import bearings, rigid
@@ -26,10 +26,12 @@ def test_picture_table_and_page_are_in_the_units_chosen(curve):
     with restored():
         choose("rpm, mil")
         axes = curve.figure().axes[0]
-        heads = curve.table().heads
+        heads, rows = curve.table().heads, curve.table().rows
         html = response_page(curve, "Jeffcott")
     assert axes.get_xlabel() == heads[2] == "speed [rpm]"
     assert axes.get_xlim()[1] == pytest.approx(240.0 * 30 / np.pi)
+    found = [b.value * 30 / np.pi for b in curve.bifurcations]
+    assert [row[2] for row in rows] == pytest.approx(found)
     assert axes.get_ylabel() == "Largest distance from the mean [mil]"
     drawn = max(line.get_ydata().max() for line in axes.lines)
     assert drawn == pytest.approx(curve.curve("disc").value.max() / 25.4e-6)
@@ -43,6 +45,39 @@ def test_the_table_says_where_on_the_unit_circle_a_pair_of_multipliers_leaves_it
     real, _, imaginary = row[3].partition(" ± ")
     crossing = complex(float(real), float(imaginary.removesuffix("i")))
     assert abs(crossing - complex(torus.multiplier.real, abs(torus.multiplier.imag))) < 1e-3
+
+
+def drawn_through(speeds, amplitudes):
+    """Speeds and amplitudes of what is drawn through stable motions with these."""
+    points = [
+        Solution(speed, None, np.array([[0.0], [z]]), np.zeros(0), True, 0.0, ())
+        for speed, z in zip(speeds, amplitudes, strict=True)
+    ]
+    ((motions, _),) = pieces(Branch(points))
+    return np.array([at.value for at in motions]), np.array([at.motion[1, 0] for at in motions])
+
+
+def test_between_the_points_of_a_resonance_a_curve_is_drawn_on_which_they_lie():
+    """As near to the closed form as cubics are; through points of a line nothing is added."""
+
+    def amplitude(speed):
+        return 1e-5 / (1 - (speed / 100) ** 2 + 0.1j * speed / 100)
+
+    points = 100 + 5 * np.sinh(np.linspace(-2.5, 2.5, 23))
+    speeds, seen = drawn_through(points, amplitude(points))
+    assert len(speeds) > 2 * len(points)
+    assert set(points) <= set(speeds)
+    assert (np.diff(speeds) > 0).all()
+    assert np.abs(seen - amplitude(speeds)).max() < 2e-3 * np.abs(seen).max()
+    straight, _ = drawn_through(points, 1e-6j * points)
+    assert straight == pytest.approx(points)
+
+
+def test_across_a_corner_no_curve_is_drawn():
+    """Such as where a contact begins: up to it and from it on it is a line."""
+    speeds, seen = drawn_through([1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 0.0, 0.0, 2.0, 4.0])
+    assert len(speeds) == 5
+    assert seen.tolist() == [0.0, 0.0, 0.0, 2.0, 4.0]
 
 
 def test_marks_lie_on_the_curve_which_changes_from_full_to_dashed_at_them(curve, over_friction):

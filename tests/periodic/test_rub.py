@@ -6,8 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic import newton
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
-from rotor_fmu.model.periodic.queries import folds_over
+from rotor_fmu.model.periodic.folds import FoldCurve
+from rotor_fmu.model.periodic.queries import folds_over, motions_at
 
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
@@ -55,6 +57,28 @@ def test_at_the_value_of_a_point_of_the_curve_its_motion_is_given_once(curve):
         found = radii(curve, point.value / OMEGA)
         again = radii(curve, (point.value + 1e-6) / OMEGA)
         assert [r for r, _ in found] == pytest.approx([r for r, _ in again], rel=1e-4)
+
+
+@pytest.mark.parametrize("failures", [1, 2])
+def test_a_motion_between_points_far_apart_is_found_in_smaller_steps(curve, monkeypatch, failures):
+    """Where Newton's method does not converge from what lies between them, in 4 or 16."""
+    few, solve, calls = replace(curve._response), newton.solve, []
+    few.branches = [replace(curve.branches[0], points=curve.points[10:31:20])]
+    first, last = few.branches[0].points
+    value = 0.6 * first.value + 0.4 * last.value
+    (expected,) = motions_at(few, value)
+
+    def failing(*arguments):
+        calls.append(arguments[2])
+        if len(calls) <= failures:
+            raise newton.NotConverged
+        return solve(*arguments)
+
+    monkeypatch.setattr(newton, "solve", failing)
+    (found,) = motions_at(few, value)
+    assert found.orbit.b == pytest.approx(expected.orbit.b, abs=1e-9 * CLEARANCE)
+    assert len(calls) == failures + 4**failures
+    assert (np.diff(calls[failures:]) > 0).all()
 
 
 def test_it_jumps_up_and_down_where_the_closed_form_does(curve):
@@ -108,6 +132,18 @@ def test_jumps_over_friction_lie_where_the_closed_form_folds(curve, least, most)
     folds = curve.fold_curve("contact[1].mu", least, most)
     assert folds.ends == WHOLE
     assert_folds_are_those_of_the_closed_form(folds)
+
+
+def test_a_curve_of_folds_is_drawn_in_the_units_shown_with_a_cross_where_it_is_lost(curve):
+    second, first = 1e-3 * np.array([0.9, 1.0, 1.1]), np.array([190.0, 202.0, 215.0])
+    folds = FoldCurve(second, first, ("end of the range", "lost: at a corner"))
+    axes = curve.fold_figure("contact[1].clearance", folds).axes[0]
+    line, cross = axes.lines
+    assert line.get_xdata() == pytest.approx(1e6 * second)
+    assert line.get_ydata() == pytest.approx(first / (2 * math.pi))
+    assert cross.get_xydata() == pytest.approx(line.get_xydata()[-1:])
+    assert axes.get_xlabel() == "contact[1].clearance [µm]"
+    assert axes.get_ylabel() == "speed of the fold [Hz]"
 
 
 def test_a_curve_of_folds_begins_at_the_least_that_the_machine_can_have():

@@ -16,6 +16,7 @@ from rotor_fmu.model.periodic.checkpoint import EventLog
 from rotor_fmu.model.periodic.continuation import BranchSearch, follow, start_at
 from rotor_fmu.model.periodic.fourier import resized, shifted
 from rotor_fmu.model.periodic.harmonic_count import Accuracy
+from rotor_fmu.model.periodic.method_switch import suitable_equations
 from rotor_fmu.model.periodic.newton import solve
 from rotor_fmu.model.periodic.problem import PeriodicError, Response, Task, machines_of
 from rotor_fmu.model.periodic.queries import folds_over, motions_at
@@ -23,7 +24,7 @@ from rotor_fmu.model.periodic.shooting import Shooting
 
 import rotor_fmu as rf
 
-from .machines import CLEARANCE, OMEGA, sagging
+from .machines import CLEARANCE, FAINT_RUB, OMEGA, sagging
 from .test_resume import called, equal
 
 SPEED = 245.0
@@ -193,6 +194,19 @@ def test_a_bifurcation_that_is_located_leaves_the_steps_of_the_curve_as_they_are
     assert equations._ends is steps
 
 
+def test_a_motion_of_few_harmonics_is_balanced_again_but_for_the_end_of_its_curve(shot):
+    """Whose value is that of the range: in other unknowns the point moves along the curve."""
+    equations, x, _ = shot
+    point, few = with_tangent(equations, x, SPEED, 1.0), Accuracy(share=0.1, most=20)
+    orbit = equations.split(x, SPEED)
+    same, at, _ = suitable_equations(equations, point, orbit, few, is_end=True)
+    assert (same, at) == (equations, point)
+    balance, at, _ = suitable_equations(equations, point, orbit, few, is_end=False)
+    assert balance.balanced_H == 20
+    again, size = balance.split(at.x, at.value).b, np.abs(orbit.b).max()
+    assert np.abs(again - resized(orbit.b, 20)).max() < 1e-3 * size
+
+
 @pytest.mark.slow
 def test_a_branch_is_followed_by_shooting_and_gone_on_with_after_a_stop(tmp_path):
     """To the same points, bit for bit, also after a stop in the midst of them."""
@@ -233,6 +247,7 @@ def test_a_doubled_period_that_begins_on_a_branch_by_shooting_is_that_of_its_har
     first, second = result.branches
     assert {(p.orbit.H > 12, p.orbit.turns) for p in first.points} == {(True, 1)}
     assert {(p.orbit.H > 12, p.orbit.turns) for p in second.points} == {(True, 2)}
+    assert not any(note.code == "few-harmonics" for note in result.notes)  # it needs none
     (doubling,), (other,) = first.bifurcations, balanced.branches[0].bifurcations
     assert doubling.kind == other.kind == "period doubling"
     assert doubling.value == pytest.approx(other.value, rel=5e-5)
@@ -245,6 +260,24 @@ def test_a_doubled_period_that_begins_on_a_branch_by_shooting_is_that_of_its_har
             apart = min(np.abs(b[:rows] - same.orbit.b).max() for b in turns_later)
             assert apart < 1e-6 * size
             assert abs(one.multipliers[0]) == pytest.approx(abs(same.multipliers[0]), rel=1e-3)
+
+
+@pytest.mark.parametrize(("first", "is_short"), [(1.0, True), (0.05, False)])
+def test_with_too_few_harmonics_a_curve_goes_on_by_shooting_where_its_steps_are_short(
+    first, is_short
+):
+    """Shorter than the first one. There are 3 for each turn, and for this share never enough."""
+    accuracy = Accuracy(share=-1.0, most=3, has_stability=False)
+    steps = ContinuationSteps(initial=first, longest=0.1)
+    task, rotor = Task(60.0, 62.0, accuracy=accuracy, steps=steps), FAINT_RUB.rotor
+    machines = machines_of(rotor, task)
+    search = BranchSearch(Response(rotor, task), machines, EventLog(), lambda *_: None)
+    equations = task.problem(machines, 60.0, 3, turns=2)
+    x = solve(equations, np.zeros(equations.size), 60.0)
+    branch = follow(search, start_at(equations, x, 60.0, 1.0))
+    H = [point.orbit.H for point in branch.points]
+    assert H[:2] == [6, 6]
+    assert (min(H[2:]) > 12) == is_short
 
 
 def test_a_fold_found_by_shooting_has_no_curve_of_folds_and_says_what_to_do(by_shooting):

@@ -91,6 +91,18 @@ def test_pads_on_elastic_pivots_rest_where_a_run_in_time_begins():
     assert (rest.states[0, [1, 3]] == 0.0).all()
 
 
+@pytest.mark.parametrize("more", [{}, {"inertia": 1e-5}, {"pivot": 1e8}])
+def test_pads_that_bear_nothing_leave_the_jacobian_regular(more):
+    """Although no equation says where they are: what the mean of their tilt is may be any."""
+    from rotor_fmu.model.periodic.problem import Task, machines_of
+    from rotor_fmu.model.periodic.self_excited import rest_position
+
+    rotor, task = on_pads(9.81, **more).rotor, Task(100.0, 300.0)
+    problem = task.problem(machines_of(rotor, task), SPEED, 1)
+    x = problem.join(rest_position(problem, SPEED))
+    assert np.linalg.cond(problem.linearized(x, SPEED)[1]) < 1e9
+
+
 def test_pads_that_bear_and_do_not_move_have_the_derivatives_of_their_rates():
     """A vertical rotor without unbalance, whose films' moments are in balance."""
     run, laws = stood(on_pads(0.0, e=0.0, preload=0.3).rotor)

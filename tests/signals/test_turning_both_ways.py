@@ -10,6 +10,8 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from scipy.integrate import solve_ivp
 
 from rotor_fmu import vibration
+from rotor_fmu.errors import InputError
+from rotor_fmu.vibration.recorded import recorded
 
 from ..linear.test_linear_steady import MACHINE
 
@@ -244,6 +246,13 @@ def test_orders_that_the_rows_are_too_few_for_are_not_told():
             function(few, 200 * few, np.exp(200j * few))
     with pytest.raises(vibration.TooFewRows, match="has 2 recorded rows a turn"):
         vibration.orbit(few, 200 * few, np.exp(200j * few), 200.0)
+
+
+def test_times_that_fall_are_refused_also_where_they_are_numbers_without_a_sign():
+    """Whose differences would not be below 0."""
+    for kind in (float, np.uint8):
+        with pytest.raises(InputError, match=r"^t = 1\.0 s after 2\.0 s: times must not fall$"):
+            recorded(t=np.array([2, 1], kind))
 
 
 def test_what_is_not_finite_is_left_out():

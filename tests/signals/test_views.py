@@ -14,8 +14,14 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.plotting.figure_style import broken_at_turns, new_figure
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
-from rotor_fmu.run_pictures.run_folder import spectra, write_run_pictures
-from rotor_fmu.run_pictures.signal_plots import contact_angle, contact_force, polar, spectrum
+from rotor_fmu.run_pictures.run_folder import amplitude_axes, spectra, write_run_pictures
+from rotor_fmu.run_pictures.signal_plots import (
+    cascade,
+    contact_angle,
+    contact_force,
+    polar,
+    spectrum,
+)
 from rotor_fmu.run_pictures.view import View, speed_axis
 from rotor_fmu.runs.input_signals import Signals
 from rotor_fmu.runs.job import prepare
@@ -75,6 +81,8 @@ def test_the_contact_that_is_shown_is_the_last_one_that_touches():
     columns = recorded().columns
     idle = {"labyrinth.psi": columns["bearing[1].psi"], "labyrinth.fn": 0 * columns["phi"]}
     assert last_contact(columns | idle) == "bearing[1]"
+    faint = {"bearing[1].fn": 1e-3 * columns["bearing[1].fn"]}
+    assert last_contact(columns | idle | faint) == "bearing[1]"
     assert last_contact(idle) == "labyrinth"
     assert last_contact({"phi": columns["phi"]}) is None
 
@@ -136,6 +144,22 @@ def test_a_spectrum_tells_amplitude_and_frequency_of_unevenly_sampled_sines():
         near = np.abs(f - hz) < 1
         assert lines[near].max() == pytest.approx(size, rel=0.02)
     assert lines[0] < 0.01
+
+
+def test_spectra_of_a_run_whose_speed_does_not_go_one_way_are_drawn_over_time():
+    """One that goes up to 300 rad/s in 3 s and down again: the first 16 turns take 1.42 s."""
+    run = recorded(step=2e-3)
+    w = 100.0 * np.minimum(run.t, 6.0 - run.t)
+    phi = np.cumsum(w) * 2e-3
+    moves = {"disc[2].x": 4e-5 * np.cos(phi), "disc[2].y": 4e-5 * np.sin(phi)}
+    both = Recording(run.t, run.columns | {"phi": phi, "w": w} | moves, run.units, {})
+    axes = cascade(View(both, "disc[2]")).axes[0]
+    assert axes.get_title("left").endswith("waterfall of the full spectrum of disc 2")
+    assert axes.get_ylabel() == "Time [s]"
+    assert {text.get_text() for text in axes.texts} == {"-2x", "-1x", "+1x", "+2x"}
+    at = np.concatenate([mesh.get_coordinates()[:, 0, 1] for mesh in axes.collections])
+    assert at.min() == pytest.approx(math.sqrt(16 * TURN / 50) / 2, rel=0.01)
+    assert 4.5 < at.max() < 6.0
 
 
 def test_the_place_that_moves_most_stands_for_a_machine():
@@ -247,6 +271,17 @@ def test_the_speeds_of_a_slow_machine_fill_their_axis(slowest, fastest, ends):
     _, axes = new_figure()
     speed_axis(axes, np.array([slowest, fastest]))
     assert axes.get_xlim() == pytest.approx(ends)
+
+
+@pytest.mark.parametrize(("axis", "direction"), [("x", "Horizontal"), ("y", "Vertical")])
+def test_amplitudes_in_pictures_of_a_run_are_those_of_the_direction_named(axis, direction):
+    _, axes = new_figure()
+    run = recorded(stop=0.1)
+    amplitude_axes(axes, run, "disc[2]", axis)
+    assert axes.get_ylabel() == f"{direction} amplitude of disc 2 [µm 0-p]"
+    shown = [view.shown.amplitude_unit for view in (View(run), View(run, wants_pp=True))]
+    assert shown == ["µm 0-p", "µm pp"]
+    assert axes.get_ylim()[0] == 0.0
 
 
 def test_speeds_in_pictures_have_all_digits_before_the_point():

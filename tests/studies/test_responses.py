@@ -1,20 +1,24 @@
 """Studies whose runs are periodic responses, and diagrams with these under their sections."""
 
 import json
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError, RunFailed
-from rotor_fmu.machine_studies.diagram import diagrams
+from rotor_fmu.machine_studies.diagram import _points, _response, diagrams
 from rotor_fmu.machine_studies.machine_tables import read_study
+from rotor_fmu.periodic import request
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.store import open_dataset
 
 from ..periodic.machines import OMEGA, rub
 from .functions import here, quiet
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 JEFFCOTT = "jeffcott_rub/jeffcott.toml"
 RUN = "kind = 'response'\nfrom = 60\nto = 240"
 SHORT = "kind = 'response'\nfrom = 180\nto = 240"
@@ -183,6 +187,45 @@ def test_a_diagram_names_no_unstable_motions_where_none_are(tmp_path):
     (axes,) = diagrams(study, open_dataset(tmp_path / "out"), quiet)["x"].axes
     titles = [text.get_text() for text in axes.get_legend().get_texts()]
     assert titles == ["once a turn", "periodic, stable"]
+
+
+@pytest.mark.parametrize(
+    ("speeds", "expected"),
+    [
+        ([60.0, 60.4, 60.9, 60.5], [False, False, False, True]),
+        ([60.9, 60.5], [True, True]),  # the first as the second
+        ([60.0], [False]),
+    ],
+)
+def test_speeds_of_a_diagram_fall_where_each_is_below_the_one_before(speeds, expected):
+    how = SimpleNamespace(changed=lambda _: SimpleNamespace(speeds=np.array(speeds)))
+    values = np.arange(2.0 * len(speeds))[None]
+    over, section, falls = _points(values, None, SimpleNamespace(how=how), {"run.turns": 3.0})
+    assert over.tolist() == np.repeat(speeds, 2).tolist()
+    assert section.tolist() == values[0].tolist()
+    assert falls.tolist() == np.repeat(expected, 2).tolist()
+
+
+def test_motions_under_a_section_over_a_quantity_are_those_over_its_range_at_the_speed(monkeypatch):
+    """With what else the runs have; an axis that sets two quantities, or the solver, has none."""
+    monkeypatch.setattr(request, "compute_response", lambda asked: asked)
+    text = (EXAMPLES / JEFFCOTT).read_text(encoding="utf-8")
+    runs = SimpleNamespace(toml=text, values={}, how=SimpleNamespace(numbers={"speed": 140.0}))
+
+    def asked(*targets, settings):
+        axis, said = SimpleNamespace(name="mu", targets=targets, unit="1"), []
+        made = _response(runs, axis, settings, np.array([0.1, 0.02, 0.06]), said.append)
+        return made, said[-1]
+
+    (rotor, task), said = asked("contact[1].mu", settings={"contact[1].clearance": 2e-3})
+    assert rotor.parameters()["contact[1].clearance"].value == 2e-3
+    assert (task.name, task.low, task.high, task.speed) == ("contact[1].mu", 0.02, 0.1, 140.0)
+    assert said == "periodic motions over mu from 0.02 to 0.1 at 22.282 Hz"
+    assert asked("contact[1].mu", settings={"run.speed": 150.0})[0].task.speed == 150.0
+    for targets in (("contact[1].mu", "contact[1].k"), ("solver.tolerance",)):
+        none, said = asked(*targets, settings={})
+        assert none is None
+        assert said.startswith("without periodic motions: mu: sets more than one quantity")
 
 
 def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_path, process):

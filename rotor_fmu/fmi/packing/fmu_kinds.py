@@ -16,9 +16,9 @@ class FmuKind:
     """An FMU as it was asked for: whether it carries libraries, or C source, and needs no Python;
     the version of FMI, 2 or 3."""
 
-    is_native: bool = False
-    is_source: bool = False
-    fmi: int = 2
+    is_native: bool
+    is_source: bool
+    fmi: int
 
     @property
     def platforms(self) -> tuple[str, ...]:
