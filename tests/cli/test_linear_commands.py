@@ -258,14 +258,14 @@ def test_a_result_is_a_line_in_a_console():
 def turbocharger():
     """A machine and where it becomes unstable."""
     rotor = load_rotor(TURBOCHARGER)[1]
-    return rotor, answers.campbell(rotor, np.linspace(100.0, 1000.0, 7)).threshold
+    return rotor, answers.campbell(rotor, np.linspace(100.0, 1000.0, 7), count=2).threshold
 
 
 @pytest.mark.parametrize("top", [1.01, 20.0])
 def test_the_threshold_of_stability_is_named_within_the_diagram(turbocharger, top):
     """Of a rotor that becomes unstable at the end of the speeds, and soon after their beginning."""
     rotor, threshold = turbocharger
-    result = answers.campbell(rotor, np.linspace(100.0, top * threshold, 5))
+    result = answers.campbell(rotor, np.linspace(100.0, top * threshold, 5), count=2)
     figure = result.figure()
     figure.draw_without_rendering()
     below = figure.axes[1]
