@@ -20,8 +20,15 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing import archive
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
+from rotor_fmu.linear import mode_answers
 from rotor_fmu.plotting import figure_style
 
+from .coarse_report import (  # noqa: F401, fixtures
+    coarse_report,
+    conclusions_alone,
+    without_peaks,
+    without_runs,
+)
 from .documents.browser import driver, silent  # noqa: F401, fixtures
 
 # with this, jsonschema makes 38 parsers of addresses as it is imported, which takes seconds, and no
@@ -156,7 +163,8 @@ def drawn():
 
 @pytest.fixture(autouse=True)
 def _undrawn(request, monkeypatch):
-    """Pictures in files and pages are empty where nobody looks at them: to draw them takes long."""
+    """Pictures in files and pages are empty where nobody looks at them: to draw them takes long,
+    and to compose those of mode shapes in space too."""
     draw = Figure.savefig
 
     def savefig(figure, file, **options):
@@ -168,3 +176,4 @@ def _undrawn(request, monkeypatch):
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr(Figure, "savefig", savefig)
         monkeypatch.setattr(figure_style, "placed", nullcontext)
+        monkeypatch.setattr(mode_answers, "mode_shapes_figure", lambda *_: Figure())

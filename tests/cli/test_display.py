@@ -84,6 +84,7 @@ def test_show_lists_a_machine_in_us_units_and_the_next_command_in_its_own(comman
     assert "zigulic2003: 8 nodes, 330 mm, 5.6" in command("show")
 
 
+@pytest.mark.usefixtures("without_peaks")
 def test_the_machine_file_may_say_the_units(command, tmp_path):
     file = tmp_path / "rig.toml"
     file.write_text(f'units = "rpm, mil, pp"\n{rig_toml()}')

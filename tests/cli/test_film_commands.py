@@ -109,7 +109,7 @@ def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_sea
     assert "oil films, each linearized where its journal rests at that speed" in report.html
 
 
-@pytest.mark.usefixtures("coarse_report")
+@pytest.mark.usefixtures("without_peaks")
 @pytest.mark.parametrize(
     "shape", ["", 'offset = 1.0\npads = [1.5708, 4.71239]\narc = 2.8\nrupture = "guembel"\n']
 )
@@ -140,6 +140,7 @@ def test_a_place_that_is_not_there_is_named_before_a_missing_equilibrium(refusal
         assert message in refusal("frequency-response", *arguments)
 
 
+@pytest.mark.usefixtures("without_peaks")
 def test_the_response_to_unbalance_begins_at_standstill_on_oil_films_too(command):
     said = command("unbalance", "--rotor", str(OIL_FILM), "--speed", "0:200:3", "--node", "3")
     assert "contacts open" in said

@@ -68,12 +68,13 @@ FILE = EXAMPLES / "squeeze_film" / "rotor.toml"
 SAID = "squeeze_film_damper[1] 637 % at 39.7"
 
 
+@pytest.mark.usefixtures("without_peaks")
 def test_the_command_says_so(command):
     """The linear response of the example is six times the clearance of its dampers."""
     assert SAID in command("unbalance", "--rotor", str(FILE), "--speed", "250")
 
 
-@pytest.mark.usefixtures("conclusions_alone")
+@pytest.mark.usefixtures("conclusions_alone", "without_runs")
 def test_a_report_concludes_so():
     first = machine_report(load_rotor(FILE)[1], ReportOptions(400.0, 450.0)).conclusions[0]
     assert SAID in first.text

@@ -74,6 +74,7 @@ def test_numbers_of_the_rig_are_those_of_the_paper(command):
     np.testing.assert_allclose(np.array(natural[:2]) / (2 * math.pi), [29.4, 32.5], rtol=0.006)
 
 
+@pytest.mark.usefixtures("without_peaks")
 def test_json_says_all_in_si(command):
     output = json.loads(command("unbalance", "--json", "--speed", "30Hz"))
     result = answers.unbalance_response(rig(), [60 * math.pi])
@@ -239,6 +240,7 @@ def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
     assert expected in str(refused.value)
 
 
+@pytest.mark.usefixtures("without_peaks")
 def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path):
     """The amplitudes are those of the answer; an unbalance may be given in g mm."""
     given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", "4:50g.mm:90")
@@ -268,14 +270,14 @@ def test_a_result_is_a_line_in_a_console():
 def turbocharger():
     """A machine and where it becomes unstable."""
     rotor = load_rotor(TURBOCHARGER)[1]
-    return rotor, answers.campbell(rotor, np.linspace(100.0, 1000.0, 7)).threshold
+    return rotor, answers.campbell(rotor, np.linspace(100.0, 1000.0, 7), count=2).threshold
 
 
 @pytest.mark.parametrize("top", [1.01, 20.0])
 def test_the_threshold_of_stability_is_named_within_the_diagram(turbocharger, top):
     """Of a rotor that becomes unstable at the end of the speeds, and soon after their beginning."""
     rotor, threshold = turbocharger
-    result = answers.campbell(rotor, np.linspace(100.0, top * threshold, 5))
+    result = answers.campbell(rotor, np.linspace(100.0, top * threshold, 5), count=2)
     figure = result.figure()
     figure.draw_without_rendering()
     below = figure.axes[1]
@@ -284,6 +286,7 @@ def test_the_threshold_of_stability_is_named_within_the_diagram(turbocharger, to
     assert below.bbox.x0 < box.x0 < box.x1 < below.bbox.x1
 
 
+@pytest.mark.usefixtures("without_peaks")
 @pytest.mark.parametrize(("top", "unstable"), [(0.9, 0), (1.1, 1)])
 def test_a_response_beyond_the_threshold_of_stability_is_said_not_to_be_reached(
     turbocharger, command, top, unstable

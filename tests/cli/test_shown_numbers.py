@@ -53,9 +53,9 @@ def test_names_are_drawn_as_written_and_powers_of_ten_as_powers(tmp_path):
 @pytest.mark.usefixtures("drawn")
 def test_a_figure_is_written_as_matplotlib_would_drawn_once_less(tmp_path, monkeypatch):
     def figure():
-        made, panels = new_panels(6.4, 5.0, 2, 2)
+        made, panels = new_panels(6.4, 2.5, 1, 2)
         panels[0].plot([0, 1], [1e6, 2e6], label="a curve")
-        panels[3].set_ylabel("a label of an axis")
+        panels[0].set_ylabel("a label of an axis")
         made.colorbar(panels[1].imshow([[0.0, 1.0]]), ax=panels[1])
         made.suptitle("A title")
         return made

@@ -17,7 +17,7 @@ from rotor_fmu.fmi.solver_parameters import settings_of, solver_parameters
 
 from .skins import Discarded, Extracted, Native, Refused
 
-DRAWS = 300
+DRAWS = 150
 NUMBERS = (-2.0, -0.3, 0.0, 0.08, 0.1, 0.5, 1e-3, 1e-5, 0.9, 1.0, 7.0)
 
 

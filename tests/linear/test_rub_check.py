@@ -52,7 +52,8 @@ def _machine(k, c, crossed):
     return parse_rotor(f"{_JEFFCOTT}k = {k}\n{''.join(bearings)}")
 
 
-@pytest.mark.parametrize("low", [300.0, pytest.param(299.0, marks=pytest.mark.slow)])
+@pytest.mark.usefixtures("coarse_report")
+@pytest.mark.parametrize("low", [300.0, 299.0])
 def test_a_rub_that_lasts_is_told_of_a_rated_speed_too(low):
     """An unbalance of 0.1 mm above the critical speed, in a ring of 10 um so soft that it changes
     nothing: the journal rubs all around."""
@@ -100,13 +101,6 @@ def test_a_run_that_fails_before_it_has_settled_is_told_as_failed():
     assert rub_figure(check).axes
 
 
-@pytest.fixture
-def short(monkeypatch):
-    """Runs of a few turns."""
-    for name, value in (("_TURNS", 100.0), ("_SETTLING", 10.0), ("_SPEEDS", 13)):
-        monkeypatch.setattr(module, name, value)
-
-
 def _on_films(example, viscosity):
     """An example, the oil of whose films may be another."""
     rotor = load_rotor(EXAMPLES / example / "rotor.toml")[1]
@@ -114,7 +108,7 @@ def _on_films(example, viscosity):
     return replace(rotor, parts=tuple(parts))
 
 
-@pytest.mark.usefixtures("short")
+@pytest.mark.usefixtures("coarse_report")
 @pytest.mark.parametrize(("viscosity", "touches"), [(0.004, False), (1e-5, True)])
 def test_films_that_the_response_closes_are_run_too(viscosity, touches):
     """Oil, in which the rings of the dampers stay off their walls, and hardly any."""
@@ -127,7 +121,7 @@ def test_films_that_the_response_closes_are_run_too(viscosity, touches):
     assert ("oil films bear more" in check.conclusion) != touches
 
 
-@pytest.mark.usefixtures("short")
+@pytest.mark.usefixtures("coarse_report", "without_runs")
 def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at_that_speed():
     rotor = module.with_unbalances(_on_films("oil_film", 0.005), None, 30.0)
     for closing in rub_check(rotor, 400.0, 450.0).closings:
@@ -139,7 +133,7 @@ def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at
         assert closing.begin < closing.end == pytest.approx(1.25 * 450.0)
 
 
-@pytest.mark.usefixtures("short")
+@pytest.mark.usefixtures("conclusions_alone", "without_runs")
 @pytest.mark.parametrize(("e", "said"), [(1.0, 0), (0.01, 1)])
 def test_a_report_that_names_films_does_not_say_that_no_clearance_was_checked(e, said):
     rotor = module.with_unbalances(_on_films("squeeze_film", 0.004), None, e)

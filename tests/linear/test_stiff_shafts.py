@@ -52,8 +52,13 @@ def rigid_roots():
     return roots[np.argsort(np.abs(roots))]
 
 
-@pytest.mark.parametrize("elements", [4, 20, 60])
-@pytest.mark.parametrize("shaft", ["", "eta_v = 1e-4\nrotating_damping = true\neta_h = 1e-3"])
+DAMPED = "eta_v = 1e-4\nrotating_damping = true\neta_h = 1e-3"
+
+
+@pytest.mark.parametrize(
+    ("elements", "shaft"),
+    [(4, ""), (20, DAMPED), (60, ""), pytest.param(60, DAMPED, marks=pytest.mark.slow)],
+)
 def test_a_stiff_and_light_shaft_has_the_modes_of_a_rigid_rotor(elements, shaft):
     exact = rigid_roots()
     result = modes(machine(2e18, elements, shaft=shaft), SPEED, count=4)

@@ -154,6 +154,7 @@ def test_a_mode_that_nothing_drives_and_hardly_anything_damps_has_no_critical_sp
     assert all(c.peak.speed == pytest.approx(252.218, rel=1e-4) for c in seen)
 
 
+@pytest.mark.usefixtures("without_runs")
 def test_the_clearance_that_is_checked_is_the_one_that_closes_in_the_runs():
     """Of 2 mm the response takes 2.1 mm, in a range of speeds of 3e-5 of the critical one."""
     rotor = parse_rotor(LIGHT)

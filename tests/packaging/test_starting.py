@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from ..known import EXAMPLES
 from ..processes import run_anew
 
 LOADED = "import json, sys; print(json.dumps(sorted(sys.modules)))"
@@ -59,8 +60,8 @@ main()
 """
 
 
-def run(script, **environment):
-    done = run_anew(script, **environment)
+def run(script, *arguments, **environment):
+    done = run_anew(script, *arguments, **environment)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -81,7 +82,7 @@ def test_a_process_imports_what_it_uses(script, unused):
 
 
 THREADS = """
-import importlib
+import importlib, sys
 import numpy as np, scipy.linalg, threadpoolctl
 import rotor_fmu as rf
 from rotor_fmu.model.machine.toml import rig
@@ -89,9 +90,9 @@ from rotor_fmu.model.simulation import Simulation
 threads = lambda: {library["num_threads"] for library in threadpoolctl.threadpool_info()}
 threadpoolctl.threadpool_limits(2)  # of the environment fewer are taken where there is one core
 for watched, call in (
-    ("scipy.linalg.eig", lambda: rf.load().campbell([0.0, 400.0])),
+    ("scipy.linalg.eig", lambda: rf.load().modes(100.0)),
     ("numpy.linalg.eigvalsh", lambda: Simulation(rig(), speed=100.0)),
-    ("numpy.linalg.solve", lambda: rf.response(rf.load(), speed=(150.0, 151.0), harmonics=5)),
+    ("numpy.linalg.solve", lambda: rf.response(rf.load(sys.argv[1]), speed=(60.0, 61.0))),
 ):
     module, _, name = watched.rpartition(".")
     module = importlib.import_module(module)
@@ -107,7 +108,7 @@ for watched, call in (
 
 
 def test_linear_algebra_takes_one_thread_and_leaves_as_many_as_there_were():
-    said = run(THREADS).splitlines()
+    said = run(THREADS, EXAMPLES / "jeffcott_rub" / "jeffcott.toml").splitlines()
     assert len(said) == 3
     assert [line for line in said if not line.endswith(" {1} {2}")] == []
 

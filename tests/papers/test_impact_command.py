@@ -40,10 +40,12 @@ def assert_drawn(path):
 
 @pytest.fixture(scope="module")
 def bars(tmp_path_factory):
-    """On bars of one element across, in which the wave is the same; without pictures."""
+    """On bars of one element across, in which the wave is the same, by the scheme of the log alone
+    and without pictures."""
     out = tmp_path_factory.mktemp("bars")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(bars_cases, "save", lambda figure, path: path.touch())
+        patch.setattr(impact_command, "PAPER_BARS", ("transient-fidelity",))
         status, text = call("bars", "--elements", 40, 1, "--out", out)
     assert status == 0
     return out, text

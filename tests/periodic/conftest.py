@@ -18,16 +18,16 @@ def over_friction(curve):
     """The rub of T1 at one speed over the friction, past Hopf's point."""
     start = curve.at(1.4 * OMEGA)[0]
     over = ("contact[1].mu", 0.04, 0.25)
-    return rf.response(jeffcott(), speed=1.4 * OMEGA, over=over, start=start)
+    return rf.response(jeffcott(), speed=1.4 * OMEGA, over=over, start=start, step=0.4)
 
 
 @pytest.fixture(scope="session")
 def isola():
     """An isolated branch of rub, found by a seed, beside the whirl that touches nothing."""
-    return rf.response(FAINT_RUB, speed=(60.0, 240.0), seeds=(130.0,))
+    return rf.response(FAINT_RUB, speed=(60.0, 240.0), seeds=(130.0,), step=0.4)
 
 
 @pytest.fixture(scope="session")
 def doubled():
     """A branch with period doublings, and the one of twice the period between them."""
-    return rf.response(sagging(), speed=(240.0, 400.0), branches=True, harmonics=40)
+    return rf.response(sagging(), speed=(240.0, 400.0), branches=True, harmonics=40, step=0.4)

@@ -59,7 +59,7 @@ def jeffcott(speed, rate, stop):
         return [y[1], force - C * y[1] - K * y[0]]
 
     t = np.linspace(0, stop, int(stop * 5000) + 1)
-    result = solve_ivp(slope, (0, stop), [0j, 0j], "DOP853", t_eval=t, rtol=1e-8, atol=1e-12)
+    result = solve_ivp(slope, (0, stop), [0j, 0j], "DOP853", t_eval=t, rtol=1e-6, atol=1e-10)
     return t, speed + rate * t, result.y[0]
 
 

@@ -1,14 +1,16 @@
-"""A report that takes a part of its time."""
+"""Reports and checks of a machine that take a part of their time."""
 
 from importlib import import_module
 
+import numpy as np
 import pytest
+from rotor_fmu.model import linear
 
 from rotor_fmu.linear.displayed import Displayed
 
 COARSE = {
     "rotor_fmu.machine_report.report_page": {"_SPEEDS": 7, "_CURVE": 13},
-    "rotor_fmu.machine_report.rub_check": {"_SPEEDS": 13},
+    "rotor_fmu.machine_report.rub_check": {"_SPEEDS": 13, "_TURNS": 100.0, "_SETTLING": 10.0},
     "rotor_fmu.model.linear.unbalance_check": {"_POINTS": 13},
     "rotor_fmu.model.linear.critical_map": {"_SAMPLES": 10},
 }
@@ -16,8 +18,9 @@ COARSE = {
 
 @pytest.fixture
 def coarse_report(monkeypatch):
-    """The report of a machine from fewer speeds, without its pictures, where one of its sentences
-    is looked at. Peaks are found between the speeds, however many these are."""
+    """The report of a machine from fewer speeds, with shorter runs and without its pictures, where
+    one of its sentences is looked at. Peaks are found between the speeds, however many these are.
+    """
     for name, counts in COARSE.items():
         module = import_module(name)
         for constant, count in counts.items():
@@ -34,3 +37,17 @@ def conclusions_alone(coarse_report, monkeypatch):
         monkeypatch.setattr(page, name, lambda *_: "")
     for kind in Displayed.__subclasses__():
         monkeypatch.setattr(kind, "figure", lambda *_: None)
+
+
+@pytest.fixture
+def without_runs(monkeypatch):
+    """Checks of clearances that say where these close, and run no machine with its contacts."""
+    module = import_module("rotor_fmu.machine_report.rub_check")
+    nothing = module.RubRun("run-up", "ok", [], np.zeros(0), np.zeros(0), ())
+    monkeypatch.setattr(module, "_run", lambda *_: nothing)
+
+
+@pytest.fixture
+def without_peaks(monkeypatch):
+    """The command `unbalance` without its search for critical speeds: it finds none."""
+    monkeypatch.setattr(linear, "critical_peaks", lambda *_, **__: ())
