@@ -63,7 +63,8 @@ def search_at_rest(bearing, tables, kinematics, i):
     end = tables[at + PAD.last] if sense > 0.0 else tables[at + PAD.first]
     to_end = direction(end) * outwards.conjugate()
     cosine, sine = to_end.real, abs(to_end.imag)
-    idle = opposite + sense * min(0.0, radial) * sine / max(cosine, _NARROWEST)
+    least = min(0.0, radial) * sine / max(cosine, _NARROWEST)
+    idle = opposite + sense * least
     ahead = max(0.0, ((1.0 - _THIN) * clearance - radial * cosine) / sine)
     for _ in range(ITERATIONS):
         tilt = opposite + sense * ahead
@@ -78,4 +79,6 @@ def search_at_rest(bearing, tables, kinematics, i):
         if step <= CONVERGED * bearing.clearance:
             return _search_from(bearing, negligible, tilt)
         ahead -= step
+        if radial < 0.0 and ahead < least:  # past the maximum, perhaps to a wall at the other end
+            break
     return _search_from(bearing, negligible, idle)

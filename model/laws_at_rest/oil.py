@@ -4,9 +4,10 @@ The film has one temperature at each speed, that of its heat balance,
 
     T = inlet + share P / (density c Q)
 
-with the power P and the side flow Q of the journal in equilibrium under the static load. share = 1
-is the adiabatic balance: all heat leaves with the lubricant. The result is a table over the speed
-alone, and a run uses the viscosity of its speed at once, wherever its journal is.
+with the power P and the side flow Q of the journal in equilibrium under the static load, which is
+along gravity. share = 1 is the adiabatic balance: all heat leaves with the lubricant. The result is
+a table over the speed alone, and a run uses the viscosity of its speed at once, wherever its
+journal is.
 """
 
 import math
@@ -39,35 +40,37 @@ class Oil(NamedTuple):
 
 def machine_with_oil(rotor: Rotor) -> Rotor:
     """Return a machine whose films have their viscosities over the speed; see `with_oil`."""
-    parts = tuple(with_oil(part, where) for where, part in rotor.named_parts())
+    parts = tuple(with_oil(part, where, rotor.downwards) for where, part in rotor.named_parts())
     is_same = all(a is b for a, b in zip(parts, rotor.parts, strict=True))
     return rotor if is_same else replace(rotor, parts=parts)
 
 
-def with_oil(part: AnyPart, where: str) -> AnyPart:
+def with_oil(part: AnyPart, where: str, downwards: complex) -> AnyPart:
     """Return a journal bearing with the viscosity over the speed that its heat balance gives it, or
-    another part as it is; where: its name. Raises `QuantityError` as `oil_of` does."""
+    another part as it is; where: its name; downwards: the direction of its load. Raises
+    `QuantityError` as `oil_of` does."""
     if not isinstance(part, JournalBearing) or not part.temperature:
         return part
     try:
-        oil = oil_of(part)
+        oil = oil_of(part, downwards)
     except QuantityError as error:
         raise QuantityError(f"{where}: {error}") from None
     return replace(part, **_NO_BALANCE | {"speed": oil.speed, "viscosity": oil.viscosity})
 
 
-def oil_of(part: JournalBearing) -> Oil:
-    """Return the lubricant of a bearing with a heat balance over the speeds of its list.
+def oil_of(part: JournalBearing, downwards: complex = -1j) -> Oil:
+    """Return the lubricant of a bearing with a heat balance over the speeds of its list;
+    downwards: the direction of its load, of length 1.
 
     Raises `QuantityError` if the balance leaves the list of temperatures.
     """
-    return _balanced(replace(part, node=1, housing=GROUND, name=""))
+    return _balanced(replace(part, node=1, housing=GROUND, name=""), downwards)
 
 
 @lru_cache(maxsize=32)
-def _balanced(part: JournalBearing) -> Oil:
+def _balanced(part: JournalBearing, downwards: complex) -> Oil:
     viscosity = _over_temperature(part)
-    temperatures = tuple(_temperature(part, speed, viscosity) for speed in part.speed)
+    temperatures = tuple(_temperature(part, s, viscosity, downwards) for s in part.speed)
     return Oil(part.speed, temperatures, tuple(map(viscosity, temperatures)))
 
 
@@ -77,7 +80,9 @@ def _over_temperature(part: JournalBearing) -> Callable[[float], float]:
     return lambda temperature: math.exp(float(logarithm(temperature)))
 
 
-def _temperature(part: JournalBearing, speed: float, viscosity: Callable[[float], float]) -> float:
+def _temperature(
+    part: JournalBearing, speed: float, viscosity: Callable[[float], float], downwards: complex
+) -> float:
     """Return the temperature of the film at a speed [degC]."""
     if speed == 0.0 or part.heat_share == 0.0:
         return float(part.inlet_temperature)
@@ -94,7 +99,7 @@ def _temperature(part: JournalBearing, speed: float, viscosity: Callable[[float]
         does not carry its load."""
         of_constant = replace(part, viscosity=viscosity(temperature), speed=(), temperature=())
         film = FilmAtRest(of_constant, speed, "")
-        d = film.equilibrium(-1j * part.static_load, places[-1] if places else None)
+        d = film.equilibrium(downwards * part.static_load, places[-1] if places else None)
         if d is None or film.is_invalid(d):
             return None
         places.append(d)

@@ -14,7 +14,6 @@ from ..film.tilting_pads import pad_balance
 from ..film.zone_pressure import vectors, zone_bound
 from ..kernels.kernel import interpreted
 from ..laws_at_rest.film_at_rest import FilmAtRest
-from ..laws_at_rest.oil import with_oil
 from ..laws_at_rest.tangents import LawsAtRest
 from ..machine.rotor import Rotor
 from ..parts.base import MountElement, Part
@@ -100,7 +99,6 @@ class BearingAlone(_LoadedFilm):
         where: str = "journal_bearing",
         cage: Cage = NO_CAGE,
     ) -> None:
-        part = with_oil(part, where)
         super().__init__(part, speed, where)
         self.part, self.cage = part, cage
         is_journal = isinstance(part, JournalBearing)

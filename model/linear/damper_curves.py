@@ -53,9 +53,9 @@ def damper_curves(
     """Return a squeeze film damper's equilibrium and coefficients, and those of the orbits of a
     frequency [rad/s] up to where its surfaces touch.
 
-    bearing: its name; load: downwards on the ring, which its cage bears too [N], the damper's own
-    housing being fixed; by default what the machine's weight puts on it. Raises `LinearError` if
-    there is no equilibrium.
+    bearing: its name; load: along gravity on the ring, which its cage bears too [N], the damper's
+    own housing being fixed; by default what the machine's weight puts on it. Raises `LinearError`
+    if there is no equilibrium.
     """
     check_positive("frequency of the orbit", frequency, "rad/s", LinearError)
     part = dict(rotor.named_parts())[bearing]

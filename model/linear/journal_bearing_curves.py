@@ -10,7 +10,7 @@ from typing import get_args
 import numpy as np
 
 from ..film.bearing_film import PAD
-from ..laws_at_rest.oil import oil_of
+from ..laws_at_rest.oil import oil_of, with_oil
 from ..machine.rotor import Rotor
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
@@ -97,8 +97,8 @@ def bearing_curves(
 ) -> BearingCurves:
     """Return a journal bearing's equilibrium and coefficients at each speed [rad/s] or load.
 
-    bearing: its name, the first by default; load: downwards [N], one or several, by default what
-    the machine's weight puts on it. Raises `LinearError` if there is no such bearing or no
+    bearing: its name, the first by default; load: along gravity [N], one or several, by default
+    what the machine's weight puts on it. Raises `LinearError` if there is no such bearing or no
     equilibrium, or if there are several of both.
     """
     known = {name: p for name, p in rotor.named_parts() if isinstance(p, JournalBearing)}
@@ -108,17 +108,18 @@ def bearing_curves(
     if name not in known:
         raise LinearError(f"bearing = {name}: must be one of {', '.join(known)}")
     is_over_load = load is not None and np.size(load) > 1
+    part = with_oil(known[name], name, rotor.downwards)
     speeds, loads = speeds_and_loads(rotor, name, speeds, load)
     rows = []
     start = None
     for i, speed in enumerate(speeds):
-        alone = BearingAlone(known[name], speed, name)
+        alone = BearingAlone(part, speed, name)
         if load is None and abs(loads[i]) <= _ROUNDING * _viscous(alone):
             loads[i] = 0.0
         on = complex(loads[i])
         start = alone.rest(on, None if on == 0.0 else start)
-        is_off = abs(start) > _ROUNDING * known[name].clearance
-        rows.append(_row(alone, known[name], on, start if is_off else 0j))
+        is_off = abs(start) > _ROUNDING * part.clearance
+        rows.append(_row(alone, part, on, start if is_off else 0j))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     gravity = rotor.gravity or GRAVITY
     mass = float(abs(loads[0])) / gravity
@@ -127,7 +128,7 @@ def bearing_curves(
     places = np.argsort(np.abs(loads)) if is_over_load else _from_slowest(speeds)
     courses = np.abs(loads) if is_over_load else speeds, speeds, loads, masses
     turns = [
-        _turn(known[name], name, [of[[a, b]] for of in courses], bool(stable[a]))
+        _turn(part, name, [of[[a, b]] for of in courses], bool(stable[a]))
         for a, b in pairwise(places)
         if stable[a] != stable[b]
     ]
@@ -136,15 +137,15 @@ def bearing_curves(
         threshold = next(iter(turns), None) if stable[places[0]] else float(speeds[places[0]])
     return BearingCurves(
         bearing=name,
-        clearance=known[name].clearance,
-        journal_radius=known[name].journal_radius,
+        clearance=part.clearance,
+        journal_radius=part.journal_radius,
         speeds=np.array(speeds),
         load=np.column_stack([loads.real, loads.imag]),
         mass=mass,
         turns=np.array(turns),
         threshold=threshold,
-        temperature=_temperatures(known[name], np.array(speeds)),
-        pads=_pads(known[name]),
+        temperature=_temperatures(known[name], np.array(speeds), rotor.downwards),
+        pads=_pads(part),
         **columns,
     )
 
@@ -182,12 +183,14 @@ def _viscous(alone: BearingAlone) -> float:
     return alone.viscosity * abs(alone.speed) * slender**2 * part.journal_radius * part.length
 
 
-def _temperatures(part: JournalBearing, speeds: np.ndarray) -> np.ndarray | None:
+def _temperatures(
+    part: JournalBearing, speeds: np.ndarray, downwards: complex
+) -> np.ndarray | None:
     """Return the temperature of the lubricant at each speed [degC], as its table over the speed has
     it; None without a heat balance."""
     if not part.temperature:
         return None
-    oil = oil_of(part)
+    oil = oil_of(part, downwards)
     fast = np.clip(np.abs(speeds), oil.speed[0], oil.speed[-1])
     return np.asarray(interpolant(oil.speed, oil.temperature)(fast))
 

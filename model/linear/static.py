@@ -113,15 +113,15 @@ def speeds_and_loads(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return speeds [rad/s] and the load on an interface at each, complex x + i y [N].
 
-    load: downwards [N], one or several; None: what the machine's weight puts on it at rest. Raises
-    `LinearError` if there are several of both.
+    load: along gravity [N], one or several; None: what the machine's weight puts on it at rest.
+    Raises `LinearError` if there are several of both.
     """
     given = np.asarray(speeds, dtype=float)
     if load is None:
         machine = LinearMachine(rotor)
         place = machine.supports.interfaces.index(name)
         return given, np.array([-machine.loaded(float(s)).laws.force[place] for s in given])
-    loads = 0.0 - 1j * np.atleast_1d(load)
+    loads = 0.0 + rotor.downwards * np.atleast_1d(load)
     if len(loads) > 1 < len(given):
         raise LinearError(f"{len(given)} speeds and {len(loads)} loads: only one of them may vary")
     given, loads = np.broadcast_arrays(given, loads)

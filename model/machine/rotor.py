@@ -288,7 +288,12 @@ class Rotor:
     def down(self) -> complex:
         """The direction of gravity across the shaft, its length the share of gravity that
         acts there [1]."""
-        return -1j * cmath.exp(1j * self.gravity_angle) * self.weight_share
+        return self.downwards * self.weight_share
+
+    @property
+    def downwards(self) -> complex:
+        """The direction of gravity across the shaft, of length 1, even of a vertical machine."""
+        return -1j * cmath.exp(1j * self.gravity_angle)
 
     @property
     def length(self) -> float:

@@ -37,7 +37,7 @@ class HeatQuantities:
         "1", "share of the film's power that the lubricant carries away; 1: adiabatic", _SHARE, 1.0
     )
     static_load: float = quantity(
-        *("N", "load, downwards, under which the heat balance is made", NOT_NEGATIVE, 0.0)
+        *("N", "load, along gravity, under which the heat balance is made", NOT_NEGATIVE, 0.0)
     )
 
 

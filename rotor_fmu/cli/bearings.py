@@ -41,7 +41,7 @@ def bearing(
     load: Annotated[
         str | None,
         typer.Option(
-            help="Load downwards, FROM:TO or FROM:TO:POINTS, or one, in N or with kN added; "
+            help="Load along gravity, FROM:TO or FROM:TO:POINTS, or one, in N or with kN added; "
             "default: what the machine's weight puts on it."
         ),
     ] = None,

@@ -138,6 +138,24 @@ def test_a_heat_balance_that_cannot_be_is_refused_where_its_film_is_needed(more,
         assert "\n" not in str(refused.value)
 
 
+def test_a_machine_that_is_turned_with_gravity_has_the_same_oil():
+    """Its static load is along gravity, and so is a given load."""
+
+    def turned(angle, load=None):
+        pads = {"pads": [angle + p for p in _PADS["pads"]], "arc": 2.6, "preload": 0.2}
+        lists = _listed(_GIVEN | _OVER_TEMPERATURE) | pads | {"speed": [100.0, 300.0]}
+        text = f"gravity_angle = {angle}\n{heavy_shaft()}{film(1)}"
+        machine = parse_rotor(text + table("[journal_bearing]", node=3, **lists))
+        return bearing_curves(machine, [_SPEED], bearing="journal_bearing[2]", load=load)
+
+    for load in (None, _LOAD):
+        upright, on_its_side = turned(0.0, load), turned(0.5 * math.pi, load)
+        assert on_its_side.temperature == pytest.approx(upright.temperature, rel=1e-6)
+        assert on_its_side.viscosity == pytest.approx(upright.viscosity, rel=1e-6)
+        assert on_its_side.x == pytest.approx(-upright.y, rel=1e-4)
+        assert on_its_side.y == pytest.approx(upright.x, rel=1e-4)
+
+
 def _listed(of):
     return {name: list(v) if isinstance(v, tuple) else v for name, v in of.items()}
 

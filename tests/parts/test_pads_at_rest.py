@@ -58,13 +58,20 @@ def test_a_pad_in_the_middle_without_preload_bears_in_its_wedge():
     assert abs(film.force(0j)) < 1e-6 * loads[0]
 
 
-def test_an_unheld_pad_idles_where_its_film_begins_to_converge_at_its_end():
+@pytest.mark.parametrize(
+    ("part", "places"),
+    [
+        (_part(4), (-0.5j, 0.1 - 0.3j, -0.2 - 0.6j)),
+        # where the other end of a pad could lie against the wall
+        (_part(4, k=1e9, preload=0.3, offset=0.52), (-0.151 - 1.086j,)),
+    ],
+)
+def test_an_unheld_pad_idles_where_its_film_begins_to_converge_at_its_end(part, places):
     """Wherever the journal came from."""
-    part = _part(4)
-    film, end = BearingAlone(part, _SPEED), math.tan(0.5 * part.arc)
-    for d in (-0.5j * _C, (0.1 - 0.3j) * _C, (-0.2 - 0.6j) * _C):
+    film, end = BearingAlone(part, _SPEED), math.tan((1.0 - part.offset) * part.arc)
+    for d in (_C * place for place in places):
         across = (1j * _pivots(part)).conjugate() * d
-        radial = (_pivots(part).conjugate() * d).real
+        radial = (_pivots(part).conjugate() * d).real + _C * part.preload / (1.0 - part.preload)
         film.force(-d)
         unheld = radial < 0.0
         assert unheld.sum() == 2
