@@ -52,6 +52,12 @@ class _Located(NamedTuple):
     multiplier: complex
     is_smooth: bool
 
+    def is_split_of(self, fold: "_Located") -> bool:
+        """Return whether this is where the multiplier that is 1 at a fold of a whirl, and the one
+        that is always 1, leave the unit circle as the pair that few harmonics make of them."""
+        one, other = (complex(m.real, abs(m.imag)) for m in (self.multiplier, fold.multiplier))
+        return self.kind == TORUS and abs(one - other) < _NEAR_ONE
+
     def is_one_with(self, other: "_Located") -> bool:
         """Return whether both are one bifurcation: of a complex pair of multipliers, or of several
         that jump."""
@@ -72,10 +78,18 @@ def bifurcations_between(
     problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, last: Solution, now: Solution
 ) -> list[Bifurcation]:
     """Return the bifurcations between two points, at which the motions are `last` and `now`, in
-    their order along the curve; where these have no multipliers, the folds alone."""
+    their order along the curve; where these have no multipliers, the folds alone. Where the
+    parameter does not change there are none: of a whirl at the threshold of a machine that is
+    linear until it touches, every size is a motion, and a multiplier of each is 1."""
+    if abs(after.value - before.value) <= problem.tolerance * problem.scale:
+        return []
     step = _Piece(before, after, last.multipliers, now.multipliers, last.orbit, now.orbit)
     looked_at = copy(problem)  # the search must not change the steps with which the curve goes on
-    return [_bifurcation(looked_at, each) for each in _located_on(looked_at, step, _HALVINGS)]
+    located = _located_on(looked_at, step, _HALVINGS)
+    if problem.is_autonomous:
+        folds = [each for each in located if each.kind == FOLD]
+        located = [each for each in located if not any(map(each.is_split_of, folds))]
+    return [_bifurcation(looked_at, each) for each in located]
 
 
 class _Piece(NamedTuple):

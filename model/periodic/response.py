@@ -15,12 +15,21 @@ from . import arclength, newton
 from .balance import HarmonicBalance, Orbit
 from .branch_switching import follow_switched
 from .checkpoint import EventLog, Starts
-from .continuation import LOST, BranchSearch, ReportPoint, follow, follow_all, is_known, start_at
+from .continuation import (
+    LOST,
+    BranchSearch,
+    ReportPoint,
+    follow,
+    follow_all,
+    is_known,
+    start_along,
+    start_at,
+)
 from .harmonic_count import with_enough_harmonics
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 from .problem import SPEED, Note, PeriodicError, Response, Task, check, machines_of
-from .self_excited import growing_whirls, rolling_whirls
+from .self_excited import beginning_whirls, growing_whirls, rolling_whirls
 from .shooting import Shooting
 from .starting_points import guesses
 
@@ -109,12 +118,12 @@ def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
 
 def _from_whirls(search: BranchSearch) -> None:
     """Follow whirls that roll along a wall or grow from rest, from the ends of the range, its
-    middle, and the seeds."""
+    middle, and the seeds, and those that begin at rest within the range."""
     follow_all(search, _whirl_starts(search))
     if not search.result.branches:
         text = (
             "no whirl was found that rolls along a wall or grows from rest: friction or speed may "
-            "be too small"
+            "be too small, or the range begin above the threshold of stability"
         )
         search.result.notes.append(Message(text, "no-motion"))
 
@@ -125,25 +134,53 @@ def _whirl_starts(search: BranchSearch) -> Starts:
         speed = task.speed_at(value)
         coarse = task.problem(machines, value, 3, is_autonomous=True, omega=speed)
         for guess in (*rolling_whirls(coarse, value), *growing_whirls(coarse, value)):
-            problem = task.problem(
-                machines,
-                value,
-                max(task.accuracy.least, 3),
-                is_autonomous=True,
-                omega=guess.omega,
-                length_scale=max(float(np.abs(guess.b).max()), coarse.length_scale),
-            )
-            start = problem.join(guess)
-            problem.fix_phase(start)
+            problem, x = _of_whirl(search, guess, coarse.length_scale)
             try:
-                x = newton.solve(problem, start, value)
+                x = newton.solve(problem, x, value)
             except NotConverged:
                 continue
             if _is_forward_whirl(problem, problem.split(x, value)):
                 new = _if_new(search, problem, x, value)
                 if new is not None:
                     yield start_at(*new, value, 0.0)
+    for rest, guess in beginning_whirls(coarse, task.low, task.high):
+        problem, x = _of_whirl(search, guess, coarse.length_scale)
+        away = np.append(x - problem.join(rest), 0.0)  # from rest, at whatever value that is
+        try:
+            point = arclength.correct(problem, x, guess.parameter, away / np.linalg.norm(away))
+        except NotConverged:
+            continue
+        orbit = problem.split(point.x, point.value)
+        is_new = not is_known(search.result.branches, orbit, point.value, is_whirl=True)
+        if is_new and task.low <= point.value <= task.high and _is_forward_whirl(problem, orbit):
+            directions = sorted((point.direction, -point.direction), key=lambda d: float(d[-1]))
+            yield start_along(problem, point.x, point.value, directions)
     return []
+
+
+def _of_whirl(
+    search: BranchSearch, guess: Orbit, least_scale: float
+) -> tuple[HarmonicBalance, np.ndarray]:
+    """Return the equations of a whirl and its unknowns; least_scale: the smallest scale of length
+    [m]."""
+    task = search.result.task
+    problem = task.problem(
+        search.machines,
+        guess.parameter,
+        max(task.accuracy.least, 3),
+        is_autonomous=True,
+        omega=guess.omega,
+        length_scale=max(float(np.abs(guess.b).max()), least_scale),
+    )
+    x = problem.join(guess)
+    problem.fix_phase(x)
+    return problem, x
+
+
+def _is_forward_whirl(problem: HarmonicBalance, orbit: Orbit) -> bool:
+    """Return whether a self-excited orbit is a motion, and whirls in the sense that was searched
+    for."""
+    return float(np.linalg.norm(orbit.b[1:])) > 0.1 * problem.length_scale and orbit.omega > 0
 
 
 def _if_new(
@@ -167,12 +204,6 @@ def _if_new(
             if passes():
                 return None
     return problem, x
-
-
-def _is_forward_whirl(problem: HarmonicBalance, orbit: Orbit) -> bool:
-    """Return whether a self-excited orbit is a motion, and whirls in the sense that was searched
-    for."""
-    return float(np.linalg.norm(orbit.b[1:])) > 0.1 * problem.length_scale and orbit.omega > 0
 
 
 def _beyond_lost_ends(result: Response) -> list[float]:

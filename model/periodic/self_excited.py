@@ -4,14 +4,16 @@ rest position.
 A journal of radius R that rolls without sliding whirls backward with omega = R Omega / r on a
 circle of radius r; of such circles along one wall, those are tried that the linear part nearly
 balances. Past a threshold, of oil films or of rotating damping, a mode about the rest position
-grows: whirls of several sizes in this mode are tried.
+grows: whirls of several sizes in this mode are tried, and a small one where it begins to grow.
 """
 
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import NamedTuple
 
 import numpy as np
 
+from ..linear.modes import LEAST_GROWTH
 from . import newton
 from .balance import HarmonicBalance, Orbit
 from .floquet import Frequencies, modal_basis, tangents_by_y
@@ -24,6 +26,8 @@ _CLEAR = 0.2  # clearances, that a motion may come nearer to pads that bear noth
 _IDLE = 1e-9  # of the largest force by a state: one of a pad that bears nothing
 _EDGE = 1e-6  # of a state's size: as near to where a pad just bears nothing is rounding
 _SIZES = (0.7, 0.5, 0.9, 0.3, 0.1)  # of whirls, in clearances
+_LOOKED_AT = 33  # values in a range, for where modes about rest begin to grow
+_PRECISION = 1e-12  # of a range, of where one does
 
 
 class _RestEquations(Equations):
@@ -117,25 +121,84 @@ def rest_position(problem: HarmonicBalance, value: float) -> Orbit | None:
     return orbit
 
 
+class _ModesAtRest(NamedTuple):
+    """The modes that whirl about rest: where it is, shape (b + s,) [m]; their roots [1/s], and
+    their shapes in these unknowns, of the displacements and states, shape (m, b + s), the largest
+    displacement a clearance."""
+
+    at_rest: np.ndarray
+    roots: np.ndarray
+    shapes: np.ndarray
+
+    @property
+    def growth(self) -> np.ndarray:
+        """By how much each grows beyond rounding [1/s]; negative where it does not."""
+        return self.roots.real - LEAST_GROWTH * np.abs(self.roots)
+
+
+def _modes_at_rest(problem: HarmonicBalance, value: float) -> _ModesAtRest | None:
+    """Return the modes about rest, or None where no rest is found."""
+    rest = _RestEquations(problem, value)
+    x, b = rest.solved(value), rest.b
+    if x is None:
+        return None
+    _, mean = rest.tangents(x)
+    modes = modal_basis(rest.machine, Frequencies(rest.speed, abs(rest.speed), np.inf), mean)
+    whirls = np.flatnonzero(modes.roots.imag > 0)
+    shapes = np.vstack([modes.V[:b], modes.V[2 * b :]])[:, whirls].T
+    largest = np.abs(shapes[:, :b]).max(axis=1, keepdims=True, initial=0.0)
+    shapes = shapes * (problem.length_scale / np.maximum(largest, 1e-300))
+    return _ModesAtRest(x * rest.scale, modes.roots[whirls], shapes)
+
+
+def _whirl(
+    problem: HarmonicBalance, value: float, at_rest: np.ndarray, shape: np.ndarray, omega: float
+) -> Orbit:
+    """Return a whirl of a shape and a frequency [rad/s] about a place."""
+    series = np.zeros((2 * problem.H + 1, len(shape)))
+    series[0], series[1], series[2] = at_rest, shape.real, -shape.imag
+    own = series[:, : problem.b], series[:, problem.b :]
+    return Orbit(*own, omega, 1, problem.speed_at(value), value)
+
+
 def growing_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
     """Yield guesses of whirls in the modes that grow from rest."""
-    rest = _RestEquations(problem, value)
-    machine, b, x = rest.machine, rest.b, rest.solved(value)
-    if x is None:
+    modes = _modes_at_rest(problem, value)
+    if modes is None:
         return
-    _, mean = rest.tangents(x)
-    modes = modal_basis(machine, Frequencies(rest.speed, abs(rest.speed), np.inf), mean)
-    at_rest = x * rest.scale
-    for i in np.flatnonzero((modes.roots.imag > 0) & (modes.roots.real > 0)):
-        shape = np.append(modes.V[:b, i], modes.V[2 * b :, i])
-        shape /= np.abs(shape[:b]).max() / problem.length_scale
+    b = problem.b
+    for i in np.flatnonzero(modes.growth > 0):
         for size in _SIZES:
-            series = np.zeros((2 * problem.H + 1, len(shape)))
             # the larger a whirl, the more of the load it carries itself
-            series[0] = np.append((1.0 - size) * at_rest[:b], at_rest[b:])
-            series[1], series[2] = size * shape.real, -size * shape.imag
-            omega = float(modes.roots[i].imag)
-            yield Orbit(series[:, :b], series[:, b:], omega, 1, rest.speed, value)
+            at = np.append((1.0 - size) * modes.at_rest[:b], modes.at_rest[b:])
+            yield _whirl(problem, value, at, size * modes.shapes[i], float(modes.roots[i].imag))
+
+
+def beginning_whirls(
+    problem: HarmonicBalance, low: float, high: float
+) -> Iterator[tuple[Orbit, Orbit]]:
+    """Yield where in a range a mode about rest begins or ceases to grow: the machine at rest, and a
+    small whirl in this mode."""
+
+    def growing(value: float) -> int:
+        modes = _modes_at_rest(problem, value)
+        return -1 if modes is None else int(np.count_nonzero(modes.growth > 0))
+
+    values = np.linspace(low, high, _LOOKED_AT)
+    counts = [growing(value) for value in values]
+    for i in np.flatnonzero(np.diff(counts)):
+        if min(counts[i : i + 2]) < 0:
+            continue
+        below, above = values[i : i + 2]
+        while above - below > _PRECISION * (high - low):
+            middle = 0.5 * (below + above)
+            below, above = (middle, above) if growing(middle) == counts[i] else (below, middle)
+        modes = _modes_at_rest(problem, above)
+        if modes is not None:
+            mode = np.argmin(np.abs(modes.growth))
+            at, omega = modes.at_rest, float(modes.roots[mode].imag)
+            still, small = (size * modes.shapes[mode] for size in (0.0, _SIZES[-1]))
+            yield _whirl(problem, above, at, still, omega), _whirl(problem, above, at, small, omega)
 
 
 def rolling_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
