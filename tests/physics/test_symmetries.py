@@ -38,7 +38,7 @@ OVER_SPEED = {
     **{"kxx": (2e5, 3e5, 1e5), "cyx": (1.0, -8.0, 3.0)},
 }
 FILM = {"node": 3, "length": 0.02, "journal_radius": 0.02, "clearance": 1e-4, "viscosity": 0.02}
-COARSE = {"points": 16}
+COARSE = {"points": 12}
 DAMPER = FILM | {"clearance": 1e-3, "stiffness": 1e4, "housing": "seat"}
 GROOVED = {"pads": (0.2, 3.4), "arc": (2.6, 2.7), "preload": (0.3, 0.2), "offset": (0.6, 0.5)}
 TILTING = {
