@@ -1,1 +1,1 @@
-"""Contact, rest, energy and outputs of a simulated machine."""
+"""Contact, rest, energy, symmetries and outputs of a simulated machine."""
