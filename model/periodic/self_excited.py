@@ -9,6 +9,7 @@ grows: whirls of several sizes in this mode are tried, and a small one where it 
 
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -180,22 +181,26 @@ def beginning_whirls(
     """Yield where in a range a mode about rest begins or ceases to grow: the machine at rest, and a
     small whirl in this mode."""
 
-    def growing(value: float) -> int:
+    def count_at(value: float) -> int:
         modes = _modes_at_rest(problem, value)
         return -1 if modes is None else int(np.count_nonzero(modes.growth > 0))
 
     values = np.linspace(low, high, _LOOKED_AT)
-    counts = [growing(value) for value in values]
-    for i in np.flatnonzero(np.diff(counts)):
-        if min(counts[i : i + 2]) < 0:
+    places = [(value, count_at(value)) for value in values]
+    pieces = list(pairwise(places))[::-1]  # the next one last
+    while pieces:
+        (below, few), (above, many) = pieces.pop()
+        if few == many or min(few, many) < 0:
             continue
-        below, above = values[i : i + 2]
-        while above - below > _PRECISION * (high - low):
-            middle = 0.5 * (below + above)
-            below, above = (middle, above) if growing(middle) == counts[i] else (below, middle)
+        middle = 0.5 * (below + above)
+        if above - below > _PRECISION * (high - low):
+            between = middle, count_at(middle)  # several modes may begin to grow in a piece
+            pieces += [(between, (above, many)), ((below, few), between)]
+            continue
         modes = _modes_at_rest(problem, above)
-        if modes is not None:
-            mode = np.argmin(np.abs(modes.growth))
+        if modes is None:
+            continue
+        for mode in np.argsort(np.abs(modes.growth))[: abs(many - few)]:
             at, omega = modes.at_rest, float(modes.roots[mode].imag)
             still, small = (size * modes.shapes[mode] for size in (0.0, _SIZES[-1]))
             yield _whirl(problem, above, at, still, omega), _whirl(problem, above, at, small, omega)
