@@ -2,6 +2,7 @@
 the range and from seeds."""
 
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -13,10 +14,12 @@ from ..one_thread import on_one_thread
 from ..simulation import HYSTERETIC_AS_SLOWER
 from . import arclength, newton
 from .balance import HarmonicBalance, Orbit
+from .branch import Solution
 from .branch_switching import follow_switched
 from .checkpoint import EventLog, Starts
 from .continuation import (
     LOST,
+    RESTING,
     BranchSearch,
     ReportPoint,
     follow,
@@ -143,7 +146,10 @@ def _whirl_starts(search: BranchSearch) -> Starts:
                 new = _if_new(search, problem, x, value)
                 if new is not None:
                     yield start_at(*new, value, 0.0)
-    for rest, guess in beginning_whirls(coarse, task.low, task.high):
+    beginnings = list(beginning_whirls(coarse, task.low, task.high))
+    for rest, guess in beginnings:
+        if _has_come_to_rest(search, guess, beginnings):
+            continue
         problem, x = _of_whirl(search, guess, coarse.length_scale)
         away = np.append(x - problem.join(rest), 0.0)  # from rest, at whatever value that is
         try:
@@ -156,6 +162,27 @@ def _whirl_starts(search: BranchSearch) -> Starts:
             directions = sorted((point.direction, -point.direction), key=lambda d: float(d[-1]))
             yield start_along(problem, point.x, point.value, directions)
     return []
+
+
+def _has_come_to_rest(
+    search: BranchSearch, guess: Orbit, beginnings: Sequence[tuple[Orbit, Orbit]]
+) -> bool:
+    """Return whether a branch ends at rest where this guess begins, less than a step from it and
+    nearer than to the other beginnings: there the value may be the same for every size, so that no
+    interpolation between the points of a branch tells whether a motion is on it."""
+    task = search.result.task
+
+    def apart(small: Orbit, end: Solution) -> float:
+        change = abs(small.omega - end.orbit.omega) / small.omega
+        return abs(small.parameter - end.value) / (task.high - task.low) + change
+
+    return any(
+        why == RESTING
+        and apart(guess, end) <= task.steps.longest
+        and min((small for _, small in beginnings), key=lambda small: apart(small, end)) is guess
+        for branch in search.result.branches
+        for why, end in zip(branch.ends, (branch.points[0], branch.points[-1]), strict=True)
+    )
 
 
 def _of_whirl(

@@ -9,9 +9,11 @@ grows: whirls of several sizes in this mode are tried, and a small one where it 
 
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ..linear.modes import LEAST_GROWTH
 from . import newton
@@ -21,6 +23,7 @@ from .newton import Equations, NotConverged
 
 _RADII = 1.0 + np.geomspace(1e-3, 1e7, 150)  # in clearances
 _MOST_GUESSES = 8
+_ROLLING = 1e-6  # precision of the radius at which a rolling whirl's radial forces are balanced
 _LOWERED = (0.0, 0.1, 0.3, 0.6, 0.9)  # in clearances, where rest is looked for
 _CLEAR = 0.2  # clearances, that a motion may come nearer to pads that bear nothing
 _IDLE = 1e-9  # of the largest force by a state: one of a pad that bears nothing
@@ -180,49 +183,65 @@ def beginning_whirls(
     """Yield where in a range a mode about rest begins or ceases to grow: the machine at rest, and a
     small whirl in this mode."""
 
-    def growing(value: float) -> int:
+    def count_at(value: float) -> int:
         modes = _modes_at_rest(problem, value)
         return -1 if modes is None else int(np.count_nonzero(modes.growth > 0))
 
     values = np.linspace(low, high, _LOOKED_AT)
-    counts = [growing(value) for value in values]
-    for i in np.flatnonzero(np.diff(counts)):
-        if min(counts[i : i + 2]) < 0:
+    places = [(value, count_at(value)) for value in values]
+    pieces = list(pairwise(places))[::-1]  # the next one last
+    while pieces:
+        (below, few), (above, many) = pieces.pop()
+        if few == many or min(few, many) < 0:
             continue
-        below, above = values[i : i + 2]
-        while above - below > _PRECISION * (high - low):
-            middle = 0.5 * (below + above)
-            below, above = (middle, above) if growing(middle) == counts[i] else (below, middle)
+        middle = 0.5 * (below + above)
+        if above - below > _PRECISION * (high - low):
+            between = middle, count_at(middle)  # several modes may begin to grow in a piece
+            pieces += [(between, (above, many)), ((below, few), between)]
+            continue
         modes = _modes_at_rest(problem, above)
-        if modes is not None:
-            mode = np.argmin(np.abs(modes.growth))
+        if modes is None:
+            continue
+        for mode in np.argsort(np.abs(modes.growth))[: abs(many - few)]:
             at, omega = modes.at_rest, float(modes.roots[mode].imag)
             still, small = (size * modes.shapes[mode] for size in (0.0, _SIZES[-1]))
             yield _whirl(problem, above, at, still, omega), _whirl(problem, above, at, small, omega)
 
 
 def rolling_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
-    """Yield guesses of whirls that roll along the walls, the best balanced first."""
-    machine = problem.machine_at(value)
-    speed = problem.speed_at(value)
+    """Yield guesses of whirls that roll along the walls, the best balanced first: among them those
+    whose radial forces are balanced."""
+    laws = problem.machine_at(value).laws
     tried: list[tuple[float, Orbit]] = []
-    for j in machine.laws.rubbing:
-        log = machine.laws.journal_radius(j)
-        for r in _RADII * machine.laws.length[j]:
-            omega = log * speed / r
-            d = np.zeros(2 * machine.laws.count, complex)
-            # x + i y = r exp(-i omega t)
-            d[2 * j : 2 * j + 2] = r, 1j * r
-            b = np.zeros((2 * problem.H + 1, problem.b))
-            b[1], b[2] = machine.b_of_displacements(d.real), machine.b_of_displacements(-d.imag)
-            own = np.zeros((2 * problem.H + 1, problem.s))
-            own[0] = machine.laws.starts
-            orbit = Orbit(b, own, float(omega), 1, speed, value)
-            S = machine.dynamic_stiffness(float(omega), speed, 1, 0).S[1]
-            pull = (S @ (b[1] - 1j * b[2])) @ np.conj(machine.b_of_displacements(d))
-            inward = -(machine.laws.wall_force(j, r) * r)
-            size = abs(pull.real) + abs(inward)
-            # half of |d|^2 = 2 r^2 is that of x and of y
-            tried.append((abs(0.5 * pull.real - inward) / max(size, 1e-300), orbit))
-    for _, orbit in sorted(tried, key=lambda pair: pair[0])[:_MOST_GUESSES]:
+    for j in laws.rubbing:
+
+        def imbalance(r: float, j: int = j) -> float:
+            return _rolling_whirl(problem, value, j, r)[0]
+
+        radii = _RADII * laws.length[j]
+        changes = np.flatnonzero(np.diff(np.sign([imbalance(r) for r in radii])))
+        balanced = [brentq(imbalance, radii[i], radii[i + 1], rtol=_ROLLING) for i in changes]
+        tried += [_rolling_whirl(problem, value, j, r) for r in (*radii, *balanced)]
+    for _, orbit in sorted(tried, key=lambda pair: abs(pair[0]))[:_MOST_GUESSES]:
         yield orbit
+
+
+def _rolling_whirl(problem: HarmonicBalance, value: float, j: int, r: float) -> tuple[float, Orbit]:
+    """Return a whirl of a radius [m] that rolls along wall j, and the radial force that it lacks,
+    as a share of the forces."""
+    machine, speed = problem.machine_at(value), problem.speed_at(value)
+    omega = machine.laws.journal_radius(j) * speed / r
+    d = np.zeros(2 * machine.laws.count, complex)
+    # x + i y = r exp(-i omega t)
+    d[2 * j : 2 * j + 2] = r, 1j * r
+    b = np.zeros((2 * problem.H + 1, problem.b))
+    b[1], b[2] = machine.b_of_displacements(d.real), machine.b_of_displacements(-d.imag)
+    own = np.zeros((2 * problem.H + 1, problem.s))
+    own[0] = machine.laws.starts
+    S = machine.dynamic_stiffness(float(omega), speed, 1, 0).S[1]
+    pull = (S @ (b[1] - 1j * b[2])) @ np.conj(machine.b_of_displacements(d))
+    inward = -(machine.laws.wall_force(j, r) * r)
+    size = abs(pull.real) + abs(inward)
+    # half of |d|^2 = 2 r^2 is that of x and of y
+    share = (0.5 * pull.real - inward) / max(size, 1e-300)
+    return float(share), Orbit(b, own, float(omega), 1, speed, value)

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from rotor_fmu.model.periodic.problem import Task, machines_of
+from rotor_fmu.model.periodic.self_excited import beginning_whirls
 
 import rotor_fmu as rf
 
@@ -79,3 +81,60 @@ def test_a_whirl_of_oil_films_begins_towards_lower_speeds_and_turns_back():
     assert fold.kind == "fold"
     assert fold.value < 0.96 * threshold
     assert [p.is_stable for p in result.at(0.98 * threshold)] == [True, False]
+
+
+def stations(nodes, diameter, density, each):
+    """Point masses of 1 kg at the ends of a shaft, each in a stator, on bearings of its own
+    stiffness [N/m] and cross coupling by the speed [N.s/m]."""
+    speeds = [100.0, 400.0]
+    text = f"""
+gravity = 0.0
+[material]
+young = 2.1e11
+density = {density}
+[shaft]
+nodes = {nodes}
+diameters = {[diameter] * (len(nodes) - 1)}
+"""
+    for node, (k, drive) in zip((1, len(nodes)), each, strict=True):
+        cross = [drive * speed for speed in speeds]
+        text += f"""
+[[point_mass]]
+node = {node}
+mass = 1.0
+[[contact]]
+node = {node}
+journal_radius = 0.05
+clearance = {CLEARANCE}
+k = {WALL}
+mu = 0.0
+[[linear_bearing]]
+node = {node}
+kxx = {k}
+kyy = {k}
+cxx = {DAMPING}
+cyy = {DAMPING}
+speed = {speeds}
+kxy = {cross}
+kyx = {[-value for value in cross]}
+"""
+    return rf.parse(text)
+
+
+def test_all_whirls_are_found_that_begin_close_together():
+    k = np.array([1.0, 1.002]) * OMEGA**2
+    machine = stations([0.0, 0.1], 0.01, 1e-3, [(of, DRIVE) for of in k])
+    task = Task(150.0, 300.0, is_whirl=True)
+    problem = task.problem(machines_of(machine.rotor, task), 150.0, 3, is_autonomous=True, omega=1)
+    begins = [small for _, small in beginning_whirls(problem, 150.0, 300.0)]
+    expected = DAMPING * np.sqrt(k) / DRIVE
+    assert [begin.parameter for begin in begins] == pytest.approx(expected, rel=1e-5)
+    assert [begin.omega for begin in begins] == pytest.approx(np.sqrt(k), rel=1e-5)
+
+
+@pytest.mark.slow
+def test_a_branch_between_two_places_where_whirls_begin_is_followed_once():
+    each = [(OMEGA**2, DRIVE), (OMEGA**2, 1.3 * DRIVE)]
+    machine = stations([0.0, 0.5, 1.0], 0.005, 7800.0, each)
+    (branch,) = rf.response(machine, speed=(165.0, 200.0), whirl=True, step=0.4).branches
+    assert branch.ends == ("the whirl begins there, at rest",) * 2

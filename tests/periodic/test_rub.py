@@ -9,7 +9,9 @@ import pytest
 from rotor_fmu.model.periodic import newton
 from rotor_fmu.model.periodic.arclength import ContinuationSteps
 from rotor_fmu.model.periodic.folds import FoldCurve
+from rotor_fmu.model.periodic.problem import Task, machines_of
 from rotor_fmu.model.periodic.queries import folds_over, motions_at
+from rotor_fmu.model.periodic.self_excited import rolling_whirls
 
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
@@ -190,6 +192,19 @@ def test_dry_whirl_rolls_as_the_closed_form_says(v):
     assert result.amplitude(slides, "disc") / CLEARANCE == pytest.approx(1.088023, rel=1e-4)
     (needed,) = [b.value for b in result.bifurcations if b.kind == "fold"]
     assert needed == pytest.approx(2 * 0.05 * omega / (20 * (1 - 1 / r)), rel=5e-3)
+
+
+@pytest.mark.parametrize("v", [1.5, 5.6, 10.0, 300.0])
+def test_the_first_guess_of_a_whirl_that_rolls_is_balanced(v):
+    """From one beside it Newton's method finds the unstable whirl that slides, or none."""
+    machine, speed = jeffcott(0.05, 20.0, 0.1, 0.0), v * CLEARANCE * OMEGA / RADIUS
+    task = Task(speed, 2.0 * speed, is_whirl=True)
+    machines = machines_of(machine.rotor, task)
+    problem = task.problem(machines, speed, 3, is_autonomous=True, omega=speed)
+    guess = next(rolling_whirls(problem, speed))
+    omega, r = rolling(v)
+    assert guess.omega / OMEGA == pytest.approx(omega, rel=1e-5)
+    assert np.abs(guess.b[1:3]).max() / CLEARANCE == pytest.approx(r, rel=1e-5)
 
 
 def test_a_branch_that_comes_back_to_the_end_of_the_range_where_it_began_has_both_motions(curve):
