@@ -9,6 +9,7 @@ grows: whirls of several sizes in this mode are tried, and a small one where it 
 
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -214,14 +215,14 @@ def rolling_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
     laws = problem.machine_at(value).laws
     tried: list[tuple[float, Orbit]] = []
     for j in laws.rubbing:
-
-        def imbalance(r: float, j: int = j) -> float:
-            return _rolling_whirl(problem, value, j, r)[0]
-
+        whirl = partial(_rolling_whirl, problem, value, j)
         radii = _RADII * laws.length[j]
-        changes = np.flatnonzero(np.diff(np.sign([imbalance(r) for r in radii])))
-        balanced = [brentq(imbalance, radii[i], radii[i + 1], rtol=_ROLLING) for i in changes]
-        tried += [_rolling_whirl(problem, value, j, r) for r in (*radii, *balanced)]
+        along = [whirl(r) for r in radii]
+        changes = np.flatnonzero(np.diff(np.sign([lacking for lacking, _ in along])))
+        tried += along
+        for i in changes:
+            ends = radii[i : i + 2]
+            tried.append(whirl(brentq(lambda r, of=whirl: of(r)[0], *ends, rtol=_ROLLING)))
     for _, orbit in sorted(tried, key=lambda pair: abs(pair[0]))[:_MOST_GUESSES]:
         yield orbit
 
