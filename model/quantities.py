@@ -163,11 +163,18 @@ def check(shown: str, declared: Quantity, value: Any) -> None:
         kinds = "a number or a list of numbers" if declared.may_be_list else "a number"
         raise QuantityError(f"{shown} = {value!r}: must be {kinds}")
     is_finite = isinstance(value, int) or math.isfinite(value)
-    if is_finite and abs(value) > LARGEST:
-        raise QuantityError(f"{shown}: must not exceed {LARGEST:g} in size")
+    if is_finite:
+        check_size(shown, value)
     if not is_finite or not declared.rule.allows(value):
         unit = "" if declared.unit == "1" else f" {declared.unit}"
         raise QuantityError(f"{shown} = {value:g}{unit}: {declared.rule.words}")
+
+
+def check_size(shown: str, value: float) -> None:
+    """Raise `QuantityError`, in which a number is called `shown`, if it is larger than
+    `LARGEST`."""
+    if abs(value) > LARGEST:
+        raise QuantityError(f"{shown}: must not exceed {LARGEST:g} in size")
 
 
 def check_all(where: str, item: Any) -> None:

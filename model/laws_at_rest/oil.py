@@ -6,8 +6,8 @@ The film has one temperature at each speed, that of its heat balance,
 
 with the power P and the side flow Q of the journal in equilibrium under the static load, which is
 along gravity. share = 1 is the adiabatic balance: all heat leaves with the lubricant. The result is
-a table over the speed alone, and a run uses the viscosity of its speed at once, wherever its
-journal is.
+a table over the speed alone for each sense of rotation, and a run uses the viscosity of its speed
+at once, wherever its journal is.
 """
 
 import math
@@ -20,6 +20,7 @@ import numpy as np
 
 from ..machine.rotor import AnyPart, Rotor
 from ..parts.base import GROUND
+from ..parts.bearing_with_oil import BearingWithOil
 from ..parts.film_viscosity import HeatQuantities
 from ..parts.journal_bearing import JournalBearing
 from ..parts.speed_table import interpolant
@@ -31,7 +32,8 @@ _NO_BALANCE: dict[str, Any] = {field.name: field.default for field in fields(Hea
 
 
 class Oil(NamedTuple):
-    """The lubricant of a film over n speeds [rad/s]: temperature [degC] and viscosity [Pa.s]."""
+    """The lubricant of a film over n speeds [rad/s] of one sense of rotation, by their sizes:
+    temperature [degC] and viscosity [Pa.s]."""
 
     speed: tuple[float, ...]
     temperature: tuple[float, ...]
@@ -45,32 +47,54 @@ def machine_with_oil(rotor: Rotor) -> Rotor:
     return rotor if is_same else replace(rotor, parts=parts)
 
 
-def with_oil(part: AnyPart, where: str, downwards: complex) -> AnyPart:
+def with_oil(part: AnyPart, where: str, downwards: complex) -> AnyPart | BearingWithOil:
     """Return a journal bearing with the viscosity over the speed that its heat balance gives it, or
     another part as it is; where: its name; downwards: the direction of its load. Raises
-    `QuantityError` as `oil_of` does."""
+    `QuantityError` as `oil_of_both` does."""
     if not isinstance(part, JournalBearing) or not part.temperature:
         return part
     try:
-        oil = oil_of(part, downwards)
+        positive, negative, why_positive = oil_of_both(part, downwards)
     except QuantityError as error:
         raise QuantityError(f"{where}: {error}") from None
-    return replace(part, **_NO_BALANCE | {"speed": oil.speed, "viscosity": oil.viscosity})
+    given = {field.name: getattr(part, field.name) for field in fields(part)}
+    return BearingWithOil(
+        **given | _NO_BALANCE | {"speed": part.speed, "viscosity": positive.viscosity},
+        negative_viscosity=negative.viscosity,
+        why_positive=why_positive,
+    )
 
 
-def oil_of(part: JournalBearing, downwards: complex = -1j) -> Oil:
-    """Return the lubricant of a bearing with a heat balance over the speeds of its list;
+def oil_of_both(part: JournalBearing, downwards: complex) -> tuple[Oil, Oil, str]:
+    """Return the lubricant of a bearing with a heat balance at positive and at negative speeds;
     downwards: the direction of its load, of length 1.
+
+    Without a balance at negative speeds, which most machines never have, the lubricant there is
+    that of positive ones, and the text says why; else it is empty. Raises `QuantityError` as
+    `oil_of` does for positive speeds.
+    """
+    positive = oil_of(part, downwards, 1)
+    try:
+        return positive, oil_of(part, downwards, -1), ""
+    except QuantityError as error:
+        return positive, positive, str(error)
+
+
+def oil_of(part: JournalBearing, downwards: complex, sense: int) -> Oil:
+    """Return the lubricant of a bearing with a heat balance over the speeds of its list;
+    downwards: the direction of its load, of length 1; sense: of rotation, 1 or -1.
 
     Raises `QuantityError` if the balance leaves the list of temperatures.
     """
-    return _balanced(replace(part, node=1, housing=GROUND, name=""), downwards)
+    if not part.pads:  # a plain circle is its own mirror image
+        sense = 1
+    return _balanced(replace(part, node=1, housing=GROUND, name=""), downwards, sense)
 
 
 @lru_cache(maxsize=32)
-def _balanced(part: JournalBearing, downwards: complex) -> Oil:
+def _balanced(part: JournalBearing, downwards: complex, sense: int) -> Oil:
     viscosity = _over_temperature(part)
-    temperatures = tuple(_temperature(part, s, viscosity, downwards) for s in part.speed)
+    temperatures = tuple(_temperature(part, sense * s, viscosity, downwards) for s in part.speed)
     return Oil(part.speed, temperatures, tuple(map(viscosity, temperatures)))
 
 

@@ -10,7 +10,7 @@ from typing import get_args
 import numpy as np
 
 from ..film.bearing_film import PAD
-from ..laws_at_rest.oil import oil_of, with_oil
+from ..laws_at_rest.oil import oil_of_both, with_oil
 from ..machine.rotor import Rotor
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
@@ -190,9 +190,13 @@ def _temperatures(
     it; None without a heat balance."""
     if not part.temperature:
         return None
-    oil = oil_of(part, downwards)
-    fast = np.clip(np.abs(speeds), oil.speed[0], oil.speed[-1])
-    return np.asarray(interpolant(oil.speed, oil.temperature)(fast))
+    positive, negative = (
+        interpolant(oil.speed, oil.temperature)(
+            np.clip(np.abs(speeds), oil.speed[0], oil.speed[-1])
+        )
+        for oil in oil_of_both(part, downwards)[:2]
+    )
+    return np.where(speeds < 0.0, negative, positive)
 
 
 def _pads(part: JournalBearing) -> np.ndarray:

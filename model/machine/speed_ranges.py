@@ -1,7 +1,9 @@
 """Messages for speeds outside a range, such as that of a part's table over the speed."""
 
+import math
 from typing import Any, NamedTuple
 
+from ..parts.bearing_with_oil import BearingWithOil
 from ..parts.journal_bearing import JournalBearing
 from .rotor import Rotor
 
@@ -22,9 +24,12 @@ class SpeedRange(NamedTuple):
 
 
 def speed_ranges(rotor: Rotor) -> list[SpeedRange]:
-    """Return the ranges that the tables of a machine's parts cover."""
-    named = ((where, part) for where, part in rotor.named_parts() if getattr(part, "speed", ()))
-    return [_range_of(where, part) for where, part in named]
+    """Return the ranges that the tables of a machine's parts cover, whose heat balances are
+    made."""
+    named = list(rotor.named_parts())
+    tables = [_range_of(where, part) for where, part in named if getattr(part, "speed", ())]
+    oils = [(where, part) for where, part in named if isinstance(part, BearingWithOil)]
+    return [*tables, *(_positive(where, part) for where, part in oils if part.why_positive)]
 
 
 def _range_of(where: str, part: Any) -> SpeedRange:
@@ -38,4 +43,16 @@ def _range_of(where: str, part: Any) -> SpeedRange:
         f"from there on its {values} of the end",
         "beyond-table",
         is_of_size=is_film,
+    )
+
+
+def _positive(where: str, part: BearingWithOil) -> SpeedRange:
+    """Return the range of a film that has no heat balance turned the other way."""
+    return SpeedRange(
+        0.0,
+        math.inf,
+        f"{where}: speed {{speed:.4g}} rad/s is negative, where it has no heat balance, but the "
+        f"viscosity of positive speeds: {part.why_positive}",
+        "beyond-table",
+        is_of_size=False,
     )

@@ -94,12 +94,14 @@ def film_breaks(part, tables, displacement, internal_state):
 
 @jit
 def viscosity_at(part, tables, speed):
-    """Return the viscosity of a part at a speed [rad/s] of either sign [Pa.s]: from the
-    `speed_table` behind its film's table, if there is one."""
+    """Return the viscosity of a part at a speed [rad/s] [Pa.s]: from the `speed_table` of its sense
+    of rotation behind the film's table, if there is one."""
     first = part.table + 1 + int(tables[part.table]) * (len(PAD) + work_size(part.points))
-    rows = (part.table + part.rows - first) // _WIDTH
+    rows = (part.table + part.rows - first) // (2 * _WIDTH)  # of each sense
     if rows == 0:
         return part.viscosity
+    if speed < 0.0:
+        first += rows * _WIDTH
     fast = abs(speed)
     at = row_at(tables, first, rows, _WIDTH, fast)
     return cubic(tables, at + 1, max(0.0, fast - tables[at]))
@@ -118,13 +120,12 @@ def film_length(part):
 
 
 def film_table(
-    rows: Sequence[Sequence[float]], points: float, viscosity: np.ndarray | None = None
+    rows: Sequence[Sequence[float]], points: float, viscosity: Sequence[np.ndarray] = ()
 ) -> np.ndarray:
     """Return rows of `film.bearing_film.PAD` as a table, with work space for the films, and the
-    `speed_table` of the viscosity."""
+    `speed_table`s of the viscosity, over the sizes of positive and of negative speeds."""
     room = np.zeros(len(rows) * interpreted(work_size)(points))
-    behind = np.zeros(0) if viscosity is None else np.ravel(viscosity)
-    return np.concatenate([[len(rows)], np.ravel(rows), room, behind])
+    return np.concatenate([[len(rows)], np.ravel(rows), room, np.ravel(viscosity)])
 
 
 def whole_circle(is_full: float = False, is_sealed: bool = False) -> list[float]:

@@ -172,7 +172,7 @@ JOURNAL_BEARING = Law(
     outputs=OUTPUTS,
     stores=STORES,
     losses=LOSSES,
-    table=lambda part: film_table(part.pad_rows(), part.points, part.viscosity_table()),
+    table=lambda part: film_table(part.pad_rows(), part.points, part.viscosity_tables()),
 )
 # with states of each pad, outputs and energy more; the kernels are the same
 TILTING_PADS = replace(
@@ -330,13 +330,14 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
             rows.append([*shape, *motion])
         return rows
 
-    def viscosity_table(self) -> np.ndarray | None:
-        """Return the `speed_table` of the viscosity, None if it is constant."""
+    def viscosity_tables(self) -> list[np.ndarray]:
+        """Return the `speed_table`s of the viscosity at positive and at negative speeds, none if it
+        is constant."""
         if not isinstance(self.viscosity, tuple):
-            return None
+            return []
         if self.temperature:  # no numbers before there is a heat balance (`laws_at_rest.oil`)
-            return math.nan * speed_table(self.speed, ("viscosity",), {})
-        return speed_table(self.speed, ("viscosity",), {"viscosity": self.viscosity})
+            return 2 * [math.nan * speed_table(self.speed, ("viscosity",), {})]
+        return 2 * [speed_table(self.speed, ("viscosity",), {"viscosity": self.viscosity})]
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """Yield one interface."""

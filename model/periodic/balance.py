@@ -5,7 +5,8 @@ displacements of the interfaces and of the laws' internal states.
 
 The forces F and the rates g of the states are sampled in time along the orbit and transformed
 (alternating frequency/time method: Cameron and Griffin 1989), and so are their tangents. omega is
-the speed over `turns`, or an unknown for self-excited motions (whirl without unbalance).
+above 0: the size of the speed over `turns`, or an unknown for self-excited motions (whirl without
+unbalance).
 """
 
 import math
@@ -142,7 +143,7 @@ class HarmonicBalance(ContinuationEquations):
 
     def omega_at(self, value: float) -> float:
         """Return the frequency at a value of the parameter [rad/s]; 0 where it is unknown."""
-        return 0.0 if self.is_autonomous else self.speed_at(value) / self.turns
+        return 0.0 if self.is_autonomous else abs(self.speed_at(value)) / self.turns
 
     def dynamic_stiffness(self, value: float, omega: float) -> DynamicStiffness:
         """Return the linear part at a value of the parameter."""

@@ -151,6 +151,11 @@ class CondensedMachine:
         far = np.linalg.solve(self._M, self.unbalance)[: self.b]
         return float(np.abs(far).max(initial=0.0) or self.structure.numbers[0].clearance)
 
+    def unbalance_force(self, speed: float) -> np.ndarray:
+        """Return the complex amplitude of the unbalance's force at a speed [rad/s], as a vibration
+        in time, of the frequency abs(speed), shape (size,) [N]."""
+        return speed**2 * (self.unbalance if speed > 0.0 else self.unbalance.conj())
+
     def matrices(self, speed: float) -> ReducedMatrices:
         """Return M, D, K in the reduced coordinates at a speed [rad/s]."""
         kappa_v, kappa_h = self._kappa
@@ -182,7 +187,7 @@ class CondensedMachine:
         force = np.zeros((H + 1, self.size), complex)
         force[0] = self.constant
         if order:
-            force[order] += speed**2 * self.unbalance
+            force[order] += self.unbalance_force(speed)
         b = self.b
         right = np.concatenate([dynamic[:, b:, :b], force[:, b:, None]], axis=2)
         solved = np.linalg.solve(dynamic[:, b:, b:], right)

@@ -1,5 +1,6 @@
 """The task of a response computation, and its result."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -7,8 +8,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..arguments import check_positive
 from ..kernels.kernel import interpreted
+from ..laws_at_rest.oil import machine_with_oil
 from ..machine.rotor import Rotor
 from ..machine.speed_ranges import speed_ranges
 from ..message_templates import Message
@@ -142,11 +143,15 @@ def check(rotor: Rotor, task: Task) -> None:
     check_parts(rotor)
     _check_returning(rotor)
     speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)
+    if task.name == SPEED and task.low < 0.0 < task.high:
+        shown = f"speed = {task.low:g}:{task.high:g} rad/s"
+        raise PeriodicError(f"{shown}: must not pass through 0, where a turn never ends")
     for speed in speeds:
-        check_positive("speed", speed, "rad/s", PeriodicError)
-        if speed < _SLOWEST:
-            raise PeriodicError(f"speed = {speed:g} rad/s: must be at least {_SLOWEST:g} rad/s")
-        for allowed in speed_ranges(rotor):
+        if not _SLOWEST <= abs(speed) < math.inf:
+            raise PeriodicError(
+                f"speed = {speed:g} rad/s: must be at least {_SLOWEST:g} rad/s in size, and finite"
+            )
+        for allowed in speed_ranges(machine_with_oil(rotor)):
             if not allowed.holds(speed):
                 raise PeriodicError(allowed.beyond.format(speed=speed))
     if task.name != SPEED:

@@ -135,7 +135,7 @@ def _whirl_starts(search: BranchSearch) -> Starts:
     task, machines = search.result.task, search.machines
     for value in (*task.seeds, 0.5 * (task.low + task.high), task.high, task.low):
         speed = task.speed_at(value)
-        coarse = task.problem(machines, value, 3, is_autonomous=True, omega=speed)
+        coarse = task.problem(machines, value, 3, is_autonomous=True, omega=abs(speed))
         for guess in (*rolling_whirls(coarse, value), *growing_whirls(coarse, value)):
             problem, x = _of_whirl(search, guess, coarse.length_scale)
             try:

@@ -1,12 +1,13 @@
 """Starting points of self-excited whirl: backward rolling along a wall, and unstable modes of the
 rest position.
 
-A journal of radius R that rolls without sliding whirls backward with omega = R Omega / r on a
+A journal of radius R that rolls without sliding whirls backward with omega = R |Omega| / r on a
 circle of radius r; of such circles along one wall, those are tried that the linear part nearly
 balances. Past a threshold, of oil films or of rotating damping, a mode about the rest position
 grows: whirls of several sizes in this mode are tried, and a small one where it begins to grow.
 """
 
+import math
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
@@ -231,10 +232,10 @@ def _rolling_whirl(problem: HarmonicBalance, value: float, j: int, r: float) -> 
     """Return a whirl of a radius [m] that rolls along wall j, and the radial force that it lacks,
     as a share of the forces."""
     machine, speed = problem.machine_at(value), problem.speed_at(value)
-    omega = machine.laws.journal_radius(j) * speed / r
+    omega = machine.laws.journal_radius(j) * abs(speed) / r
     d = np.zeros(2 * machine.laws.count, complex)
-    # x + i y = r exp(-i omega t)
-    d[2 * j : 2 * j + 2] = r, 1j * r
+    # x + i y = r exp(-i omega t), or, at a negative speed, r exp(i omega t)
+    d[2 * j : 2 * j + 2] = r, 1j * math.copysign(r, speed)
     b = np.zeros((2 * problem.H + 1, problem.b))
     b[1], b[2] = machine.b_of_displacements(d.real), machine.b_of_displacements(-d.imag)
     own = np.zeros((2 * problem.H + 1, problem.s))

@@ -176,11 +176,12 @@ class Shooting(ContinuationEquations):
         state = (modes.shapes @ T).real
         of_state, N = np.linalg.inv(state), machine.size
         accelerations = np.zeros((2 * N, 2), complex)
-        both = np.column_stack([machine.constant, 0.5 * speed**2 * machine.unbalance])
+        both = np.column_stack([machine.constant, 0.5 * machine.unbalance_force(speed)])
         accelerations[N:] = np.linalg.solve(machine.matrices(speed).M, both)
         constant, forward = (T @ of_state @ accelerations).T
         backward = T @ of_state @ accelerations[:, 1].conj()
-        synchronous = forward / (1j * speed - modes.roots), backward / (-1j * speed - modes.roots)
+        turn = 1j * abs(speed)
+        synchronous = forward / (turn - modes.roots), backward / (-turn - modes.roots)
         constant_amplitudes = -constant / modes.roots
         return ModalSystem(
             speed, omega, mean, modes, state, of_state, constant_amplitudes, synchronous

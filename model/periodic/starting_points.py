@@ -63,7 +63,7 @@ def guesses(
         )
         if begin:
             _set_motion(run, machine, *begin)
-        run.advance(2 * math.pi / speed * periods * task.turns, speed)
+        run.advance(2 * math.pi / abs(speed) * periods * task.turns, speed)
         return _recorded_period(run, machine, speed, task.turns, H)
 
     try:
@@ -81,11 +81,11 @@ def guesses(
 def _circles(problem: HarmonicBalance, open_contacts: Orbit) -> Iterator[Orbit]:
     """Yield synchronous forward circles of all interfaces beyond their clearances, in several
     phases, on which a wall pushes back all around."""
-    turn = 2 * problem.turns
+    turn, sense = 2 * problem.turns, math.copysign(1.0, open_contacts.speed)
     for radius in _RADII:
         for phase in _PHASES:
             size = problem.length_scale * radius * np.exp(1j * phase)
-            d = size * np.tile([1.0, -1.0j], problem.d // 2)
+            d = size * np.tile([1.0, -1.0j * sense], problem.d // 2)
             b = open_contacts.b.copy()
             at = problem.machine_at(open_contacts.parameter)
             b[turn - 1], b[turn] = at.b_of_displacements(d.real), at.b_of_displacements(-d.imag)
@@ -96,9 +96,9 @@ def _recorded_period(
     run: Simulation, machine: CondensedMachine, speed: float, turns: int, H: int
 ) -> Orbit:
     """Return the next period of a run as an orbit."""
-    n = 4 * H
-    period = 2 * math.pi * turns / speed
-    start, phase = run.time, math.remainder(speed * run.time, 2 * math.pi)
+    n, frequency = 4 * H, abs(speed)
+    period = 2 * math.pi * turns / frequency
+    start, phase = run.time, math.remainder(frequency * run.time, 2 * math.pi)
     d = np.empty((n, machine.laws.count), complex)
     states = np.empty((n, len(run.motion.internal_state)))
     for t in range(n):
@@ -109,7 +109,7 @@ def _recorded_period(
     value, _ = basis(min(H, n // 3), angles)
     P = projection(value)
     b = P @ machine.b_of_displacements(in_plane(d))
-    return Orbit(b, P @ states, speed / turns, turns, speed, speed)
+    return Orbit(b, P @ states, frequency / turns, turns, speed, speed)
 
 
 def integrate_from_orbit(

@@ -196,7 +196,8 @@ def response(
     machine : Machine, Path or str
         The machine, or its file.
     speed : tuple of float, or float
-        Range of the speed, or with `over` the one speed [rad/s].
+        Range of the speed, not through 0, or with `over` the one speed [rad/s]; negative where the
+        machine turns the other way.
     over : tuple of str, float and float, optional
         Name of one of `machine.parameters` and its range, in SI units.
     parameters : mapping of str to float, optional

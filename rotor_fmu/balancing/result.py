@@ -58,7 +58,7 @@ class Balancing(Displayed):
 
     planes: with their unbalances; vibrations: at the measuring points; residuals: unbalances in the
     planes of the two outermost bearings, none where there are fewer; service_speed: for which they
-    are permitted, the machine's maximum continuous or rated speed, or the highest of balancing;
+    are permitted, the machine's maximum continuous or rated speed, or the fastest of balancing;
     influence: coefficients, complex of shape (m, p) [m/(kg.m)]; rank: their numerical rank;
     touches: whether a contact closed during a run, so that the coefficients are not those of a
     linear machine; settles: whether the runs were long enough for the slowest mode; messages: what

@@ -55,12 +55,12 @@ def balance(
 ) -> Balancing:
     """Balance a machine by influence coefficients, from runs in time.
 
-    speeds: of balancing [rad/s], above 0; planes: nodes (from 1) of the correction planes;
-    measured: nodes (from 1) at which x and y are measured, by default those of the planes; trial:
-    unbalance of each plane [kg.m], by default all together pull with a tenth of the rotor's weight
-    at the lowest balancing speed; report: called before each run. Raises `InputError` if a speed, a
-    node or the trial unbalance cannot be, or the machine is unstable at a speed, `RunFailed` if a
-    run stops before its end.
+    speeds: of balancing [rad/s], of either sense of rotation; planes: nodes (from 1) of the
+    correction planes; measured: nodes (from 1) at which x and y are measured, by default those of
+    the planes; trial: unbalance of each plane [kg.m], by default all together pull with a tenth of
+    the rotor's weight at the slowest balancing speed; report: called before each run. Raises
+    `InputError` if a speed, a node or the trial unbalance cannot be, or the machine is unstable at
+    a speed, `RunFailed` if a run stops before its end.
     """
     speeds, planes = numbers("speeds", speeds), listed("planes", planes, "nodes")
     nodes = planes if measured is None else listed("measured", measured, "nodes")
@@ -73,14 +73,15 @@ def balance(
         raise InputError(f"speeds: {given_speeds} rad/s: must be different ones, at least one")
     enough_measurements(2 * len(nodes) * len(speeds), len(planes))
     for speed in speeds:
-        check_positive("balancing speed", speed, "rad/s")
+        if speed == 0.0 or not math.isfinite(speed):
+            raise InputError(f"balancing speed = {speed:g} rad/s: must be finite and not 0")
     if trial is None:
         pull = _TRIAL * total_mass(assemble(rotor)) * STANDARD_GRAVITY
-        trial = pull / (len(planes) * min(speeds) ** 2)
+        trial = pull / (len(planes) * min(map(abs, speeds)) ** 2)
     check_positive("trial unbalance", trial, "kg.m")
     if not assemble(rotor).unbalance.any():
         raise InputError("the machine has no unbalance: there is nothing to balance")
-    service_speed = rotor.operation.service_speed or max(speeds)
+    service_speed = rotor.operation.service_speed or max(map(abs, speeds))
     bench, u = _Bench(rotor, speeds, nodes, report), complex(trial)
     initial = bench.vibration("as it is", {})
     trials = np.array([bench.vibration(f"trial unbalance at node {n}", {n: u}) for n in planes])
@@ -157,7 +158,7 @@ class _Bench:
         return np.concatenate(result)
 
     def _at(self, rotor: Rotor, speed: float, turns: int) -> np.ndarray:
-        turn = 2 * math.pi / speed
+        turn = 2 * math.pi / abs(speed)
         names = [f"measured_{node}.{axis}" for node in self._nodes for axis in "xy"]
         with warnings.catch_warnings(action="ignore"):
             result = simulate(
@@ -175,7 +176,7 @@ class _Bench:
             why = "; ".join([result.status, *self.messages])
             raise RunFailed(f"the run at {speed:g} rad/s {why}")
         phi = result["phi"]
-        within = (phi > phi[-1] - 2 * math.pi * _MEASURED).nonzero()[0]
+        within = (np.abs(phi - phi[-1]) < 2 * math.pi * _MEASURED).nonzero()[0]
         self.touches |= any(bool((result[name][within] > 0.5).any()) for name in self._touching)
         halves = np.array_split(within, 2)
         first, last = (
@@ -197,4 +198,4 @@ def _settling(rotor: Rotor, speed: float) -> float:
             f"balancing speed = {speed:g} rad/s: the machine is unstable there and does not settle "
             f"(a motion grows by {growth:.3g} 1/s)"
         )
-    return _SETTLED / -growth * speed / (2 * math.pi) if growth < 0 else math.inf
+    return _SETTLED / -growth * abs(speed) / (2 * math.pi) if growth < 0 else math.inf

@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from ..display import speed_with_unit
+from ..model.laws_at_rest.oil import machine_with_oil
 from ..model.linear.linear_machine import LinearMachine
 from ..model.linear.modes import LEAST_GROWTH, modes
 from ..model.linear.orbit import semi_axes
@@ -70,7 +71,7 @@ def where_beyond_tables(machine: Rotor, speeds: Collection[float]) -> list[str]:
     """Return a sentence for each table of a machine outside of which the lowest or the highest of
     some speeds [rad/s] lies, by their size where the table is for either sense of rotation."""
     result = []
-    for table in speed_ranges(machine):
+    for table in speed_ranges(machine_with_oil(machine)):
         over = [abs(speed) if table.is_of_size else speed for speed in speeds]
         ends = sorted({min(over), max(over)}) if over else []
         result += [table.beyond.format(speed=end) for end in ends if not table.holds(end)]

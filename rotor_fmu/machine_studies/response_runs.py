@@ -22,7 +22,7 @@ from ..studies.study import Column, Result
 from .machine_runs import RUN, MachineRuns
 from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
 from .run_excitation import Excitation
-from .run_kinds import NOT_NEGATIVE, POSITIVE, Number, RunKind
+from .run_kinds import POSITIVE, Number, RunKind
 
 if TYPE_CHECKING:
     from ..periodic.curves import Curve
@@ -41,8 +41,10 @@ class _ResponseKind(RunKind):
     def check(self, values: Mapping[str, float]) -> None:
         """Raise `InputError` for values that the numbers cannot have, or not together."""
         super().check(values)
-        if values["speed"] == 0 and not values["from"] > 0:
-            raise InputError(f"run.from = {values['from']:g} rad/s: must be > 0")
+        if values["speed"] == 0 and values["from"] <= 0 <= values["to"]:
+            raise InputError(
+                f"run.from = {values['from']:g} rad/s: must be > 0, as run.to is, or both below 0"
+            )
         if not values["from"] < values["to"]:
             raise InputError(
                 f"run.from = {values['from']:g}: must be below run.to = {values['to']:g}"
@@ -54,7 +56,7 @@ RESPONSE = _ResponseKind(
     {
         "from": Number("", None, "lowest speed [rad/s], or value of `over`"),
         "to": Number("", None, "highest"),
-        "speed": Number("rad/s", 0.0, "the one speed, with `over`", NOT_NEGATIVE),
+        "speed": Number("rad/s", 0.0, "the one speed, with `over`"),
         "period": Number("1", 1.0, "revolutions in a period", POSITIVE, is_whole=True),
         "harmonics": Number("1", 60.0, "harmonics of the speed, at most", POSITIVE, is_whole=True),
         "share": Number(

@@ -13,6 +13,7 @@ from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
 from ..machine_file.loading import load_rotor
 from ..model.machine.rotor import Rotor
+from ..model.quantities import check_size
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..operating_speeds import operating_speeds
@@ -96,6 +97,10 @@ def make_job(
     step [s], None for one that suits the solver. Raises `InputError`, `QuantityError`,
     `SettingsError`."""
     table = interface(rotor)
+    units = {v.name: v.unit for v in table}
+    for name, column in signals.values.items():
+        largest = float(max(column, key=abs))
+        check_size(f"{name} = {largest:g} {units[name]}", largest)
     parameters = {"speed_rate": signals.first_rate} | dict(parameters)
     everything = {v.name: v.start for v in table if v.start is not None} | parameters
     everything |= {name: signals.at(name, 0.0) for name in signals.values}

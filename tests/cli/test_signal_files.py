@@ -6,7 +6,9 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.quantities import LARGEST
 
+import rotor_fmu as rf
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.input_signals import Ramp, Signals, read_signals
 from rotor_fmu.runs.job import difference
@@ -31,6 +33,7 @@ from rotor_fmu.runs.run_down import Run
         ("time,speed\n0,400\n1\n", "line 3: 1 values, 2 are needed"),
         ("time,speed\n0,400\n0,300\n", "line 3: time = 0 s after 0 s: must increase"),
         ("time,speed\n0,four\n", "line 2: speed = four"),
+        ("time,speed\n0,400\n1,-1.1e30\n", "speed = -1.1e+30 rad/s: must not exceed 1e+30 in size"),
         ("time,speed\n0,400\n", "signals.csv: ends at 0 s; give the end of the run as --stop"),
     ],
 )
@@ -50,6 +53,21 @@ def test_bad_signals_are_refused_in_one_line(input_error, tmp_path, text, expect
 def test_a_speed_is_given_in_one_way(input_error, tmp_path, arguments, expected):
     (tmp_path / "signals.csv").write_text("time,speed\n0,400\n1,390\n")
     assert expected in input_error("run-down", *arguments)
+
+
+@pytest.mark.parametrize(
+    ("speed", "load", "expected"),
+    [
+        (1e155, 0.0, "speed = 1e+155 rad/s"),
+        (([0.0, 1.0], [100.0, -1.1e30]), 0.0, "speed = -1.1e+30 rad/s"),
+        (100.0, -1.1e30, "disc[1].fx = -1.1e+30 N"),
+    ],
+)
+def test_python_refuses_the_sizes_that_an_fmu_refuses(speed, load, expected):
+    """Whose rule has one home: `tests/fmu/test_rules.py` has the FMU's."""
+    with pytest.raises(rf.InputError) as refused:
+        rf.simulate(rf.load(), speed=speed, loads={"disc[1].fx": load}, stop=1.0)
+    assert str(refused.value) == f"{expected}: must not exceed {LARGEST:g} in size"
 
 
 def test_signals_from_a_file_drive_the_run(process, tmp_path):

@@ -23,6 +23,7 @@ from rotor_fmu.vibration.influence_coefficients import correction
 from tests.linear.api_617 import RPM, SHAFT, example, support
 from tests.linear.test_growth_without_oscillation import pulled
 from tests.linear.test_own_frequency import on_pads
+from tests.physics.test_symmetries import image_of_machine, turned
 
 
 def without_contact():
@@ -70,6 +71,22 @@ def test_influence_coefficients_from_runs_are_those_of_the_linear_response():
     linear = unbalance_response(rotor, [150.0], unbalances=[(4, 1.0, 0.0)])
     expected = [linear.x[0, 5], linear.y[0, 5]]
     np.testing.assert_allclose(result.influence[:, 0], expected, rtol=1e-3)
+
+
+def test_a_machine_is_balanced_at_a_negative_speed_as_its_mirror_image_is_at_the_positive_one():
+    """On bearings that whirl it differently in the two senses."""
+    bearings = without_contact().of_kind(LinearBearing)
+    bearings = [replace(bearing, kxy=4e5) for bearing in bearings]
+    rotor = rig().with_parts(Bearing, *bearings)
+    found = balance(rotor, [-150.0], [4], measured=[4, 6])
+    image = balance(image_of_machine(rotor, -1), [150.0], [4], measured=[4, 6])
+    assert found.residual < 0.5
+    assert found.departure < 1e-4
+    (plane,), (other,) = found.planes, image.planes
+    assert other.unbalance == pytest.approx(turned(plane.unbalance, -1), rel=1e-4)
+    linear = unbalance_response(rotor, [-150.0], unbalances=[(4, 1.0, 0.0)])
+    expected = [of[0, node - 1] for node in (4, 6) for of in (linear.x, linear.y)]
+    np.testing.assert_allclose(found.influence[:, 0], expected, rtol=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -295,7 +312,7 @@ def test_what_cannot_be_balanced_is_refused_before_any_run(arguments, expected):
         ([], "--speed and --plane: must be given"),
         (["--speed", "150", "--plane", "9"], "--plane 9: must be from 1 to 8"),
         (["--speed", "150", "--plane", "4", "--plane", "4"], "must be different nodes"),
-        (["--speed", "-150", "--plane", "4"], "balancing speed = -150"),
+        (["--speed", "0", "--plane", "4"], "balancing speed = 0 rad/s: must be finite and"),
         (["--speed", "150", "--plane", "4", "--trial", "0"], "trial unbalance = 0"),
     ],
 )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.laws_at_rest.oil import oil_of
+from rotor_fmu.model.laws_at_rest.oil import oil_of, with_oil
 from rotor_fmu.model.linear import bearing_curves, modes
 from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
@@ -16,6 +16,9 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
+
+from rotor_fmu.linear.where_linearized import where_beyond_tables
+from rotor_fmu.periodic.request import response_request
 
 from ..toml_text import table
 from .driven import of_both
@@ -69,7 +72,7 @@ def test_a_film_is_that_of_the_viscosity_that_its_table_has_at_the_speed(shape, 
 def test_the_heat_of_the_film_leaves_with_its_oil(shape, share):
     """At each speed, by the outputs of a film of that constant viscosity."""
     part = _part(**shape, **_OVER_TEMPERATURE, heat_share=share)
-    oil = oil_of(part)
+    oil = oil_of(part, -1j, 1)
     assert oil.temperature[0] == part.inlet_temperature
     over = PchipInterpolator(part.temperature, np.log(part.viscosity))
     for speed, temperature, viscosity in list(zip(*oil, strict=True))[1:]:
@@ -79,7 +82,7 @@ def test_the_heat_of_the_film_leaves_with_its_oil(shape, share):
         rise = share * seen["power"] / (part.density * part.specific_heat * seen["flow"])
         assert rise > 1.0
         assert temperature - part.inlet_temperature == pytest.approx(rise, abs=1e-3)
-    assert oil is oil_of(replace(part, node=2, name="front"))  # made once
+    assert oil is oil_of(replace(part, node=2, name="front"), -1j, 1)  # made once
 
 
 def test_a_short_film_heats_up_as_the_closed_form_says():
@@ -108,7 +111,7 @@ def test_a_short_film_heats_up_as_the_closed_form_says():
         return temperature - part.inlet_temperature - heat
 
     expected = brentq(beyond, 40.0, 100.0)
-    assert oil_of(part).temperature[2] == pytest.approx(expected, abs=0.02)
+    assert oil_of(part, -1j, 1).temperature[2] == pytest.approx(expected, abs=0.02)
 
 
 @pytest.mark.parametrize(
@@ -202,6 +205,51 @@ def test_a_speed_outside_the_table_is_warned_of_whichever_way_the_shaft_turns(se
     (warned,) = [m for m in said if "table" in m]
     assert warned.startswith(f"journal_bearing[1]: speed {sense * 520} rad/s lies outside its ta")
     assert "viscosity" in warned
+
+
+@pytest.mark.parametrize("shape", [{}, _PADS | {"offset": 0.4}, _TILTING | {"offset": 0.6}])
+def test_a_film_turned_the_other_way_heats_up_as_its_mirror_image_does(shape):
+    """Mirrored across its load; it has another temperature than its own at the positive speed,
+    unless it is its own mirror image."""
+    lists = {name: of for name, of in _OVER_TEMPERATURE.items() if name != "speed"}
+    part = _part(**lists, **shape, speed=(100.0, 300.0))
+    image = part
+    if part.pads:
+        pads = tuple(math.pi - angle for angle in part.pads)
+        image = replace(part, pads=pads, offset=1.0 - part.offset)
+    found, expected, own = (
+        with_oil(of, "", -1j).viscosity_tables()[sense]
+        for of, sense in ((part, 1), (image, 0), (part, 0))
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    is_its_own_image = np.allclose(found[:, -1], own[:, -1], rtol=1e-4)
+    assert is_its_own_image == (not part.pads)
+
+
+def test_a_film_that_has_no_heat_balance_turned_the_other_way_says_so():
+    """It keeps the viscosity of positive speeds there, which a periodic response is not made of."""
+    oil = {"viscosity": (0.04, 0.02), "temperature": (40.0, 60.0), "speed": (100.0, 300.0)}
+    part = _part(**_PADS, static_load=_LOAD, offset=0.3, **oil)
+    coolest, hottest = sorted(oil_of(part, -1j, sense).temperature[-1] for sense in (1, -1))
+    assert coolest == oil_of(part, -1j, 1).temperature[-1]
+    end = 0.5 * (coolest + hottest)  # of the same line of logarithms
+    oil |= {"temperature": (40.0, end), "viscosity": (0.04, 0.04 * 0.5 ** ((end - 40.0) / 20.0))}
+    heated = _GIVEN | _PADS | oil | {"static_load": _LOAD, "offset": 0.3}
+    machine = parse_rotor(
+        heavy_shaft() + film(1) + table("[journal_bearing]", node=3, **_listed(heated))
+    )
+    said = []
+    for speed in (250.0, -250.0):
+        Simulation(machine, speed=speed, warn=said.append)
+    (warned,) = [str(m) for m in said if "heat balance" in m]
+    assert warned.startswith("journal_bearing[2]: speed -250 rad/s is negative, where it has no he")
+    assert "its film would be hotter at -300 rad/s than its temperature, which ends at" in warned
+    curves = bearing_curves(machine, [-250.0, 250.0], bearing="journal_bearing[2]", load=_LOAD)
+    assert curves.viscosity[0] == curves.viscosity[1]
+    assert curves.temperature[0] == curves.temperature[1]
+    assert where_beyond_tables(machine, [-250.0, 250.0]) == [warned]
+    with pytest.raises(QuantityError, match=re.escape(warned)):
+        response_request(machine, speed=(-250.0, -200.0))
 
 
 def test_fmu_has_the_bits_of_the_simulation(machine_of):

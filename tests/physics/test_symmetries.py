@@ -45,10 +45,7 @@ TILTING = {
     **{"pads": (0.8, 2.4, 4.0, 5.5), "arc": 1.2, "offset": 0.55, "preload": 0.3},
     **{"tilting": True, "pad_inertia": 1e-6},
 }
-# The heat balance is of positive speeds: only a bearing that is alike on both sides of its load has
-# the same one as its mirror image.
 HEATED = {
-    **{"pads": (GRAVITY_ANGLE, GRAVITY_ANGLE + math.pi), "arc": 2.6, "preload": 0.3},
     **{"viscosity": (0.04, 0.015), "temperature": (40.0, 80.0)},
     **{"speed": (100.0, 300.0), "static_load": 60.0},
 }
@@ -76,7 +73,7 @@ CASES = {
     "journal_bearing": [("journal_bearing", FILM | COARSE)],
     "grooved journal_bearing": [("journal_bearing", FILM | GROOVED | COARSE)],
     "tilting pads": [("journal_bearing", FILM | TILTING | COARSE)],
-    "heated journal_bearing": [("journal_bearing", FILM | HEATED | COARSE)],
+    "heated journal_bearing": [("journal_bearing", FILM | GROOVED | HEATED | COARSE)],
     "squeeze_film_damper": [SEAT, ("squeeze_film_damper", DAMPER)],
     "floating_ring_bearing": [("floating_ring_bearing", FILM | RING)],
     "disc": [("disc", {"node": 2, "diameter": 0.1, "width": 0.02, "e": 1e-4, "phase": 2.0})],

@@ -15,7 +15,7 @@ from rotor_fmu.periodic import request
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.store import open_dataset
 
-from ..periodic.machines import OMEGA, rub
+from ..periodic.machines import OMEGA, ZETA, E, rub
 from .functions import here, quiet
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -46,6 +46,20 @@ def data(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
     run_study(read(folder), folder / "out", here, quiet)
     return studies.open(folder / "out")
+
+
+def test_a_range_of_negative_speeds_is_a_run_too(tmp_path):
+    """Of a machine that is alike in both senses, which touches nothing at half its natural
+    frequency."""
+    run = "kind = 'response'\nfrom = -52\nto = -48"
+    keep = 'here = { value = "disc.r_amp", at = -50 }'
+    study = read(tmp_path, run, keep, '"contact[1].mu" = { values = [0.02] }')
+    run_study(study, tmp_path / "out", here, quiet)
+    row = studies.open(tmp_path / "out").isel(run=0)
+    assert row.status == "ok"
+    omega = 50 / OMEGA
+    radius = 1e-3 * E * omega**2 / abs(1 - omega**2 + 2j * ZETA * omega)
+    assert float(row.here) == pytest.approx(radius, rel=1e-5)
 
 
 @pytest.mark.parametrize(("i", "mu"), [(0, 0.02), (1, 0.05)])
@@ -234,7 +248,7 @@ def test_motions_under_a_section_over_a_quantity_are_those_over_its_range_at_the
 def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_path, process):
     study = read(
         tmp_path,
-        "kind = 'steps'\nfrom = -130\nto = -140\ncount = 2\nsettle = 0.1\nturns = 1",
+        "kind = 'steps'\nfrom = -120\nto = -130\ncount = 2\nsettle = 0.1\nturns = 1",
         '"x/y" = { poincare = "disc.x" }\nforce = { poincare = "contact[1].fn" }',
         '"contact[1].mu" = { values = [0.05] }',
     )
@@ -246,14 +260,17 @@ def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_
     data = open_dataset(out)
     drawn = diagrams(study, data, lambda said: None)
     (axes,) = drawn["x/y"].axes
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["falling"]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == [
+        *("falling", "periodic, stable")
+    ]
     for name, factor, label in (
         ("x/y", 1e6, "disc.x at the mark [µm]"),
         ("force", 1.0, "contact[1].fn at the mark [N]"),
     ):
         (axes,) = drawn[name].axes
         assert axes.get_ylabel() == label
-        np.testing.assert_allclose(axes.lines[-1].get_ydata(), factor * data[name].values[0])
+        (line,) = [line for line in axes.lines if line.get_label() == "falling"]
+        np.testing.assert_allclose(line.get_ydata(), factor * data[name].values[0])
 
 
 def test_a_study_whose_runs_all_failed_has_no_diagram(tmp_path):
