@@ -3,13 +3,14 @@
 import inspect
 import io
 import math
+import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
 from functools import wraps
 from json import dumps
 from numbers import Integral
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, get_origin, get_type_hints
 
 from .display import restored
 from .errors import RunFailed
@@ -38,7 +39,8 @@ def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[.
             raise RunFailed(f"the run stopped before its end: {status.removeprefix(FAILED)}")
 
     options = _options()
-    hints = get_type_hints(command, include_extras=True) | options
+    hints, run_command.__doc__ = _documented(command)
+    hints |= options
     own = inspect.signature(command).parameters.values()
     added = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=False) for n in options]
     run_command.__annotations__ = hints
@@ -53,12 +55,28 @@ def with_options_of(shared: Callable[..., Any]) -> Callable[[Callable[..., Any]]
 
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
         _, *options = inspect.signature(shared).parameters.values()
-        hints = get_type_hints(shared, include_extras=True)
+        hints, _ = _documented(shared)
         command.__annotations__ = {o.name: hints[o.name] for o in options}
         command.__signature__ = inspect.Signature(options)  # type: ignore[attr-defined]
         return command
 
     return decorate
+
+
+def _documented(command: Callable[..., Any]) -> tuple[dict[str, Any], str]:
+    """Return the annotations of a command with the help that its docstring gives each option, in a
+    line `name: help`, and the docstring without these lines."""
+    import typer
+
+    hints = get_type_hints(command, include_extras=True)
+    text, *helps = re.split(rf"^({'|'.join(hints)}): ", inspect.getdoc(command) or "", flags=re.M)
+    for name, words in zip(helps[::2], helps[1::2], strict=True):
+        if get_origin(hints[name]) is not Annotated:
+            # of its own a flag would have a second one that denies it
+            flag = [f"--{name.replace('_', '-')}"] if hints[name] is bool else []
+            hints[name] = Annotated[hints[name], typer.Option(*flag)]
+        hints[name].__metadata__[0].help = " ".join(words.split())
+    return hints, text.rstrip()
 
 
 def _options() -> dict[str, Any]:

@@ -122,7 +122,8 @@ def factor(shown: str, unit: str, si: str) -> float:
     for name, question in _AMBIGUOUS.items():
         if re.search(rf"(?<![A-Za-z_]){name}s?(?![A-Za-z_])", unit):
             raise InputError(f"{shown}: {question}")
-    registry = _registry(shown)
+    optional("pint", "units", shown)
+    registry = _registry()
     try:
         asked = registry.parse_expression(_spelled(unit))
         asked = asked if hasattr(asked, "units") else registry.Quantity(asked)
@@ -152,13 +153,8 @@ def _spelled(unit: str) -> str:
     return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text)
 
 
-def _registry(shown: str) -> Any:
-    optional("pint", "units", shown)
-    return _pint()
-
-
 @cache
-def _pint() -> Any:
+def _registry() -> Any:
     import pint
 
     registry: Any = pint.UnitRegistry(on_redefinition="ignore")

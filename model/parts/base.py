@@ -205,18 +205,9 @@ def outputs_of(element: Element) -> tuple[Output, ...]:
 class Part(ABC):
     """A part of a machine. Subclasses declare their quantities as fields.
 
-    Attributes
-    ----------
-    KIND : str
-        Its table in a machine file and its name in the FMU.
-    TEXT : str
-        What it is, in a line.
-    IS_SINGLE : bool
-        Whether a machine has one at most.
-    LAWS : tuple of Law
-        Laws that its interfaces may have.
-    name : str
-        What its variables, pictures and messages call it, or "": its kind and number.
+    KIND: its table in a machine file and its name in the FMU; TEXT: what it is, in a line;
+    IS_SINGLE: whether a machine has one at most; LAWS: that its interfaces may have; name: what its
+    variables, pictures and messages call it, or "": its kind and number.
     """
 
     KIND: ClassVar[str]
@@ -228,20 +219,8 @@ class Part(ABC):
 
     @abstractmethod
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """Yield the elements that the part puts into the machine.
-
-        Parameters
-        ----------
-        where : str
-            Name of the part, for messages.
-        density : float
-            Density of the machine's material [kg/m3].
-
-        Yields
-        ------
-        Element
-            Bodies, springs, unbalances, ports, probes, mounts, interfaces.
-        """
+        """Yield the elements that the part puts into the machine; where: its name in messages;
+        density: of the machine's material [kg/m3]."""
 
     @property
     def label(self) -> str:
@@ -249,28 +228,12 @@ class Part(ABC):
         return self.name
 
     def check(self, where: str) -> None:
-        """Check the quantities of the part.
-
-        Parameters
-        ----------
-        where : str
-            Name of the part, for messages.
-
-        Raises
-        ------
-        QuantityError
-            If the part cannot have a quantity; the message names it, its value and what is allowed.
-        """
+        """Raise `QuantityError` for a quantity that the part cannot have; the message names it, its
+        value and what is allowed, and the part as `where`."""
         check_all(where, self)
 
     def outline(self) -> "Iterator[Shape]":
-        """Yield the blocks by which the part is drawn.
-
-        Yields
-        ------
-        Shape
-            A block, its z measured from the part's node [m].
-        """
+        """Yield the blocks by which the part is drawn, z from its node on [m]."""
         yield from ()
 
 

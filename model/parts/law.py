@@ -129,52 +129,30 @@ class Law:
     Laws of one name have the same functions, or do without some of them and of the entries: the
     kernels have the last of `Part.LAWS`.
 
-    Parameters
-    ----------
-    name : str
-        Name of its records.
-    kind : type
-        Data class whose quantities the records hold.
-    force, tangent, energy, dissipate, observe : callable
-        Compiled functions, see the module.
-    outputs : tuple of Output
-        Outputs, at whose `places` `observe` fills.
-    stores : tuple of Output
-        Energies that it stores [J], in the order in which `energy` returns them.
-    losses : tuple of Output
-        Energies that it dissipates [J], at whose places `dissipate` fills in the powers [W].
-    gap, length, rates, breaks, weigh : callable
-        Compiled functions of a law with a wall, with a length of its own, with states, with
-        displacements that it does not allow, with mass.
-    vibrate : callable, optional
-        Compiled function of a law whose states follow a vibration; the states of others stay.
-    linearize : callable, optional
-        Compiled function of a law with states that has the derivatives by them; of others they are
-        differences.
-    states : tuple of float
-        Values of its states at the start.
-    of_part : callable, optional
-        How many states a part has, all 0 at the start, and its outputs, where they depend on it:
-        those of the law, then more.
-    state_units : callable
-        Units of the states of a part, m, m/s or rad/s, from the first on over and over.
-    whirls : bool
-        Whether its states, which `linearize` has, whirl at frequencies of their own, as those of a
-        body in films do; others follow whatever vibrates.
-    bow : int, optional
-        Place among its states of the bow of the shaft at its node [m], in x and y of a frame that
-        turns with the rotor.
-    has_wall : bool
-        Whether the force begins at a wall, the circle of radius `length` about the housing.
-    turns : bool
-        Whether friction turns that wall, which then slips for a while only.
-    table : callable, optional
-        The table of a part, shape (rows, columns), where the law takes one.
-    stiffness : callable, optional
-        Stiffness by which a part holds its node at rest [N/m], where the law holds it softly.
-    seat : callable, optional
-        How far a part lets its node fall before it holds it [m], where it does not at no
-        displacement.
+    name: of its records
+    kind: data class whose quantities the records hold
+    force, tangent, energy, dissipate, observe: compiled functions, see the module
+    outputs: at whose `places` `observe` fills
+    stores: energies that it stores [J], in the order in which `energy` returns them
+    losses: energies that it dissipates [J], at whose places `dissipate` fills in the powers [W]
+    gap, length, rates, breaks, weigh: compiled functions of a law with a wall, with a length of its
+        own, with states, with displacements that it does not allow, with mass
+    vibrate: of a law whose states follow a vibration; the states of others stay
+    linearize: of a law with states that has the derivatives by them; of others they are differences
+    states: values of its states at the start
+    of_part: how many states a part has, all 0 at the start, and its outputs, where they depend on
+        it: those of the law, then more
+    state_units: of the states of a part, m, m/s or rad/s, from the first on over and over
+    whirls: whether its states, which `linearize` has, whirl at frequencies of their own, as those
+        of a body in films do; others follow whatever vibrates
+    bow: place among its states of the bow of the shaft at its node [m], in x and y of a frame that
+        turns with the rotor
+    has_wall: whether the force begins at a wall, the circle of radius `length` about the housing
+    turns: whether friction turns that wall, which then slips for a while only
+    table: of a part, shape (rows, columns), where the law takes one
+    stiffness: by which a part holds its node at rest [N/m], where the law holds it softly
+    seat: how far a part lets its node fall before it holds it [m], where it does not at no
+        displacement
     """
 
     name: str
@@ -206,33 +184,11 @@ class Law:
     seat: Callable[[Any], float] | None = None
 
     def states_of(self, part: Any) -> tuple[float, ...]:
-        """Values of a part's states at the start.
-
-        Parameters
-        ----------
-        part : object
-            A part with this law.
-
-        Returns
-        -------
-        tuple of float
-            As many as it has.
-        """
+        """Return the values of the states of a part with this law at the start."""
         return (0.0,) * self.of_part(part)[0] if self.of_part else self.states
 
     def outputs_of(self, part: Any) -> tuple[Output, ...]:
-        """Outputs of a part.
-
-        Parameters
-        ----------
-        part : object
-            A part with this law.
-
-        Returns
-        -------
-        tuple of Output
-            Those of the law, and more.
-        """
+        """Return the outputs of a part with this law: those of the law, and more."""
         return self.of_part(part)[1] if self.of_part else self.outputs
 
     @property

@@ -59,7 +59,7 @@ class _Flags:
         params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
         for param in params:
             if getattr(param, "is_flag", False):
-                param.__dict__["display_type_rich"] = _no_type
+                param.__dict__["display_type_rich"] = lambda ctx: None
         return params
 
 
@@ -85,10 +85,6 @@ class _Commands(_Flags, TyperGroup):
 
 class _Command(_Flags, TyperCommand):
     """A command that was loaded."""
-
-
-def _no_type(ctx: Any) -> None:
-    return None
 
 
 def _summary(place: str) -> str:

@@ -38,29 +38,23 @@ _SPEEDS = 401  # speeds of the response to unbalance
 @with_output_options
 def critical_map(
     rotor: RotorFile = None,
-    stiffness: Annotated[
-        str | None,
-        typer.Option(
-            help="FROM:TO or FROM:TO:POINTS, in N/m or such as 1e4:1e7lbf/in, spaced evenly on a "
-            "logarithmic axis; default: two decades on either side of the bearings' own."
-        ),
-    ] = None,
-    count: Annotated[int, typer.Option(help="Number of lines, the lowest ones.")] = 4,
-    at_rest: Annotated[
-        bool,
-        typer.Option(
-            "--at-rest", help="Natural frequencies at standstill instead of critical speeds."
-        ),
-    ] = False,
-    rigid_pedestals: Annotated[
-        bool, typer.Option("--rigid-pedestals", help="Take housings and pedestals as ground.")
-    ] = False,
+    stiffness: str | None = None,
+    count: int = 4,
+    at_rest: bool = False,
+    rigid_pedestals: bool = False,
     contacts: Contacts = None,
     units: Units = None,
     out: PictureFolder = Path("out/critical_map"),
 ) -> dict[str, Any]:
     """Compute the undamped critical speed map: forward critical speeds over the bearings'
-    stiffness, with the stiffness that the bearings have themselves."""
+    stiffness, with the stiffness that the bearings have themselves.
+
+    stiffness: FROM:TO or FROM:TO:POINTS, in N/m or such as 1e4:1e7lbf/in, spaced evenly on a
+        logarithmic axis; default: two decades on either side of the bearings' own.
+    count: Number of lines, the lowest ones.
+    at_rest: Natural frequencies at standstill instead of critical speeds.
+    rigid_pedestals: Take housings and pedestals as ground.
+    """
     values = None if stiffness is None else _stiffnesses(stiffness)
     machine = machine_in_units(rotor, units)
     check_count(count, 100)
@@ -85,23 +79,22 @@ def critical_map(
 def stability(
     rated: RatedSpeed = None,
     rotor: RotorFile = None,
-    level: Annotated[int, typer.Option(help="Level of the analysis, 1 or 2.")] = 1,
+    level: int = 1,
     stage: Stages = None,
     cross_coupling: CrossCouplings = None,
-    node: Annotated[
-        int | None,
-        typer.Option(
-            help="With level 1: node of the cross coupling; default: midway between the bearings, "
-            "or at the largest stage where all stand beyond them."
-        ),
-    ] = None,
+    node: int | None = None,
     contacts: Contacts = None,
     units: Units = None,
     out: PictureFolder = Path("out/stability"),
 ) -> dict[str, Any]:
     """Compute the stability at the maximum continuous or the rated speed by API 617: the least
     logarithmic decrement of the forward modes over the cross coupling (level 1) or with each seal
-    (level 2)."""
+    (level 2).
+
+    level: Level of the analysis, 1 or 2.
+    node: With level 1: node of the cross coupling; default: midway between the bearings, or at the
+        largest stage where all stand beyond them.
+    """
     if level not in (1, 2):
         raise InputError(f"--level {level}: must be 1 or 2")
     machine = machine_in_units(rotor, units)
@@ -142,43 +135,29 @@ def _stiffnesses(text: str) -> np.ndarray:
 def unbalance(
     rotor: RotorFile = None,
     speed: Range = None,
-    node: Annotated[
-        list[int] | None,
-        typer.Option(
-            help="Node to show, counted from 1; repeatable; default: the nodes with the largest "
-            "orbits."
-        ),
-    ] = None,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--unbalance",
-            help="NODE:AMOUNT:DEGREES, such as 4:50g.mm:90, or in kg.m; replaces the machine's "
-            "own unbalances; repeatable.",
-        ),
-    ] = None,
-    mode: Annotated[
-        int | None,
-        typer.Option(
-            help="Place the unbalances that API 617 prescribes (4W/N) for this mode, from 1."
-        ),
-    ] = None,
-    factor: Annotated[
-        float | None,
-        typer.Option(help="With --mode: multiple of the residual unbalance 4W/N; default: 2."),
-    ] = None,
+    node: list[int] | None = None,
+    at: Annotated[list[str] | None, typer.Option("--unbalance")] = None,
+    mode: int | None = None,
+    factor: float | None = None,
     operating: OperatingRange = None,
     rated: Rated = None,
     clearance: Clearances = None,
     contacts: Contacts = None,
     units: Units = None,
-    out: Annotated[Path, typer.Option(help="Folder for picture and CSV.")] = Path("out/unbalance"),
+    out: Path = Path("out/unbalance"),
 ) -> dict[str, Any]:
     """Compute the steady response to unbalance, its critical speeds with amplification factors,
     and, with --range, separation margins, probe limits and clearances by API 617.
 
     The answer has x, y, major semi-axis and phase at each node shown, of more than 12 speeds also
     at the peaks between them. These nodes are the probes.
+
+    node: Node to show, counted from 1; repeatable; default: the nodes with the largest orbits.
+    at: NODE:AMOUNT:DEGREES, such as 4:50g.mm:90, or in kg.m; replaces the machine's own unbalances;
+        repeatable.
+    mode: Place the unbalances that API 617 prescribes (4W/N) for this mode, from 1.
+    factor: With --mode: multiple of the residual unbalance 4W/N; default: 2.
+    out: Folder for picture and CSV.
     """
     speeds, machine = speed_range(speed, _SPEEDS), machine_in_units(rotor, units)
     given = [_unbalance(text) for text in at] if at else None
@@ -280,33 +259,22 @@ def _write_response(result: Any, nodes: list[int], path: Path) -> None:
 @with_output_options
 def balance(
     rotor: RotorFile = None,
-    speed: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Balancing speed, in rad/s or with rpm or Hz added; at least one; repeatable.",
-        ),
-    ] = None,
-    plane: Annotated[
-        list[int] | None,
-        typer.Option(help="Node of a correction plane, counted from 1; at least one; repeatable."),
-    ] = None,
-    node: Annotated[
-        list[int] | None,
-        typer.Option(help="Node where vibration is measured; repeatable; default: the planes."),
-    ] = None,
-    trial: Annotated[
-        str | None,
-        typer.Option(
-            metavar="UNBALANCE",
-            help="Trial unbalance of each plane, such as 50g.mm, or in kg.m; default: all together "
-            "pull with a tenth of the rotor's weight.",
-        ),
-    ] = None,
+    speed: list[str] | None = None,
+    plane: list[int] | None = None,
+    node: list[int] | None = None,
+    trial: Annotated[str | None, typer.Option(metavar="UNBALANCE")] = None,
     units: Units = None,
     out: PictureFolder = Path("out/balance"),
 ) -> dict[str, Any]:
     """Balance a machine by influence coefficients (ISO 21940-12), from runs in time: as it is, with
-    a trial unbalance in each correction plane, and with the correction unbalances."""
+    a trial unbalance in each correction plane, and with the correction unbalances.
+
+    speed: Balancing speed, in rad/s or with rpm or Hz added; at least one; repeatable.
+    plane: Node of a correction plane, counted from 1; at least one; repeatable.
+    node: Node where vibration is measured; repeatable; default: the planes.
+    trial: Trial unbalance of each plane, such as 50g.mm, or in kg.m; default: all together pull
+        with a tenth of the rotor's weight.
+    """
     if not speed or not plane:
         raise InputError("--speed and --plane: must be given, such as --speed 1500rpm --plane 4")
     speeds, machine = [one_speed(text) for text in speed], machine_in_units(rotor, units)

@@ -20,35 +20,11 @@ if TYPE_CHECKING:
 
 @with_output_options
 def bearing(
-    file: Annotated[
-        Path,
-        typer.Argument(
-            help="Machine file with a journal_bearing, squeeze_film_damper, rolling_bearing or "
-            "floating_ring_bearing."
-        ),
-    ],
-    speed: Annotated[
-        str | None,
-        typer.Option(
-            help="Speeds FROM:TO or FROM:TO:POINTS, or one, in rad/s, or with rpm or Hz added; of "
-            "a damper one, the frequency of its orbits; a rolling bearing needs none.",
-        ),
-    ] = None,
-    name: Annotated[
-        str | None,
-        typer.Option("--bearing", help="Its name, such as journal_bearing[2]; default: the first."),
-    ] = None,
-    load: Annotated[
-        str | None,
-        typer.Option(
-            help="Load along gravity, FROM:TO or FROM:TO:POINTS, or one, in N or with kN added; "
-            "default: what the machine's weight puts on it."
-        ),
-    ] = None,
-    table: Annotated[
-        Path | None,
-        typer.Option(help="File for a linear_bearing with these coefficients over the speed."),
-    ] = None,
+    file: Annotated[Path, typer.Argument()],
+    speed: str | None = None,
+    name: Annotated[str | None, typer.Option("--bearing")] = None,
+    load: str | None = None,
+    table: Path | None = None,
     units: Units = None,
     out: PictureFolder = Path("out/bearing"),
 ) -> dict[str, Any]:
@@ -59,6 +35,15 @@ def bearing(
     the coefficients of both films in series. Of a squeeze film damper the film's stiffness
     and damping on centred circular orbits; of a rolling bearing what its elements carry, and how
     its stiffness changes as they pass.
+
+    file: Machine file with a journal_bearing, squeeze_film_damper, rolling_bearing or
+        floating_ring_bearing.
+    speed: Speeds FROM:TO or FROM:TO:POINTS, or one, in rad/s, or with rpm or Hz added; of a damper
+        one, the frequency of its orbits; a rolling bearing needs none.
+    name: Its name, such as journal_bearing[2]; default: the first.
+    load: Load along gravity, FROM:TO or FROM:TO:POINTS, or one, in N or with kN added; default:
+        what the machine's weight puts on it.
+    table: File for a linear_bearing with these coefficients over the speed.
     """
     speeds, machine = speed_range(speed, 21), machine_in_units(file, units, "bearing")
     loads = None if load is None else number_range(load, 21, "--load", "N")

@@ -41,41 +41,6 @@ Native = Annotated[
     bool,
     typer.Option("--native", help="Build the FMU that needs no Python, RotorBearingNative.fmu."),
 ]
-Source = Annotated[
-    bool,
-    typer.Option(
-        "--source",
-        help="Build the FMU of C source, RotorBearingSource.fmu, which its host compiles.",
-    ),
-]
-Fmi = Annotated[
-    int, typer.Option("--fmi", help="Version of FMI: 2, or, with --native or --source, 3.")
-]
-Reduction = Annotated[
-    int,
-    typer.Option(
-        "--reduction",
-        min=0,
-        help="Component modes of the shaft (solver.reduction, fixed in the FMU); 0: no reduction.",
-    ),
-]
-RealTime = Annotated[
-    str | None,
-    typer.Option(
-        "--realtime",
-        help="With --native or --source: an FMU for real time with this fixed step, such as 0.05ms "
-        "(preset realtime, solver.h); a number without unit is in s.",
-    ),
-]
-Starts = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="NAME=VALUE",
-        help="Start value of a solver parameter or of a choice in the FMU, such as "
-        "solver.preset=robust, for hosts that cannot set it; repeatable.",
-    ),
-]
 
 
 @with_output_options
@@ -83,15 +48,25 @@ def build(
     rotor: RotorFile = None,
     is_free: Free = False,
     is_native: Native = False,
-    is_source: Source = False,
-    fmi: Fmi = 2,
+    is_source: Annotated[bool, typer.Option("--source")] = False,
+    fmi: int = 2,
     platforms: Carried = None,
-    reduction: Reduction = 0,
-    realtime: RealTime = None,
-    sets: Starts = None,
-    out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
+    reduction: Annotated[int, typer.Option(min=0)] = 0,
+    realtime: str | None = None,
+    sets: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE")] = None,
+    out: Path = Path(),
 ) -> dict[str, Any]:
-    """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
+    """Build the FMU of a machine, driven by its speed or by a torque, with or without Python.
+
+    is_source: Build the FMU of C source, RotorBearingSource.fmu, which its host compiles.
+    fmi: Version of FMI: 2, or, with --native or --source, 3.
+    reduction: Component modes of the shaft (solver.reduction, fixed in the FMU); 0: no reduction.
+    realtime: With --native or --source: an FMU for real time with this fixed step, such as 0.05ms
+        (preset realtime, solver.h); a number without unit is in s.
+    sets: Start value of a solver parameter or of a choice in the FMU, such as
+        solver.preset=robust, for hosts that cannot set it; repeatable.
+    out: Folder for the FMU.
+    """
     # imported when it is called: the help needs none of it
     from ..fmi.packing.fmu_kinds import FmuKind
     from ..fmi.packing.machine_files import machine_of
@@ -117,36 +92,26 @@ def build(
 def ssp(
     rotor: RotorFile = None,
     is_native: Native = False,
-    tau_max: Annotated[
-        str,
-        typer.Option(metavar="TORQUE", help="Torque limit of the motor, such as 5kN.m, or in N.m."),
-    ] = "0.2",
-    target: Annotated[
-        str | None,
-        typer.Option(
-            help="Speed to run up to, in rad/s, or with rpm or Hz added; default: the machine's "
-            "rated speed."
-        ),
-    ] = None,
-    step: Annotated[
-        str, typer.Option(metavar="TIME", help="Communication step, in s or such as 1ms.")
-    ] = "0.002",
-    stop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME",
-            help="End of the run, in s or such as 2min; default: one and a half times the run-up "
-            "at the machine's rate.",
-        ),
-    ] = None,
+    tau_max: Annotated[str, typer.Option(metavar="TORQUE")] = "0.2",
+    target: str | None = None,
+    step: Annotated[str, typer.Option(metavar="TIME")] = "0.002",
+    stop: Annotated[str | None, typer.Option(metavar="TIME")] = None,
     algorithm: Annotated[
         str, typer.Option(help=f"How libcosim steps: {' or '.join(ALGORITHMS)}.")
     ] = ALGORITHMS[0],
-    out: Annotated[Path, typer.Option(help="Folder for the files.")] = Path("out/system"),
+    out: Path = Path("out/system"),
 ) -> dict[str, Any]:
     """Write a machine and a drive train as one system, for masters: SSP, and OSP with power bonds.
 
     Writes both FMUs, System.ssp and OspSystemStructure.xml in the folder.
+
+    tau_max: Torque limit of the motor, such as 5kN.m, or in N.m.
+    target: Speed to run up to, in rad/s, or with rpm or Hz added; default: the machine's rated
+        speed.
+    step: Communication step, in s or such as 1ms.
+    stop: End of the run, in s or such as 2min; default: one and a half times the run-up at the
+        machine's rate.
+    out: Folder for the files.
     """
     # imported when it is called: the help needs none of it
     from ..cosimulation.coupling import Coupling

@@ -64,18 +64,16 @@ def campbell(
     speed: Range = None,
     count: Count = 8,
     contacts: Contacts = None,
-    harmonic: Annotated[
-        list[float] | None,
-        typer.Option(
-            help="Multiple of the speed of rotation that excites, its order; repeatable; default 1."
-        ),
-    ] = None,
+    harmonic: list[float] | None = None,
     operating: OperatingRange = None,
     rated: Rated = None,
     units: Units = None,
     out: PictureFolder = Path("out/campbell"),
 ) -> dict[str, Any]:
-    """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
+    """Compute the Campbell diagram, critical speeds, and the threshold speed of stability.
+
+    harmonic: Multiple of the speed of rotation that excites, its order; repeatable; default 1.
+    """
     speeds, machine = speed_range(speed, _SPEEDS), machine_in_units(rotor, units)
     ends = operating_range(operating, rated, machine)
     check_count(count, _MOST_MODES)
@@ -96,18 +94,16 @@ def campbell(
 @with_output_options
 def static(
     rotor: RotorFile = None,
-    speed: Annotated[
-        str | None,
-        typer.Option(
-            help="Speed, such as 3000rpm or 50Hz; a number without unit is in rad/s; default: 0, "
-            "or the rated speed of a machine that oil films hold."
-        ),
-    ] = None,
+    speed: str | None = None,
     contacts: Contacts = None,
     units: Units = None,
     out: PictureFolder = Path("out/static"),
 ) -> dict[str, Any]:
-    """Compute the deflection under gravity and the load on each bearing."""
+    """Compute the deflection under gravity and the load on each bearing.
+
+    speed: Speed, such as 3000rpm or 50Hz; a number without unit is in rad/s; default: 0, or the
+        rated speed of a machine that oil films hold.
+    """
     at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
     from ..linear.where_linearized import where_beyond_tables, where_not_at_rest
@@ -133,40 +129,28 @@ def show(
 @with_output_options
 def frequency_response(
     rotor: RotorFile = None,
-    force: Annotated[
-        str | None,
-        typer.Option(help="Where the force acts: a node from 1, or a part, such as a port."),
-    ] = None,
-    node: Annotated[
-        list[str] | None,
-        typer.Option(help="Node or part whose motion is shown; repeatable; default: the force's."),
-    ] = None,
-    frequency: Annotated[
-        str | None,
-        typer.Option(
-            help="FROM:TO or FROM:TO:POINTS in rad/s, or with Hz or rpm added, peaks between the "
-            "points included; default: from 1 Hz, or half the lowest natural frequency, to 500 Hz, "
-            "or beyond the lowest natural frequencies and three times the machine's speeds."
-        ),
-    ] = None,
+    force: str | None = None,
+    node: list[str] | None = None,
+    frequency: str | None = None,
     speed: One = "0",
-    loop: Annotated[
-        Path | None,
-        typer.Option(help="File with control loops of magnetic bearings, for their sensitivity."),
-    ] = None,
-    zones: Annotated[
-        str | None,
-        typer.Option(
-            help="With --loop: largest sensitivities of zones A, B and C, such as 3:4:5, from the "
-            "edition of ISO 14839-3 that applies."
-        ),
-    ] = None,
+    loop: Path | None = None,
+    zones: str | None = None,
     contacts: Contacts = None,
     units: Units = None,
     out: PictureFolder = Path("out/frequency_response"),
 ) -> dict[str, Any]:
     """Compute the frequency response of displacements to a force at a speed, or, with --loop, the
-    sensitivity of the control loops of magnetic bearings (ISO 14839-3)."""
+    sensitivity of the control loops of magnetic bearings (ISO 14839-3).
+
+    force: Where the force acts: a node from 1, or a part, such as a port.
+    node: Node or part whose motion is shown; repeatable; default: the force's.
+    frequency: FROM:TO or FROM:TO:POINTS in rad/s, or with Hz or rpm added, peaks between the points
+        included; default: from 1 Hz, or half the lowest natural frequency, to 500 Hz, or beyond the
+        lowest natural frequencies and three times the machine's speeds.
+    loop: File with control loops of magnetic bearings, for their sensitivity.
+    zones: With --loop: largest sensitivities of zones A, B and C, such as 3:4:5, from the edition
+        of ISO 14839-3 that applies.
+    """
     ends, at = speed_range(frequency, _FREQUENCIES, "--frequency"), one_speed(speed)
     machine = machine_in_units(rotor, units)
     if frequency is not None and (len(ends) < 2 or ends[0] <= 0):

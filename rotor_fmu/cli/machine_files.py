@@ -79,15 +79,14 @@ def _copy(folder: Traversable, target: Path) -> None:
 
 @with_output_options
 def import_ross(
-    file: Annotated[Path, typer.Argument(help="Rotor saved by ROSS, as TOML or JSON.")],
-    out: Annotated[
-        Path,
-        typer.Option(
-            help="The machine file to write; a file with other contents is not overwritten."
-        ),
-    ] = Path("machine.toml"),
+    file: Annotated[Path, typer.Argument()],
+    out: Path = Path("machine.toml"),
 ) -> dict[str, Any]:
-    """Convert a rotor that ROSS saved into a machine file."""
+    """Convert a rotor that ROSS saved into a machine file.
+
+    file: Rotor saved by ROSS, as TOML or JSON.
+    out: The machine file to write; a file with other contents is not overwritten.
+    """
     from ..machine_file.loading import import_ross as read
     from ..model.machine.toml_text import toml_text
 

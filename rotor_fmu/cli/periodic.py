@@ -32,80 +32,47 @@ _HAS_LEFT = 1e6  # growth of a deviation by which the error of a run has left a 
 @with_output_options
 def response(
     rotor: RotorFile = None,
-    speed: Annotated[
-        str | None,
-        typer.Option(
-            help="Speeds FROM:TO, or, with --over, one speed, in rad/s, or with rpm or Hz added; "
-            "default: from an eighth of the machine's highest speed to that, or its rated speed.",
-        ),
-    ] = None,
-    over: Annotated[
-        str | None,
-        typer.Option(
-            help="NAME=FROM:TO, a quantity of the machine that is varied instead of the speed, "
-            "with or without unit."
-        ),
-    ] = None,
-    values: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="NAME=VALUE of the machine, with or without unit; repeatable."),
-    ] = None,
-    load: Annotated[
-        list[str] | None,
-        typer.Option(help="NAME=VALUE of a constant force, such as disc[2].fy=-20N; repeatable."),
-    ] = None,
-    period: Annotated[int, typer.Option(help="Revolutions in a period of the motion.")] = 1,
-    harmonics: Annotated[int, typer.Option(help="Largest number of harmonics of the speed.")] = 60,
-    share: Annotated[
-        float, typer.Option(help="Largest share of the motion that the highest harmonics may have.")
-    ] = 1e-4,
-    step: Annotated[
-        float,
-        typer.Option(
-            help="Longest step along the curve, by shooting as by harmonics: how far the contacts' "
-            "Fourier series moves, in clearances (of motions past ten, in tenths of their size), "
-            "with the share of the range."
-        ),
-    ] = 0.1,
-    seed: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Value of what is varied, with or without unit, at which a run in time looks for "
-            "a further branch; repeatable."
-        ),
-    ] = None,
-    whirl: Annotated[
-        bool,
-        typer.Option(
-            "--whirl", help="Follow the whirl that needs no unbalance: dry whip, oil whirl."
-        ),
-    ] = False,
-    branches: Annotated[
-        bool,
-        typer.Option(
-            "--branches",
-            help="Follow also the branches that begin at period doublings and branch points.",
-        ),
-    ] = False,
-    check: Annotated[
-        bool, typer.Option("--check", help="Run some points in time and say whether they persist.")
-    ] = False,
-    fold_over: Annotated[
-        str | None,
-        typer.Option(
-            help="NAME=FROM:TO, a second quantity over which the first fold is followed, with or "
-            "without unit."
-        ),
-    ] = None,
+    speed: str | None = None,
+    over: str | None = None,
+    values: Annotated[list[str] | None, typer.Option("--set")] = None,
+    load: list[str] | None = None,
+    period: int = 1,
+    harmonics: int = 60,
+    share: float = 1e-4,
+    step: float = 0.1,
+    seed: list[str] | None = None,
+    whirl: bool = False,
+    branches: bool = False,
+    check: bool = False,
+    fold_over: str | None = None,
     units: Units = None,
-    out: Annotated[Path, typer.Option(help="Folder for picture and numbers.")] = Path(
-        "out/response"
-    ),
+    out: Path = Path("out/response"),
 ) -> dict[str, Any]:
     """Compute periodic motions with contacts: the whole response curve, with its jumps and its
     unstable parts.
 
     A call that was stopped keeps its points in the folder, and the same call continues from there.
+
+    speed: Speeds FROM:TO, or, with --over, one speed, in rad/s, or with rpm or Hz added; default:
+        from an eighth of the machine's highest speed to that, or its rated speed.
+    over: NAME=FROM:TO, a quantity of the machine that is varied instead of the speed, with or
+        without unit.
+    values: NAME=VALUE of the machine, with or without unit; repeatable.
+    load: NAME=VALUE of a constant force, such as disc[2].fy=-20N; repeatable.
+    period: Revolutions in a period of the motion.
+    harmonics: Largest number of harmonics of the speed.
+    share: Largest share of the motion that the highest harmonics may have.
+    step: Longest step along the curve, by shooting as by harmonics: how far the contacts' Fourier
+        series moves, in clearances (of motions past ten, in tenths of their size), with the share
+        of the range.
+    seed: Value of what is varied, with or without unit, at which a run in time looks for a further
+        branch; repeatable.
+    whirl: Follow the whirl that needs no unbalance: dry whip, oil whirl.
+    branches: Follow also the branches that begin at period doublings and branch points.
+    check: Run some points in time and say whether they persist.
+    fold_over: NAME=FROM:TO, a second quantity over which the first fold is followed, with or
+        without unit.
+    out: Folder for picture and numbers.
     """
     if whirl and check:
         raise InputError("--check: not with --whirl, which is computed without unbalance")

@@ -32,30 +32,22 @@ def plot(
             help=f"Kind of plot, one of {', '.join(PLOTS)}.", autocompletion=one_of(PLOTS)
         ),
     ],
-    run: Annotated[Path, typer.Argument(help="Folder of a run, which holds its recording.npz.")],
-    place: Annotated[
-        str | None,
-        typer.Option(
-            help="Part to plot, such as disc[2]; default: the largest motion or force.",
-            autocompletion=places,
-        ),
-    ] = None,
-    speed: Annotated[
-        str | None,
-        typer.Option(
-            help="Speed of an orbit or a spectrum, such as 1800rpm or 30Hz, or in rad/s; default: "
-            "the 1x peak after the start-up."
-        ),
-    ] = None,
-    pp: Annotated[
-        bool, typer.Option("--pp", help="Show amplitudes peak-to-peak instead of 0-p.")
-    ] = False,
+    run: Annotated[Path, typer.Argument()],
+    place: Annotated[str | None, typer.Option(autocompletion=places)] = None,
+    speed: str | None = None,
+    pp: bool = False,
     units: Units = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the picture; default: the run's.")
-    ] = None,
+    out: Path | None = None,
 ) -> dict[str, Any]:
-    """Draw a recorded run in one of the usual plots of vibration engineering."""
+    """Draw a recorded run in one of the usual plots of vibration engineering.
+
+    run: Folder of a run, which holds its recording.npz.
+    place: Part to plot, such as disc[2]; default: the largest motion or force.
+    speed: Speed of an orbit or a spectrum, such as 1800rpm or 30Hz, or in rad/s; default: the 1x
+        peak after the start-up.
+    pp: Show amplitudes peak-to-peak instead of 0-p.
+    out: Folder for the picture; default: the run's.
+    """
     check_one_of(f"KIND {kind}", kind, PLOTS)
     for option, value in {"place": place, "speed": speed, "pp": pp}.items():
         if value and kind not in PLOTS_CHANGED[option]:
@@ -85,43 +77,16 @@ def plot(
 
 @with_output_options
 def report(
-    paths: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="[RUN_OR_STUDY [RUN]]",
-            help="Folder of a run, or of two runs to compare, or of a study.",
-        ),
-    ] = None,
-    rotor: Annotated[
-        Path | None,
-        typer.Option(help="Machine file; its report is written instead of that of a run."),
-    ] = None,
+    paths: Annotated[list[Path] | None, typer.Argument(metavar="[RUN_OR_STUDY [RUN]]")] = None,
+    rotor: Path | None = None,
     operating: OperatingRange = None,
     rated: Rated = None,
-    node: Annotated[
-        list[int] | None,
-        typer.Option(
-            help="With --rotor: node of a probe, from 1; repeatable; default: the nodes with the "
-            "largest orbits."
-        ),
-    ] = None,
-    mode: Annotated[
-        int | None,
-        typer.Option(
-            help="With --rotor: place the unbalances of API 617 (4W/N) for this mode, from 1; "
-            "default: the machine's own unbalances, or mode 1 if it has none."
-        ),
-    ] = None,
+    node: list[int] | None = None,
+    mode: int | None = None,
     clearance: Clearances = None,
     stage: Stages = None,
     cross_coupling: CrossCouplings = None,
-    is_live: Annotated[
-        bool,
-        typer.Option(
-            "--live",
-            help="Write the page on which the run's machine runs, with the run's settings.",
-        ),
-    ] = False,
+    is_live: Annotated[bool, typer.Option("--live")] = False,
     units: Units = None,
     out: Page = Path("report.html"),
 ) -> dict[str, Any]:
@@ -131,6 +96,14 @@ def report(
     The report of a machine checks it by API 617 and 684 in the operating range of --range or
     --rated, and continues into contact: where its response closes a clearance it is run up and down
     with its contacts.
+
+    paths: Folder of a run, or of two runs to compare, or of a study.
+    rotor: Machine file; its report is written instead of that of a run.
+    node: With --rotor: node of a probe, from 1; repeatable; default: the nodes with the largest
+        orbits.
+    mode: With --rotor: place the unbalances of API 617 (4W/N) for this mode, from 1; default: the
+        machine's own unbalances, or mode 1 if it has none.
+    is_live: Write the page on which the run's machine runs, with the run's settings.
     """
     of_machine = {
         "--range": operating,

@@ -21,15 +21,6 @@ if TYPE_CHECKING:
     from ..runs.run_down import Run
 
 # What a command calls is imported when it is called: its help needs none of it.
-Sets = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        help="Set a parameter, or an input that stays constant: NAME=VALUE, with or without unit; "
-        "repeatable.",
-        autocompletion=settable,
-    ),
-]
 
 
 def _run(
@@ -41,76 +32,40 @@ def _run(
             autocompletion=one_of(PRESETS),
         ),
     ] = None,
-    sets: Sets = None,
-    signals: Annotated[
-        Path | None,
-        typer.Option(
-            "--input",
-            help="CSV file with a column for the time and one for each input, in SI units or the "
-            "unit in brackets after its name.",
-        ),
-    ] = None,
-    first: Annotated[
-        str | None,
-        typer.Option(
-            "--from",
-            metavar="SPEED",
-            help="Speed at which the change begins, such as 3000rpm or 50Hz; default: of a "
-            "run-down the machine's highest, of a run-up 0.",
-        ),
-    ] = None,
-    last: Annotated[
-        str | None,
-        typer.Option(
-            "--to",
-            metavar="SPEED",
-            help="Speed at which the change ends; default: of a run-down 0, of a run-up the "
-            "machine's highest continuous one.",
-        ),
-    ] = None,
-    rate: Annotated[
-        str | None,
-        typer.Option(
-            metavar="RATE",
-            help="Rate of the speed, without sign, such as 100rpm/s or 2Hz/s, or in rad/s2; "
-            "default: the machine's.",
-        ),
-    ] = None,
-    hold: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME",
-            help="Time at the highest speed, before a run-down or after a run-up; default: none.",
-        ),
-    ] = None,
-    stop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME",
-            help="End of the run, in s or such as 2min; default: the last time of --input, or when "
-            "the speed has changed.",
-        ),
-    ] = None,
-    step: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Communication step, in s or such as 0.5ms.")
-    ] = None,
-    direct: Annotated[
-        bool, typer.Option("--direct", help="Run the model directly, without an FMU.")
-    ] = False,
-    verify: Annotated[
-        bool,
-        typer.Option(
-            "--verify",
-            help="Repeat the run with a tenth of the tolerance or half the step, and compare.",
-        ),
-    ] = False,
+    sets: Annotated[list[str] | None, typer.Option("--set", autocompletion=settable)] = None,
+    signals: Annotated[Path | None, typer.Option("--input")] = None,
+    first: Annotated[str | None, typer.Option("--from", metavar="SPEED")] = None,
+    last: Annotated[str | None, typer.Option("--to", metavar="SPEED")] = None,
+    rate: Annotated[str | None, typer.Option(metavar="RATE")] = None,
+    hold: Annotated[str | None, typer.Option(metavar="TIME")] = None,
+    stop: Annotated[str | None, typer.Option(metavar="TIME")] = None,
+    step: Annotated[str | None, typer.Option(metavar="TIME")] = None,
+    direct: bool = False,
+    verify: bool = False,
     rotor: RotorFile = None,
     units: Units = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the results; default: out/ and the command.")
-    ] = None,
+    out: Path | None = None,
 ) -> dict[str, Any]:
-    """Make a run, write its results and return its figures."""
+    """Make a run, write its results and return its figures.
+
+    sets: Set a parameter, or an input that stays constant: NAME=VALUE, with or without unit;
+        repeatable.
+    signals: CSV file with a column for the time and one for each input, in SI units or the unit in
+        brackets after its name.
+    first: Speed at which the change begins, such as 3000rpm or 50Hz; default: of a run-down the
+        machine's highest, of a run-up 0.
+    last: Speed at which the change ends; default: of a run-down 0, of a run-up the machine's
+        highest continuous one.
+    rate: Rate of the speed, without sign, such as 100rpm/s or 2Hz/s, or in rad/s2; default: the
+        machine's.
+    hold: Time at the highest speed, before a run-down or after a run-up; default: none.
+    stop: End of the run, in s or such as 2min; default: the last time of --input, or when the speed
+        has changed.
+    step: Communication step, in s or such as 0.5ms.
+    direct: Run the model directly, without an FMU.
+    verify: Repeat the run with a tenth of the tolerance or half the step, and compare.
+    out: Folder for the results; default: out/ and the command.
+    """
     from ..runs import job as jobs
     from ..runs.input_signals import RampGiven
     from ..runs.run_files import clear

@@ -35,46 +35,32 @@ _WIDEST = 10_000  # characters of a table's line
 
 @with_output_options
 def study(
-    file: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="File of the study.")],
-    out: Annotated[
-        Path, typer.Option(help="Folder of the study; a study begun there is continued.")
-    ],
-    jobs: Annotated[
-        int | None, typer.Option(help="Number of processes; default: one per processor.", min=1)
-    ] = None,
-    scheduler: Annotated[
-        str, typer.Option(help="Address of a Dask scheduler that distributes the runs.")
-    ] = "",
-    cluster: Annotated[
-        str, typer.Option(help="local:N starts a Dask cluster of N workers on this machine.")
-    ] = "",
-    is_quick: Annotated[
-        bool,
-        typer.Option(
-            "--quick", help="Run the small version that the study's table 'quick' describes."
-        ),
-    ] = False,
-    is_analysed: Annotated[
-        bool,
-        typer.Option("--analyse", help="Compute quantiles, limits, and Sobol or Morris indices."),
-    ] = False,
-    is_drawn: Annotated[
-        bool,
-        typer.Option(
-            "--diagram",
-            help="Draw Poincare sections over the quantity that is varied, with the periodic "
-            "motions beneath.",
-        ),
-    ] = False,
-    select: Annotated[
-        str, typer.Option(help="Repeat the run of this id or number and record all its signals.")
-    ] = "",
+    file: Annotated[Path, typer.Argument(metavar="STUDY.toml")],
+    out: Path,
+    jobs: Annotated[int | None, typer.Option(min=1)] = None,
+    scheduler: str = "",
+    cluster: str = "",
+    is_quick: Annotated[bool, typer.Option("--quick")] = False,
+    is_analysed: Annotated[bool, typer.Option("--analyse")] = False,
+    is_drawn: Annotated[bool, typer.Option("--diagram")] = False,
+    select: str = "",
     units: Units = None,
 ) -> dict[str, Any]:
     """Make many runs of a machine, store one row for each, and evaluate them.
 
     A call that was stopped, for whatever reason, continues where it was; finished runs are not
     repeated.
+
+    file: File of the study.
+    out: Folder of the study; a study begun there is continued.
+    jobs: Number of processes; default: one per processor.
+    scheduler: Address of a Dask scheduler that distributes the runs.
+    cluster: local:N starts a Dask cluster of N workers on this machine.
+    is_quick: Run the small version that the study's table 'quick' describes.
+    is_analysed: Compute quantiles, limits, and Sobol or Morris indices.
+    is_drawn: Draw Poincare sections over the quantity that is varied, with the periodic motions
+        beneath.
+    select: Repeat the run of this id or number and record all its signals.
     """
     for module in ("pyarrow", "SALib", "xarray"):
         optional(module, "study", "study")

@@ -129,18 +129,13 @@ def _places(run: Recording, of: str) -> str:
 
 def _amplification(track: vibration.OrderTrack) -> float | str:
     """Return the factor of the highest resonance, marked where the run passed it too quickly."""
-    if not _passes(track.speed):
-        return math.nan
+    span = np.abs(track.speed)
+    if not (vibration.goes_one_way(track.speed) and span.max() > 1.3 * span.min()):
+        return math.nan  # a resonance is passed one way, between speeds wide apart
     result = vibration.resonances(track.speed, track.major(), t=track.t)
     if result and result[0].is_fast:
         return f"> {cell(result[0].amplification)}, passed too fast"
     return result[0].amplification if result else math.nan
-
-
-def _passes(speed: np.ndarray) -> bool:
-    """Return whether a run goes one way through speeds wide apart, as a resonance requires."""
-    span = np.abs(speed)
-    return vibration.goes_one_way(speed) and bool(span.max() > 1.3 * span.min())
 
 
 def _contacts(run: Recording, of: str) -> str:

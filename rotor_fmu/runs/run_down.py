@@ -233,9 +233,6 @@ def _time_loop(
             warn(offer.note)
     driver = Driver(signals, load_names(job.rotor), values["speed_continuation"] != 0)
 
-    def values_now() -> Mapping[str, float]:
-        return dict(zip(simulation.names, simulation.observed.tolist(), strict=True))
-
     failure = None
     t, n = 0.0, 0
     times, rows = [t], [simulation.observed.copy()]
@@ -256,7 +253,7 @@ def _time_loop(
             begun = time.perf_counter()
         times.append(t)
         rows.append(simulation.observed.copy())
-        progress(t, values_now)
+        progress(t, lambda: dict(zip(simulation.names, simulation.observed.tolist(), strict=True)))
     wall = time.perf_counter() - begun
     recorded_to = [part[-1, 0] for part in taped if len(part)]
     if recorded_to and recorded_to[-1] < simulation.time:  # no row was due at the end

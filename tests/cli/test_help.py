@@ -23,6 +23,15 @@ def test_help_shows_no_type_beside_a_flag_and_loses_no_word(name):
     assert not {word for sentence in helps for word in sentence.split()} - shown
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_every_option_has_a_help_and_a_flag_none_that_denies_it(name):
+    command = _loaded(name)
+    options = [p for p in command.params if p.name != "help"]
+    assert [p.name for p in options if not p.help] == []
+    assert [p.name for p in options if p.secondary_opts] == []
+    assert not re.search(r"^\w+: ", command.help, flags=re.M)
+
+
 def test_help_of_all_commands_shows_no_type_beside_a_flag():
     text = CliRunner(env={"COLUMNS": "400"}).invoke(app, ["--help"]).output
     assert "--version" in text
