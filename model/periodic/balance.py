@@ -111,7 +111,7 @@ class HarmonicBalance(ContinuationEquations):
         size = np.abs(S).max(axis=(1, 2), initial=0.0)
         rows = np.concatenate([[size[0]], np.repeat(size[1:], 2)])
         # a free shaft has no stiffness at rest
-        least = max(_LEAST_SHARE * size[min(self.turns, H)], 1e-9 * size.max(initial=1.0))
+        least = max(_LEAST_SHARE * size[min(self.turns, H)], 1e-9 * size.max(initial=0.0), 1e-300)
         self.row_scale = 1.0 / np.maximum(rows, least)
 
     def modified(self, H: int, reference: float | None = None) -> "HarmonicBalance":

@@ -131,7 +131,9 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
             is_lost = ended.why.startswith(LOST)
             code = "branch-lost" if is_lost else "branch-unfinished"
             advice = "" if is_lost else "; ask for a longer step or a shorter range"
-            result.notes.append(Note(code, result.unit, *at, f": {ended.why}{advice}"))
+            note = Note(code, result.unit, *at, f": {ended.why}{advice}")
+            if note not in result.notes:  # another guess may lead to the same place
+                result.notes.append(note)
         if len(start.directions) > 1 and side == 0:
             _reverse(branch)
             ends = [ends[1], ""]

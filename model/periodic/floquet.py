@@ -27,6 +27,7 @@ from .mesh import POINTS
 
 _SAMPLED = np.array([*POINTS[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
 _LEAST, _MOST = 96, 1024  # steps a turn
+_LEAST_STATE = 1e-5  # of a state's size in a motion as large as its interface's length
 _KEPT = 200.0  # modes up to so many times the highest frequency of the orbit are kept,
 _KEPT_ANYHOW = 2  # and so many of a motion that is slower than all modes
 
@@ -81,10 +82,18 @@ def orbit_path(machine: CondensedMachine, orbit: Orbit) -> MotionPath:
         value, slope = basis(orbit.H, frequency * times)
         return value @ d, orbit.omega * slope @ d, value @ orbit.states
 
-    state_scale = np.maximum(np.abs(orbit.states).max(axis=0, initial=0.0), 1e-9)
-    return MotionPath(
-        at, Frequencies(orbit.speed, frequency, frequency * max(orbit.H, orbit.turns)), state_scale
-    )
+    highest = frequency * max(orbit.H, orbit.turns)
+    scale = state_scales_along(machine, orbit.states, frequency)
+    return MotionPath(at, Frequencies(orbit.speed, frequency, highest), scale)
+
+
+def state_scales_along(
+    machine: CondensedMachine, states: np.ndarray, frequency: float
+) -> np.ndarray:
+    """Return the sizes of internal states along a motion of a frequency [rad/s], shape (s,);
+    states: values or coefficients, shape (n, s)."""
+    least = _LEAST_STATE * machine.laws.state_scales(frequency)
+    return np.maximum(np.abs(states).max(axis=0, initial=0.0), least)
 
 
 def multipliers(machine: CondensedMachine, orbit: Orbit, steps: int = 0) -> Multipliers:

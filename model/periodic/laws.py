@@ -243,7 +243,7 @@ class LawsAlongMotion:
         )
         # displacements on the scale of the interface, velocities on that of its motion
         moved, fast = (float(np.abs(u).max(initial=0.0)) for u in (d, v))
-        frequency = max(fast / max(moved, 1e-300), 1.0)
+        frequency = fast / max(moved, 1e-300) or abs(speed)
         for j in map(int, np.flatnonzero(self._interfaces.states)):
             ends, first = slice(2 * j, 2 * j + 2), self._interfaces[j].internal_state
             own = slice(first, first + self._interfaces[j].states)

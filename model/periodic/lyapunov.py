@@ -15,7 +15,14 @@ import numpy as np
 from ..linear.real_matrices import in_plane
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
-from .floquet import Frequencies, MotionPath, modes_along, tangents_along, transition_matrix
+from .floquet import (
+    Frequencies,
+    MotionPath,
+    modes_along,
+    state_scales_along,
+    tangents_along,
+    transition_matrix,
+)
 from .force_corners import hermite
 from .interface_samples import InterfaceSamples
 from .linear_structure import CondensedMachine
@@ -69,6 +76,6 @@ def _path(machine: CondensedMachine, samples: InterfaceSamples, speed: float) ->
         where, slope = hermite(d[i], d[i + 1], h * v[i], h * v[i + 1])(x)
         return where, slope / h, states[i] + x * (states[i + 1] - states[i])
 
-    state_scale = np.maximum(np.abs(states).max(axis=0, initial=0.0), 1e-9)
+    state_scale = state_scales_along(machine, states, abs(speed))
     highest = 2 * np.pi / (_RESOLVED * step)
     return MotionPath(at, Frequencies(speed, abs(speed), max(highest, abs(speed))), state_scale)

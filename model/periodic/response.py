@@ -218,17 +218,20 @@ def _if_new(
     branches have."""
     branches, task = search.result.branches, search.result.task
 
-    def passes() -> bool:
-        return is_known(branches, problem.split(x, value), value, is_whirl=task.is_whirl)
+    def passes(equations: PeriodicEquations, x: np.ndarray, value: float) -> bool:
+        return is_known(branches, equations.split(x, value), value, is_whirl=task.is_whirl)
 
-    if passes():
+    if passes(problem, x, value):
         return None
     if branches and isinstance(problem, HarmonicBalance):
         point = arclength.with_tangent(problem, x, value, 1.0)
         with suppress(NotConverged):
-            problem, point = with_enough_harmonics(problem, point, task.accuracy, True)
-            x = point.x
-            if passes():
+            try:
+                other, at = with_enough_harmonics(problem, point, task.accuracy, True)
+                problem, x = other, at.x
+            except NotConverged:  # where few harmonics have a fold elsewhere: along the curve
+                other, at = with_enough_harmonics(problem, point, task.accuracy)
+            if passes(other, at.x, at.value):
                 return None
     return problem, x
 

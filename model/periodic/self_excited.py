@@ -4,7 +4,8 @@ rest position.
 A journal of radius R that rolls without sliding whirls backward with omega = R |Omega| / r on a
 circle of radius r; of such circles along one wall, those are tried that the linear part nearly
 balances. Past a threshold, of oil films or of rotating damping, a mode about the rest position
-grows: whirls of several sizes in this mode are tried, and a small one where it begins to grow.
+grows: whirls of several sizes in this mode are tried, a circle about the centre that nearly fills
+the clearance, and a small whirl where the mode begins to grow.
 """
 
 import math
@@ -31,6 +32,7 @@ _CLEAR = 0.2  # clearances, that a motion may come nearer to pads that bear noth
 _IDLE = 1e-9  # of the largest force by a state: one of a pad that bears nothing
 _EDGE = 1e-6  # of a state's size: as near to where a pad just bears nothing is rounding
 _SIZES = (0.7, 0.5, 0.9, 0.3, 0.1)  # of whirls, in clearances
+_CIRCLE = 0.98  # clearances, of a circle: a film pushes back strongly there, a wall not yet
 _LOOKED_AT = 33  # values in a range, for where modes about rest begin to grow
 _PRECISION = 1e-12  # of a range, of where one does
 
@@ -177,6 +179,24 @@ def growing_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
             # the larger a whirl, the more of the load it carries itself
             at = np.append((1.0 - size) * modes.at_rest[:b], modes.at_rest[b:])
             yield _whirl(problem, value, at, size * modes.shapes[i], float(modes.roots[i].imag))
+        circle = _forward_circle(problem, modes.shapes[i])
+        if circle is not None:
+            centre = np.append(np.zeros(b), modes.at_rest[b:])
+            yield _whirl(problem, value, centre, _CIRCLE * circle, float(modes.roots[i].imag))
+
+
+def _forward_circle(problem: HarmonicBalance, shape: np.ndarray) -> np.ndarray | None:
+    """Return the forward part of a mode's shape, its largest displacement a clearance, or None
+    where its backward part is larger. The load makes the mode about rest an ellipse, while the
+    whirl that it grows into carries the load itself and is nearly a circle."""
+    x, y = shape[: problem.b : 2], shape[1 : problem.b : 2]
+    forward, backward = 0.5 * (x + 1j * y), 0.5 * (x - 1j * y)
+    largest = np.abs(forward).max(initial=0.0)
+    if largest <= np.abs(backward).max(initial=0.0):
+        return None
+    forward *= problem.length_scale / largest
+    displacements = np.column_stack([forward, -1j * forward]).ravel()
+    return np.append(displacements, shape[problem.b :])
 
 
 def beginning_whirls(

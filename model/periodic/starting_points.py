@@ -22,6 +22,8 @@ _PERIODS = (30, 200)  # until a run in time has settled
 _HARMONICS = 256  # harmonics taken of the recorded motion
 _RADII, _PHASES = (1.1, 1.5, 3.0), (0.0, -0.5 * math.pi, -0.9 * math.pi)  # [clearances], [rad]
 _TOLERANCE, _TOLERANCE_OF_GUESSES = 1e-6, 1e-4  # of runs that test persistence; that search
+# of a revolution: the first, shortest and longest step of a run, whose error sets the others
+_FIRST_STEP, _SHORTEST_STEP, _LONGEST_STEP = 1e-4, 1e-8, 0.05
 _NEAR = 1e-2  # share of an orbit's size within which a run counts as staying on it
 
 
@@ -137,9 +139,14 @@ def integrate_from_orbit(
 def _simulation(
     rotor: Rotor, speed: float, loads: np.ndarray | None, tolerance: float
 ) -> Simulation:
-    return Simulation(
-        rotor, choose(tolerance=tolerance), speed=speed, loads=loads, warn=lambda _: None
+    turn = 2 * math.pi / speed
+    settings = choose(
+        tolerance=tolerance,
+        h=_FIRST_STEP * turn,
+        h_min=_SHORTEST_STEP * turn,
+        h_max=_LONGEST_STEP * turn,
     )
+    return Simulation(rotor, settings, speed=speed, loads=loads, warn=lambda _: None)
 
 
 def _in_motion(rotor: Rotor) -> Rotor:

@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import bearing_curves
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.periodic.arclength import with_tangent
+from rotor_fmu.model.periodic.fourier import amplitudes, coefficients, sampled
+from rotor_fmu.model.periodic.harmonic_count import with_enough_harmonics
 from rotor_fmu.model.periodic.newton import solve
 from rotor_fmu.model.periodic.problem import Task, machines_of
 from rotor_fmu.model.periodic.self_excited import _SIZES, growing_whirls
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
@@ -14,6 +20,7 @@ from rotor_fmu.periodic.response_page import response_page
 from ..parts.test_limit_cycle import _C, REFERENCES, _rotor
 
 LOW, HIGH = 0.95, 1.35  # of the threshold
+PAST, CLEARANCE = 1498.0, 5e-5  # rad/s, 1.12 times the threshold of `flexible`; m
 
 
 @pytest.fixture(scope="module")
@@ -78,3 +85,82 @@ def test_below_the_threshold_no_whirl_is_found_and_that_is_said(threshold):
     result = rf.response(_rotor(), speed=(0.5 * threshold, 0.9 * threshold), whirl=True)
     assert not result.branches
     assert any("rolls along a wall or grows from rest" in note for note in result.notes)
+
+
+def flexible(length, diameter, mass, film, rest=""):
+    """A disc in the middle of a shaft, which damps a little, between two short films."""
+    text = f"""
+[material]
+young = 2.1e11
+density = 7850.0
+[shaft]
+eta_v = 1e-5
+[[section]]
+length = {length}
+elements = 4
+outer = {diameter}
+[[body]]
+z = {0.5 * length}
+mass = {mass}
+I_d = {0.002 * mass}
+I_p = {0.004 * mass}
+{rest}
+"""
+    for z in (0.0, length):
+        text += f"""
+[[journal_bearing]]
+z = {z}
+journal_radius = 0.015
+clearance = {CLEARANCE}
+short = true
+k = 1e8
+{film}
+"""
+    return parse_rotor(text)
+
+
+THIN = 0.4, 0.03, 2.0, "length = 0.0075\nviscosity = 0.003"
+
+
+def test_a_large_whirl_in_which_the_mode_about_rest_is_another_is_that_of_a_run_in_time():
+    """About rest, at 0.66 of the clearance, the mode is an ellipse at 0.36 of the speed."""
+    task = Task(0.9 * PAST, PAST)
+    machines = machines_of(flexible(*THIN), task)
+    problem = task.problem(machines, PAST, 3, is_autonomous=True, omega=PAST)
+    *_, guess = growing_whirls(problem, PAST)
+    x = problem.join(guess)
+    problem.fix_phase(x)
+    point = with_tangent(problem, solve(problem, x, PAST), PAST, 1.0)
+    problem, point = with_enough_harmonics(problem, point, task.accuracy, True)
+    orbit = problem.split(point.x, PAST)
+    parts = problem.dynamic_stiffness(PAST, orbit.omega)
+    places = machines(PAST).probes @ parts.whole(amplitudes(orbit.b)).T
+    x, y = (sampled(coefficients(each), 256) for each in places[:2])
+    z = (x + 1j * y) / CLEARANCE
+    found = np.abs(z - z.mean())
+
+    inside = f"[start]\nx = {CLEARANCE}\nvy = {0.5 * PAST * CLEARANCE}\n"
+    settings = choose("controlled", tolerance=1e-3)
+    rotor = flexible(*THIN, rest=inside)
+    run = Simulation(rotor, settings, speed=PAST, warn=lambda _: None)
+    turn = 2.0 * np.pi / PAST
+    run.advance(40.0 * turn, PAST)
+    seen = []
+    for i in range(320):
+        run.advance((40.0 + (i + 1) / 32) * turn, PAST)
+        seen.append(complex(run.read("body[1].x"), run.read("body[1].y")) / CLEARANCE)
+    z = np.array(seen)
+    r = np.abs(z - z.mean())
+    assert (found.max(), found.min()) == pytest.approx((r.max(), r.min()), rel=3e-3)
+    angle = np.unwrap(np.angle(z - z.mean()))
+    frequency = (angle[-1] - angle[0]) / (319 / 32 * turn)
+    assert orbit.omega == pytest.approx(frequency, rel=3e-3)
+
+
+@pytest.mark.slow
+def test_a_whirl_that_is_reached_with_few_harmonics_beside_a_fold_is_listed_once():
+    rotor = flexible(0.3, 0.06, 6.0, "length = 0.015\nviscosity = 0.01")
+    threshold = bearing_curves(rotor, np.linspace(800.0, 1600.0, 5)).threshold
+    # the whirl folds at 1.029 of it, with few harmonics below the middle of this range
+    (branch,) = rf.response(rotor, speed=(0.98 * threshold, 1.076 * threshold), whirl=True).branches
+    assert branch.ends == ("the whirl begins there, at rest", "end of the range")

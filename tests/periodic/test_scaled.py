@@ -1,5 +1,6 @@
 """The equations of a machine are the same in other lengths and times, also those of laws whose
-states are lengths, velocities or speeds of rotation."""
+states are lengths, velocities or speeds of rotation, and so are its responses and what they start
+from, in other masses too."""
 
 import numpy as np
 import pytest
@@ -65,3 +66,85 @@ def test_equations_are_the_same_in_other_lengths_and_times(part):
     )
     assert seen == pytest.approx(residual, rel=1e-6, abs=1e-8 * np.abs(residual).max())
     assert slope == pytest.approx(jacobian, rel=1e-3, abs=1e-4 * np.abs(jacobian).max())
+
+
+LOW, HIGH = 240.0, 252.0  # rad/s
+OTHERS = [(2.0**-6, 1.0, 1.0), (1.0, 2.0**-6, 1.0), (1.0, 2.0**6, 1.0), (1.0, 1.0, 2.0**6)]
+
+
+def sagging(m=1.0, s=1.0, kg=1.0):
+    """A rotor that sags into its stator, and sticks to it, in lengths of m, times of s and masses
+    of kg; powers of 2, which round nothing."""
+    k, c = kg / s**2, kg / s
+    bearings = "".join(
+        f"""
+[[linear_bearing]]
+node = {node}
+kxx = {share * 1e4 * k}
+kyy = {share * 1e4 * k}
+cxx = {share * 10.0 * c}
+cyy = {share * 10.0 * c}
+"""
+        for node, share in ((1, 0.01), (2, 0.98), (3, 0.01))
+    )
+    text = f"""
+gravity = {9.75 * m / s**2}
+[material]
+young = {2.1e10 * kg / (m * s**2)}
+density = {3.0 * kg / m**3}
+[shaft]
+nodes = [0.0, {0.05 * m}, {0.1 * m}]
+diameters = [{0.02 * m}, {0.02 * m}]
+[[point_mass]]
+node = 2
+mass = {kg}
+{bearings}
+[[contact]]
+node = 2
+journal_radius = {0.05 * m}
+clearance = {1e-3 * m}
+mu = 0.05
+k = {4e4 * k}
+c = {5.0 * c}
+delta_c = {1e-6 * m}
+v_s = {1e-3 * m / s}
+k_t = {4e4 * k}
+c_t = {50.0 * c}
+[[unbalance]]
+node = 2
+amount = {3e-4 * m * kg}
+"""
+    return rf.parse(text)
+
+
+@pytest.mark.parametrize(("m", "s", "kg"), OTHERS)
+def test_what_a_run_in_time_comes_to_is_the_same_in_other_units(m, s, kg):
+    from rotor_fmu.model.periodic.problem import Task, machines_of
+    from rotor_fmu.model.periodic.starting_points import guesses
+
+    def settled(m, s, kg):
+        """The motion after a run from rest, in lengths of m."""
+        rotor, task = sagging(m, s, kg).rotor, Task(LOW / s, HIGH / s)
+        _, orbit, *_ = guesses(rotor, task, machines_of(rotor, task), LOW / s, False, [])
+        return orbit.b / m
+
+    expected = settled(1.0, 1.0, 1.0)
+    size = np.abs(expected).max()
+    assert settled(m, s, kg) == pytest.approx(expected, rel=0.0, abs=1e-5 * size)
+
+
+@pytest.fixture(scope="module")
+def response():
+    return rf.response(sagging(), speed=(LOW, HIGH), step=0.4)
+
+
+@pytest.mark.parametrize(("m", "s", "kg"), OTHERS)
+def test_a_response_has_the_same_points_and_multipliers_in_other_units(response, m, s, kg):
+    other = rf.response(sagging(m, s, kg), speed=(LOW / s, HIGH / s), step=0.4)
+    pairs = zip(response.points, other.points, strict=True)
+    for first, second in pairs:
+        assert s * second.value == pytest.approx(first.value, rel=1e-7)
+        size = np.abs(first.orbit.b).max()
+        assert second.orbit.b / m == pytest.approx(first.orbit.b, abs=1e-6 * size)
+        largest = np.abs(first.multipliers[0]), np.abs(second.multipliers[0])
+        assert largest[1] == pytest.approx(largest[0], rel=1e-6)
