@@ -33,6 +33,7 @@ _ERRORS = 1e3  # of a point: a change of x in which no resonance is looked for
 # Share of a step that its end may lie aside of its begin's and its end's mean tangent, which a
 # smooth curve does by the third power of the step: beyond, something lies between.
 _ASIDE = 0.03
+_UNSEEN = 1e-4  # of x: the highest harmonics' error; a touch that moves by a sample changes x less
 _SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
 _ACROSS_STEP = 4.0  # times as large is 1 less the cosine of the tangents at both ends of a way
 _GROW, _SHRINK = 1.5, 0.5
@@ -66,6 +67,10 @@ class ContinuationEquations(Equations):
         """Return the motion of a solution, shape (n,), by which the longest step is measured: by
         default the unknowns themselves."""
         return x
+
+    def of_motion(self, way: np.ndarray) -> np.ndarray:
+        """Return the components of a way that are smooth between corners: by default all."""
+        return way
 
     def seen(
         self, x: np.ndarray, value: float, direction: np.ndarray
@@ -123,8 +128,7 @@ def distance(a: CurvePoint, b: CurvePoint, scale: float) -> float:
 def with_tangent(
     equations: ContinuationEquations, x: np.ndarray, value: float, direction: float
 ) -> CurvePoint:
-    """Return the point at unknowns that solve the equations, its tangent towards larger (direction
-    1) or smaller (-1) lambda."""
+    """Return the point at a solution, its tangent to larger (1) or smaller (-1) lambda."""
     tangent = _along(equations, x, value)
     tangent *= direction / np.linalg.norm(tangent)
     return CurvePoint(x, value, tangent[:-1], float(tangent[-1]))
@@ -278,8 +282,9 @@ def _passes_over(equations: ContinuationEquations, before: CurvePoint, after: Cu
     error, points = _ERRORS * equations.tolerance, (before, after)
     way = chord(before, after, equations.scale)
     length = float(np.linalg.norm(way))
-    aside = np.linalg.norm(way - 0.5 * length * (before.direction + after.direction))
-    if aside > _ASIDE * length + error * (1.0 + np.linalg.norm(after.x)):
+    off = way - 0.5 * length * (before.direction + after.direction)
+    aside = np.linalg.norm(equations.of_motion(off))
+    if aside > _ASIDE * length + _UNSEEN * (1.0 + np.linalg.norm(after.x)):
         return True
     seen, slopes = zip(*(equations.seen(p.x, p.value, p.direction) for p in points), strict=True)
     size = max(float(np.linalg.norm(each)) for each in seen)
@@ -337,8 +342,7 @@ def _beyond_corner(
 def _end_point(
     equations: ContinuationEquations, point: CurvePoint, length: float, value: float
 ) -> CurvePoint:
-    """Return the point at an end of the range, about one step length away; raises
-    `NotConverged`."""
+    """Return the point at an end of the range, about that length away; raises `NotConverged`."""
     x = solve(equations, point.x + length * point.tangent, value, _ITERATIONS)
     end = with_tangent(equations, x, value, math.copysign(1.0, point.tangent_value))
     if _passes_over(equations, point, end):

@@ -221,6 +221,12 @@ class HarmonicBalance(ContinuationEquations):
         self.phase_reference = x[: rows * self.b].reshape(rows, self.b).copy()
         self.phase_reference /= max(np.linalg.norm(derivative(self.phase_reference)), 1e-300)
 
+    def of_motion(self, way: np.ndarray) -> np.ndarray:
+        """Return a way along the curve without the internal states: the mean place of a pad that
+        nothing holds, but for one touch in each period, jumps where the touch passes a sample."""
+        rows = 2 * self.H + 1
+        return np.delete(way, np.s_[rows * self.b : rows * (self.b + self.s)])
+
     def seen(
         self, x: np.ndarray, value: float, direction: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:

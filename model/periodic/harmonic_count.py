@@ -2,6 +2,7 @@
 they are far below the accuracy."""
 
 import math
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -9,7 +10,8 @@ import numpy as np
 
 from . import arclength
 from .arclength import ContinuationEquations, CurvePoint
-from .balance import HarmonicBalance
+from .balance import HarmonicBalance, Orbit, last_share
+from .fourier import resized
 from .newton import NotConverged
 
 _LARGE_FACTOR, _SMALL_FACTOR = 1.4, 1.1  # times the harmonics, at once; where these are too many
@@ -25,6 +27,18 @@ class Accuracy:
     least: int = 3
     most: int = 60
     has_stability: bool = True
+
+
+def counts_to_solve_with(orbit: Orbit, accuracy: Accuracy) -> Iterator[int]:
+    """Yield numbers of harmonics with which to solve for a motion near an orbit: those that the
+    accuracy demands of it, then all that it has, with which Newton's method converges more often
+    and takes far longer."""
+    every = min(max(orbit.H, accuracy.least), accuracy.most)
+    for H in range(accuracy.least * orbit.turns, every):
+        if last_share(resized(orbit.b, H)) <= accuracy.share:
+            yield H
+            break
+    yield every
 
 
 def with_enough_harmonics(

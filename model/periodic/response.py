@@ -28,7 +28,7 @@ from .continuation import (
     start_along,
     start_at,
 )
-from .harmonic_count import with_enough_harmonics
+from .harmonic_count import counts_to_solve_with, with_enough_harmonics
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 from .problem import SPEED, Note, PeriodicError, Response, Task, check, machines_of
@@ -249,6 +249,20 @@ def _beyond_lost_ends(result: Response) -> list[float]:
     return outcome
 
 
+def _solved_from(
+    guess: Orbit, coarse: HarmonicBalance, value: float, task: Task
+) -> tuple[PeriodicEquations, np.ndarray]:
+    """Return the motion that Newton's method finds near an orbit; raises `NotConverged`."""
+    for H in counts_to_solve_with(guess, task.accuracy):
+        series = coarse.modified(H)
+        with suppress(NotConverged):
+            return series, newton.solve(series, series.join(guess), value)
+    if not task.needs_shooting(guess):
+        raise NotConverged()
+    shooting = Shooting(series, guess._replace(parameter=value))
+    return shooting, newton.solve(shooting, shooting.join(guess), value)
+
+
 def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bool) -> Starts:
     """Yield starts at motions through which no branch passes yet: the first one found, at a seed
     all of them."""
@@ -256,20 +270,10 @@ def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bo
     failures = list[str]()
     is_found = is_new = False
     for guess in guesses(result.rotor, task, machines, value, is_seed, failures):
-        H = min(max(guess.H, task.accuracy.least), task.accuracy.most)
-        series = task.coarse_problem(machines, value).modified(H)
-        problem: PeriodicEquations = series
         try:
-            x = newton.solve(problem, problem.join(guess), value)
+            problem, x = _solved_from(guess, task.coarse_problem(machines, value), value, task)
         except NotConverged:
-            if not task.needs_shooting(guess):
-                continue
-            guess = guess._replace(parameter=value)
-            try:
-                problem = Shooting(series, guess)
-                x = newton.solve(problem, problem.join(guess), value)
-            except NotConverged:
-                continue
+            continue
         orbit = problem.split(x, value)
         broken = problem.machine_at(value).broken_films(orbit.b, orbit.states)
         if broken:

@@ -259,3 +259,25 @@ def test_beside_a_corner_a_tangent_that_is_wrong_does_not_lead_back():
     bend = 1.0 - point.cosine(wrong)
     ahead = arclength._beyond_corner(line, wrong, bend, ContinuationSteps())
     assert ahead.value < point.value
+
+
+class _SampledTouch(ContinuationEquations):
+    """x[0] follows lambda, but for a touch that is seen at one sample after another; what it does
+    to x[1] is no part of the motion."""
+
+    scale, difference = 1.0, 1e-7
+
+    def linearized(self, x, value):
+        touch = np.floor(200 * value)
+        return x - [value + 1e-4 * touch, 1e-3 * touch], np.eye(2)
+
+    def of_motion(self, way):
+        return way[[0, 2]]
+
+
+def test_a_touch_that_moves_from_sample_to_sample_does_not_shorten_the_steps():
+    equations, steps = _SampledTouch(), ContinuationSteps(initial=0.05, longest=0.1)
+    start = arclength.with_tangent(equations, np.zeros(2), 0.0, 1.0)
+    points = [p for p, _ in arclength.trace(equations, start, 0.0, 1.0, steps)]
+    assert points[-1].value == 1.0
+    assert len(points) < 60

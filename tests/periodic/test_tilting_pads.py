@@ -125,3 +125,18 @@ def test_pads_without_preload_of_a_vertical_rotor_leave_it_to_its_other_supports
     (point,) = result.at(SPEED)
     assert np.hypot(*point.orbit.b[1:3, 0]) == pytest.approx(free, rel=1e-6)
     assert result.check(point, 5).stays
+
+
+def test_the_tilt_of_pads_does_not_decide_how_straight_a_curve_is():
+    """The mean tilt of a pad that touches once a turn jumps where the touch passes a sample."""
+    from rotor_fmu.model.periodic.problem import Task, machines_of
+    from rotor_fmu.model.periodic.self_excited import rest_position
+
+    rotor, task = on_pads(9.81).rotor, Task(100.0, 300.0)
+    problem = task.problem(machines_of(rotor, task), SPEED, 2)
+    orbit = rest_position(problem, SPEED)
+    tilted = orbit._replace(states=orbit.states + 1.0)
+    ways = (np.append(problem.join(each), 1.0) for each in (orbit, tilted))
+    one, other = map(problem.of_motion, ways)
+    assert len(one) == (2 * problem.H + 1) * problem.b + 1
+    assert (one == other).all()
