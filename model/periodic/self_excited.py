@@ -179,23 +179,24 @@ def growing_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
             # the larger a whirl, the more of the load it carries itself
             at = np.append((1.0 - size) * modes.at_rest[:b], modes.at_rest[b:])
             yield _whirl(problem, value, at, size * modes.shapes[i], float(modes.roots[i].imag))
-        circle = _forward_circle(problem, modes.shapes[i])
+        circle = _forward_circle(problem, value, modes.shapes[i])
         if circle is not None:
             centre = np.append(np.zeros(b), modes.at_rest[b:])
             yield _whirl(problem, value, centre, _CIRCLE * circle, float(modes.roots[i].imag))
 
 
-def _forward_circle(problem: HarmonicBalance, shape: np.ndarray) -> np.ndarray | None:
+def _forward_circle(problem: HarmonicBalance, value: float, shape: np.ndarray) -> np.ndarray | None:
     """Return the forward part of a mode's shape, its largest displacement a clearance, or None
     where its backward part is larger. The load makes the mode about rest an ellipse, while the
     whirl that it grows into carries the load itself and is nearly a circle."""
+    across = math.copysign(1.0, problem.speed_at(value)) * 1j
     x, y = shape[: problem.b : 2], shape[1 : problem.b : 2]
-    forward, backward = 0.5 * (x + 1j * y), 0.5 * (x - 1j * y)
+    forward, backward = 0.5 * (x + across * y), 0.5 * (x - across * y)
     largest = np.abs(forward).max(initial=0.0)
     if largest <= np.abs(backward).max(initial=0.0):
         return None
     forward *= problem.length_scale / largest
-    displacements = np.column_stack([forward, -1j * forward]).ravel()
+    displacements = np.column_stack([forward, -across * forward]).ravel()
     return np.append(displacements, shape[problem.b :])
 
 

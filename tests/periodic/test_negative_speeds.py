@@ -9,11 +9,14 @@ from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.periodic.arclength import with_tangent
 from rotor_fmu.model.periodic.branch import solution
 from rotor_fmu.model.periodic.newton import solve
+from rotor_fmu.model.periodic.problem import Task, machines_of
+from rotor_fmu.model.periodic.self_excited import _SIZES, growing_whirls
 from rotor_fmu.model.periodic.shooting import Shooting
 
 import rotor_fmu as rf
 from rotor_fmu.api.machine import Machine
 
+from ..parts.test_limit_cycle import _rotor as oil_whirler
 from ..physics.test_symmetries import GRAVITY_ANGLE, image_of_machine, turned
 from .machines import jeffcott, sagging
 
@@ -102,3 +105,14 @@ def test_a_whirl_turned_the_other_way_is_the_mirrored_one(rotor, at, turns):
         for of, which, sense in ((found, motion, turns), (image, other, -turns)):
             z = whole(of, which) - whole(of, which).mean()
             assert np.sign((z.conj() * np.roll(z, -1)).imag.sum()) == sense
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_the_circle_from_which_an_oil_whirl_is_sought_turns_with_the_rotor(sense):
+    rotor, speed = image_of_machine(oil_whirler(), sense), sense * 1400.0
+    task = Task(*sorted((speed, 1.1 * speed)))
+    problem = task.problem(machines_of(rotor, task), speed, 3, is_autonomous=True, omega=abs(speed))
+    *_, circle = guesses = list(growing_whirls(problem, speed))
+    assert len(guesses) == len(_SIZES) + 1
+    cosine, sine = circle.b[1:3, 0] + 1j * circle.b[1:3, 1]
+    assert abs(cosine + 1j * sense * sine) < 1e-9 * abs(cosine - 1j * sense * sine)
