@@ -139,7 +139,7 @@ def integrate_from_orbit(
 def _simulation(
     rotor: Rotor, speed: float, loads: np.ndarray | None, tolerance: float
 ) -> Simulation:
-    turn = 2 * math.pi / speed
+    turn = 2 * math.pi / abs(speed)
     settings = choose(
         tolerance=tolerance,
         h=_FIRST_STEP * turn,
