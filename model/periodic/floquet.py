@@ -225,7 +225,9 @@ def modal_basis(
         D[:b, :b] -= mean[:b, b : 2 * b]
     # of the symmetric part of K, mass-normalized
     squares, shapes = scipy.linalg.eigh(0.5 * (K + K.T), M)
-    slow = squares < (_KEPT * frequencies.highest) ** 2
+    most = _KEPT * frequencies.highest
+    # of an overdamped mode, as in a film, the slower root is its stiffness over its damping
+    slow = squares < most * np.maximum(most, ((D @ shapes) * shapes).sum(axis=0))
     slow[:_KEPT_ANYHOW] = True
     P, rest = shapes[:, slow], shapes[:, ~slow]
     n = P.shape[1]

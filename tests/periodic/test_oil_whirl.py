@@ -5,6 +5,7 @@ import pytest
 from rotor_fmu.model.linear import bearing_curves
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.periodic.arclength import with_tangent
+from rotor_fmu.model.periodic.floquet import multipliers
 from rotor_fmu.model.periodic.fourier import amplitudes, coefficients, sampled
 from rotor_fmu.model.periodic.harmonic_count import with_enough_harmonics
 from rotor_fmu.model.periodic.newton import solve
@@ -87,14 +88,15 @@ def test_below_the_threshold_no_whirl_is_found_and_that_is_said(threshold):
     assert any("rolls along a wall or grows from rest" in note for note in result.notes)
 
 
-def flexible(length, diameter, mass, film, rest=""):
-    """A disc in the middle of a shaft, which damps a little, between two short films."""
+def flexible(length, diameter, mass, film, rest="", eta_v=1e-5):
+    """A disc in the middle of a shaft, by default one that damps a little, between two short
+    films."""
     text = f"""
 [material]
 young = 2.1e11
 density = 7850.0
 [shaft]
-eta_v = 1e-5
+eta_v = {eta_v}
 [[section]]
 length = {length}
 elements = 4
@@ -119,6 +121,7 @@ k = 1e8
     return parse_rotor(text)
 
 
+HEAVY = 0.5, 0.04, 40.0, "length = 0.02\nviscosity = 0.02"
 THIN = 0.4, 0.03, 2.0, "length = 0.0075\nviscosity = 0.003"
 
 
@@ -155,6 +158,25 @@ def test_a_large_whirl_in_which_the_mode_about_rest_is_another_is_that_of_a_run_
     angle = np.unwrap(np.angle(z - z.mean()))
     frequency = (angle[-1] - angle[0]) / (319 / 32 * turn)
     assert orbit.omega == pytest.approx(frequency, rel=3e-3)
+
+
+def test_of_the_multipliers_of_a_whirl_that_nearly_fills_its_film_one_is_1():
+    """That along its own motion: with the stiffness of so thin a film the journals' modes are far
+    faster than the motion, but with its damping, which is larger still, not."""
+    task = Task(900.0, 925.0)
+    machines = machines_of(flexible(*HEAVY, eta_v=0.0), task)
+    problem = task.problem(machines, 900.0, 7, is_autonomous=True, omega=900.0)
+    *_, circle = growing_whirls(problem, 900.0)
+    x = problem.join(circle)
+    problem.fix_phase(x)
+    for speed in np.linspace(900.0, 922.0, 12):
+        x = solve(problem, x, speed)
+    orbit = problem.split(x, speed)
+    assert 0.98 < np.abs(orbit.b[1:3]).max() / CLEARANCE < 1.0
+    for steps in (96, 384):
+        values = multipliers(machines(speed), orbit, steps).values
+        assert np.abs(values - 1.0).min() < 1e-5
+        assert np.abs(values[0]) < 1.0 + 1e-5
 
 
 @pytest.mark.slow
