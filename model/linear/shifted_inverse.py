@@ -13,6 +13,9 @@ _SHIFT = 0.3  # of the lowest elastic frequency
 # Share of the imaginary part: equal real eigenvalues come out apart by the root of rounding.
 _REAL = 1e-5
 DOUBTFUL = 1e-6  # a residual that is said
+# Of Arnoldi's method, which needs one or two; where damping crowds the eigenvalues of a stiff shaft
+# it needs thousands, or never ends, and all of them cost less, up to so many states.
+_RESTARTS, _DENSE_IF_CROWDED = 20, 2000
 
 
 class ShiftedInverse:
@@ -97,8 +100,11 @@ def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]
             operator = LinearOperator((size, size), matvec=inverse, dtype=inverse.dtype)
             start = np.random.default_rng(1).standard_normal(size)
             try:
-                inverted, states = eigs(operator, k=wanted, v0=start, which="LM")
+                inverted, states = eigs(operator, wanted, v0=start, maxiter=_RESTARTS)
             except ArpackNoConvergence as error:
+                if size <= _DENSE_IF_CROWDED:
+                    wanted = size
+                    continue
                 # what is faster by many decades is rounding beside the slowest: there are no more
                 inverted, states = error.eigenvalues, error.eigenvectors
                 if not len(inverted):
