@@ -100,7 +100,8 @@ def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]
             operator = LinearOperator((size, size), matvec=inverse, dtype=inverse.dtype)
             start = np.random.default_rng(1).standard_normal(size)
             try:
-                inverted, states = eigs(operator, wanted, v0=start, maxiter=_RESTARTS)
+                restarts = _RESTARTS if size <= _DENSE_IF_CROWDED else None
+                inverted, states = eigs(operator, wanted, v0=start, maxiter=restarts)
             except ArpackNoConvergence as error:
                 if size <= _DENSE_IF_CROWDED:
                     wanted = size
