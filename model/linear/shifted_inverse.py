@@ -15,7 +15,7 @@ _REAL = 1e-5
 DOUBTFUL = 1e-6  # a residual that is said
 # Of Arnoldi's method, which needs one or two; where damping crowds the eigenvalues of a stiff shaft
 # it needs thousands, or never ends, and all of them cost less, up to so many states.
-_RESTARTS, _DENSE_IF_CROWDED = 20, 2000
+RESTARTS, _DENSE_IF_CROWDED = 20, 2000
 
 
 class ShiftedInverse:
@@ -100,7 +100,7 @@ def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]
             operator = LinearOperator((size, size), matvec=inverse, dtype=inverse.dtype)
             start = np.random.default_rng(1).standard_normal(size)
             try:
-                restarts = _RESTARTS if size <= _DENSE_IF_CROWDED else None
+                restarts = RESTARTS if size <= _DENSE_IF_CROWDED else None
                 inverted, states = eigs(operator, wanted, v0=start, maxiter=restarts)
             except ArpackNoConvergence as error:
                 if size <= _DENSE_IF_CROWDED:

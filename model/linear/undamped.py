@@ -26,6 +26,7 @@ from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
 from .orbit import AT_REST, lengths_of_nodes
 from .real_matrices import Between, differences
+from .shifted_inverse import RESTARTS
 from .support_loads import support_loads
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
@@ -34,7 +35,7 @@ _APART = 1e-9  # of a matrix: what is smaller is rounding, and couples nothing
 _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
-_DENSE = 300  # unknowns of a plane up to which all eigenvalues cost less than a few
+_DENSE = 100  # unknowns of a plane up to which all eigenvalues cost less than a few
 _SOFT = 1e-14  # of that: of a bearing that has no stiffness, so that shapes are those without it
 
 
@@ -254,7 +255,7 @@ def _lowest(
     wanted = 2 * count + 4
     while wanted < size // 3:
         try:
-            values, shapes = eigs(operator, k=wanted, v0=_some(size), which="LR")
+            values, shapes = eigs(operator, wanted, v0=_some(size), which="LR", maxiter=RESTARTS)
         except ArpackNoConvergence:
             break
         found = _criticals(values, shapes, nodes)
