@@ -13,6 +13,9 @@ from ..quantities import QuantityError
 
 _LEAST_DAMPING = 1e-3  # factor of a correction
 _MOST_LEAST = 4  # corrections with it: the residual has a minimum near by, or a corner, but no root
+# Corrections over which the residual must fall below this share of what it was: else they cycle, as
+# where a touch passes from sample to sample.
+_STALLED, _FALLEN = 14, 0.75
 _ROUNDING_RESIDUAL = 1e-9  # a smaller residual is rounding
 _SMALL_CORRECTION, _MARGIN = 1e-4, 10.0  # after a smaller one, the next is predicted, with a margin
 
@@ -44,8 +47,10 @@ class NotConverged(RuntimeError):
 
 def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
     """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`,
-    also where corrections along which the residual does not decrease recur."""
+    also where corrections along which the residual does not decrease recur, or it hardly decreases
+    in many."""
     x, corrections, failed = x.copy(), [], 0
+    residuals = list[float]()
     for _ in range(iterations):
         residual, jacobian = equations.linearized(x, value)
         step = -solve_linear(jacobian, residual)
@@ -56,11 +61,13 @@ def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 4
         most = min(1.0, limit / size) if size > 0 else 1.0
         damping = damping_factor(equations, residual, x, value, step, 0.0, most)
         corrections.append(damping * size)
+        residuals.append(_norm(residual))
         x += damping * step
         failed += most > damping <= _LEAST_DAMPING
         if size <= equations.tolerance * (1.0 + np.linalg.norm(x)):
             return x
-        if failed == _MOST_LEAST:
+        before, lately = residuals[:-_STALLED], residuals[-_STALLED:]
+        if failed == _MOST_LEAST or (before and min(lately) > _FALLEN * min(before)):
             break
     raise NotConverged(corrections)
 

@@ -49,6 +49,29 @@ def test_newtons_method_gives_up_at_a_corner_that_is_a_minimum_of_the_residual()
     assert corner.linearizations < 20
 
 
+def test_newtons_method_gives_up_in_a_steep_bent_valley_along_which_the_residual_hardly_falls():
+    """Every correction does decrease it, by a hundredth; of a flatter valley it finds the end."""
+    places = []
+
+    def valley(steepness):
+        def residual(x, _):
+            return np.array([1.0 - x[0], steepness * (x[1] - x[0] ** 2)])
+
+        def linearized(x, value):
+            places.append(x[0])
+            slope = np.array([[-1.0, 0.0], [-2.0 * steepness * x[0], steepness]])
+            return residual(x, value), slope
+
+        return SimpleNamespace(tolerance=1e-9, residual=residual, linearized=linearized)
+
+    begin = np.array([-1.0, 1.0])
+    with pytest.raises(newton.NotConverged):
+        newton.solve(valley(100.0), begin, 0.0)
+    assert len(places) < 20
+    assert (np.diff(places) > 0.0).all()
+    assert newton.solve(valley(1.0), begin, 0.0) == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize(
     ("most", "corners", "side"),
     [(2, {}, 1), (2, {True}, -1), (1, {}, -1), (1, {False}, -1), (2, {True, False}, -1)],
