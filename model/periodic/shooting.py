@@ -308,9 +308,10 @@ class Shooting(ContinuationEquations):
         return values[np.argsort(-np.abs(values), kind="stable")]
 
     def fix_phase(self, x: np.ndarray) -> None:
-        """Let the steps be chosen anew on the way to the next point: the excitation fixes the
-        phase."""
+        """Let the steps be chosen anew on the way to the next point, and for the multipliers of
+        this one: the excitation fixes the phase."""
         self._renewals, self._last_move = _RENEWALS, math.inf
+        self._last_transition = None
 
     def dynamic_stiffness(self, value: float, omega: float) -> DynamicStiffness:
         """Return the linear part at a value of the parameter."""
