@@ -146,12 +146,13 @@ def check(rotor: Rotor, task: Task) -> None:
     if task.name == SPEED and task.low < 0.0 < task.high:
         shown = f"speed = {task.low:g}:{task.high:g} rad/s"
         raise PeriodicError(f"{shown}: must not pass through 0, where a turn never ends")
+    ranges = speed_ranges(machine_with_oil(rotor))
     for speed in speeds:
         if not _SLOWEST <= abs(speed) < math.inf:
             raise PeriodicError(
                 f"speed = {speed:g} rad/s: must be at least {_SLOWEST:g} rad/s in size, and finite"
             )
-        for allowed in speed_ranges(machine_with_oil(rotor)):
+        for allowed in ranges:
             if not allowed.holds(speed):
                 raise PeriodicError(allowed.beyond.format(speed=speed))
     if task.name != SPEED:
