@@ -13,6 +13,7 @@ from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.vibration.influence_coefficients import once_per_turn
 
 from ..toml_text import table
 from .test_linear_commands import ROSS, TURBOCHARGER
@@ -123,3 +124,18 @@ def test_a_balancing_at_several_speeds_has_a_picture_of_each():
     assert [text.get_text() for text in slow.texts] == ["2x", "2y"]
     assert (slow.get_title(loc="left") or slow.get_title()).endswith("; at 4.7746 Hz")
     assert fast.viewLim.width == pytest.approx(100.0 * slow.viewLim.width)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_lag_is_negative_in_a_balancing_whichever_way_the_shaft_turns(sense):
+    """Of a vibration that is 0.3 rad behind the mark."""
+    turned = np.linspace(0.0, 40.0, 400)
+    seen = once_per_turn(sense * turned, np.cos(turned - 0.3))
+    numbers = {"influence": np.zeros((1, 1)), "rank": 1, "touches": False, "settles": True}
+    vibrations = (Vibration(2, "x", sense * 30.0, seen, 0.0, 0.0),)
+    found = Balancing((), vibrations, (), service_speed=30.0, messages=(), **numbers)
+    (row,) = found.table().rows
+    assert row[6] == pytest.approx(np.degrees(-0.3))
+    (axes,) = found.figure().axes
+    shown = next(line for line in axes.lines if line.get_label() == "initial")
+    assert np.arctan2(*shown.get_data()[::-1]) == pytest.approx(-0.3)
