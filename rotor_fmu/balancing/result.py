@@ -20,8 +20,8 @@ _LINEAR = 0.1  # of the initial vibration: what a linear machine's differs by fr
 
 class Vibration(NamedTuple):
     """Once-per-revolution vibration of a node (from 1) along an axis at a speed [rad/s], complex
-    amplitudes 0-p [m] whose angles are measured from the shaft's mark: initial, expected after the
-    correction, and in the run with it."""
+    amplitudes 0-p [m] whose angles are measured from the shaft's mark, x towards y as those of
+    unbalances: initial, expected after the correction, and in the run with it."""
 
     node: int
     axis: str
@@ -29,6 +29,11 @@ class Vibration(NamedTuple):
     initial: complex
     expected: complex
     corrected: complex
+
+    def lead(self, value: complex) -> complex:
+        """Return one of them with the angle by which it leads the mark, in the sense of rotation:
+        a lag is negative."""
+        return value.conjugate() if self.speed < 0 else value
 
 
 class CorrectionPlane(NamedTuple):
@@ -121,7 +126,7 @@ class Balancing(Displayed):
             (
                 f"node {v.node} {v.axis}, {speed_with_unit(v.speed)} [{unit}]",
                 *4 * ("",),
-                *_polar(v.initial, d.amplitude),
+                *_polar(v.lead(v.initial), d.amplitude),
                 abs(v.corrected) * d.amplitude,
                 abs(v.expected) * d.amplitude,
                 *2 * ("",),
@@ -172,10 +177,10 @@ class Balancing(Displayed):
             ("expected", "expected", GREEN, "x"),
             ("corrected", "with the correction", BLUE, "s"),
         ):
-            values = np.array([getattr(v, kind) for v in vibrations]) * d.amplitude
+            values = np.array([v.lead(getattr(v, kind)) for v in vibrations]) * d.amplitude
             axes.plot(values.real, values.imag, mark, color=color, ms=6, mfc="none", label=label)
         for v in vibrations:
-            at = v.initial * d.amplitude
+            at = v.lead(v.initial) * d.amplitude
             annotate(axes, f"{v.node}{v.axis}", (at.real, at.imag), (5, 4))
         axes.set_aspect("equal", adjustable="datalim")
         axes.margins(0.15)

@@ -248,14 +248,14 @@ class Static(Displayed, linear.Static):
         """Draw the deflection along the shaft, with the loads on the named supports."""
         figure, axes = new_figure(6.8, 3.8)
         d = current()
-        axes.axhline(0, color=GREY, lw=0.8)
+        curves = [axes.axhline(0, color=GREY, lw=0.8)]
         bent = curve(self.z, self.y * d.small, self.slope_y * d.small, self.shear)
-        axes.plot(*bent, color=BLUE, lw=1.8, label="y")
+        curves += axes.plot(*bent, color=BLUE, lw=1.8, label="y")
         at_nodes = dotted(len(self.z))
         axes.plot(self.z[at_nodes] * d.length, self.y[at_nodes] * d.small, "o", color=BLUE, ms=3.5)
         if np.abs(self.x).max(initial=0) > 1e-3 * np.abs(self.y).max(initial=0):
             bent = curve(self.z, self.x * d.small, self.slope_x * d.small, self.shear)
-            axes.plot(*bent, color=ORANGE, lw=1.5, ls=DASHED, label="x")
+            curves += axes.plot(*bent, color=ORANGE, lw=1.5, ls=DASHED, label="x")
             axes.legend(frameon=False, fontsize=8)
         axes.margins(x=0.08, y=0.3)
         labels, reach = [], 0.1 * np.ptp(axes.get_ylim())
@@ -275,7 +275,7 @@ class Static(Displayed, linear.Static):
         axes.set_ylabel(f"Deflection [{d.small_unit}]")
         state = turns(self.speed, self.contacts)
         entitle(axes, self.titled(f"At rest under gravity, {state}"))
-        write_labels(axes, labels, marks)
+        write_labels(axes, labels, marks, curves)
         return figure
 
 

@@ -1,11 +1,13 @@
-"""Texts beside points of a picture, so that none covers another, a point or the legend."""
+"""Texts beside points of a picture, so that none covers another, a point, a curve or the legend."""
 
 from collections.abc import Iterable, Sequence
 from itertools import product
 
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import Affine2D, Bbox
 
 from .figure_style import GREY, PlainFigure
 
@@ -20,12 +22,14 @@ def write_labels(
     axes: Axes,
     labels: Sequence[tuple[float, float, str, bool]],
     marks: Sequence[tuple[float, float]] = (),
+    curves: Sequence[Line2D] = (),
 ) -> None:
     """Write texts beside points, the limits of the axes being set: each as near as there is room,
     and with a line to its point where that is far.
 
     labels: x and y of a point in the data's units, its text, and whether this stands better to the
-    right and below than to the left and above; marks: other points that no text covers.
+    right and below than to the left and above; marks: other points that no text covers; curves:
+    lines that none crosses.
     """
     figure = axes.figure
     assert isinstance(figure, PlainFigure)
@@ -36,13 +40,15 @@ def write_labels(
     room = _scaled(axes.get_window_extent(), to_points)
     places = [axes.transData.transform((x, y)) * to_points for x, y, *_ in (*labels, *marks)]
     taken += [Bbox.from_bounds(x - _MARK, y - _MARK, 2 * _MARK, 2 * _MARK) for x, y in places]
+    scale = Affine2D().scale(to_points)
+    paths = [(of.get_transform() + scale).transform_path(of.get_path()) for of in curves]
     for (x, y, text, is_right), place in zip(labels, places, strict=False):
         width, height = _WIDE * _SIZE * len(text), _HIGH * _SIZE
         boxes = [
             (far, Bbox.from_bounds(place[0] + dx, place[1] + dy, width, height))
             for far, (dx, dy) in _offsets(width, height, is_right)
         ]
-        far, box = next((each for each in boxes if _is_free(each[1], taken, room)), boxes[0])
+        far, box = next((each for each in boxes if _is_free(each[1], taken, paths, room)), boxes[0])
         taken.append(box)
         axes.annotate(
             text,
@@ -50,6 +56,7 @@ def write_labels(
             xytext=(box.x0 - place[0], box.y0 - place[1]),
             textcoords="offset points",
             fontsize=_SIZE,
+            va="bottom",
             path_effects=[withStroke(linewidth=2.5, foreground="white")],
             arrowprops={"arrowstyle": "-", "color": GREY, "lw": 0.6} if far else None,
         )
@@ -71,6 +78,7 @@ def _scaled(box: Bbox, factor: float) -> Bbox:
     return Bbox(box.get_points() * factor)
 
 
-def _is_free(box: Bbox, taken: Sequence[Bbox], room: Bbox) -> bool:
+def _is_free(box: Bbox, taken: Sequence[Bbox], paths: Sequence[Path], room: Bbox) -> bool:
     inside = room.x0 <= box.x0 and box.x1 <= room.x1 and room.y0 <= box.y0 and box.y1 <= room.y1
-    return inside and not any(box.overlaps(other) for other in taken)
+    crossed = any(path.intersects_bbox(box, filled=False) for path in paths)
+    return inside and not crossed and not any(box.overlaps(other) for other in taken)

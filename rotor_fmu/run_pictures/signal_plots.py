@@ -24,6 +24,7 @@ from ..plotting.figure_style import (
     empty_figure,
     new_figure,
 )
+from ..plotting.labels import write_labels
 from ..runs.measuring_points import ContactSignals
 from .view import (
     View,
@@ -77,29 +78,36 @@ def polar(view: View) -> Figure:
     figure = empty_figure(5.8, 5.4)
     axes = figure.add_subplot(projection="polar")
     track = vibration.order_track(*view.signal, (1.0,))
+    speeds = []
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", "-"),
         (track.y(), ORANGE, "1x of y", DASHED),
     ):
         radius = np.abs(vector) * view.shown.amplitude
         axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
-        _speeds_along(axes, vector * view.shown.amplitude, track.speed, color)
+        speeds += _speeds_along(axes, vector * view.shown.amplitude, track.speed, color)
     axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.tick_params(labelsize=8)
     units = f"radius [{view.shown.amplitude_unit}], speeds in {current().speed_unit}"
     view.title(axes, f"polar plot of {view.place.label}\n{units}")
+    write_labels(axes, speeds)
     return figure
 
 
-def _speeds_along(axes: Axes, vector: np.ndarray, speed: np.ndarray, color: str) -> None:
-    """Speeds written beside a curve where it has gone a share of its length."""
+def _speeds_along(
+    axes: Axes, vector: np.ndarray, speed: np.ndarray, color: str
+) -> list[tuple[float, float, str, bool]]:
+    """Draw points of a curve where it has gone a share of its length; return labels with their
+    speeds."""
+    labels = []
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(vector)))])
     for share in (0.1, 0.3, 0.5, 0.7, 0.9):
         i = int(np.searchsorted(length, share * length[-1]))
         where = (float(np.angle(vector[i])), float(np.abs(vector[i])))
         axes.plot(*where, "o", color=color, ms=3)
-        annotate(axes, shown_speed(speed[i]), where, (4, 3), fontsize=7, color=color)
+        labels.append((*where, shown_speed(speed[i]), True))
+    return labels
 
 
 def orbit(view: View, caption: str = "") -> Figure:

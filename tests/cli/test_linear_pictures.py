@@ -13,6 +13,7 @@ from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.vibration.influence_coefficients import once_per_turn
 
 from ..toml_text import table
 from .test_linear_commands import ROSS, TURBOCHARGER
@@ -69,6 +70,25 @@ def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_no
         assert not any(box.contains(*dot) for dot in dots)
 
 
+def test_the_loads_in_a_picture_of_a_machine_at_rest_cross_no_curve(tmp_path):
+    """Of a shaft of two elements that sags below and beside its supports."""
+    text = table("material", young=2.1e11, density=7800.0)
+    text += table("shaft", nodes=[0.0, 0.5, 1.0], diameters=[0.03, 0.03])
+    for node in (1, 3):
+        text += table("[support]", node=node, name=f"support_at_{node}", stiffness=1e7)
+    rotor = tmp_path / "rotor.toml"
+    rotor.write_text(text)
+    figure = answers.static(load_rotor(rotor)[1]).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    words = [text for text in axes.texts if text.get_text()]
+    assert len(words) == 2
+    for line in axes.lines:
+        path = line.get_transform().transform_path(line.get_path())
+        for text in words:
+            assert not path.intersects_bbox(Text.get_window_extent(text), filled=False)
+
+
 def test_the_decrements_of_stability_level_2_are_written_beside_the_required_one():
     values = (-1.4, 0.09, 0.3)
     cases = [StabilityCase(f"case {value}", value, 100.0, value, 100.0) for value in values]
@@ -104,3 +124,18 @@ def test_a_balancing_at_several_speeds_has_a_picture_of_each():
     assert [text.get_text() for text in slow.texts] == ["2x", "2y"]
     assert (slow.get_title(loc="left") or slow.get_title()).endswith("; at 4.7746 Hz")
     assert fast.viewLim.width == pytest.approx(100.0 * slow.viewLim.width)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_lag_is_negative_in_a_balancing_whichever_way_the_shaft_turns(sense):
+    """Of a vibration that is 0.3 rad behind the mark."""
+    turned = np.linspace(0.0, 40.0, 400)
+    seen = once_per_turn(sense * turned, np.cos(turned - 0.3))
+    numbers = {"influence": np.zeros((1, 1)), "rank": 1, "touches": False, "settles": True}
+    vibrations = (Vibration(2, "x", sense * 30.0, seen, 0.0, 0.0),)
+    found = Balancing((), vibrations, (), service_speed=30.0, messages=(), **numbers)
+    (row,) = found.table().rows
+    assert row[6] == pytest.approx(np.degrees(-0.3))
+    (axes,) = found.figure().axes
+    shown = next(line for line in axes.lines if line.get_label() == "initial")
+    assert np.arctan2(*shown.get_data()[::-1]) == pytest.approx(-0.3)

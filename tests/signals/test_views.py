@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu import vibration
@@ -294,6 +295,15 @@ def test_speeds_in_pictures_have_all_digits_before_the_point():
         assert line.get_text() == "1x, 12345 cpm"
         marks = [text.get_text() for text in polar(View(run)).axes[0].texts]
         assert set(marks) == {"12345"}
+
+
+def test_the_speeds_in_a_polar_plot_do_not_cover_each_other():
+    """Of a run at one speed, whose 1x vectors hardly move."""
+    figure = polar(View(recorded(stop=0.3, rate=0.0)))
+    figure.draw_without_rendering()
+    boxes = [Text.get_window_extent(text) for text in figure.axes[0].texts]
+    assert len(boxes) == 10
+    assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-6, 0.0])
