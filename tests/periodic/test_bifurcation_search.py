@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.periodic import arclength, bifurcation_search
+from rotor_fmu.model.periodic import arclength, bifurcation_search, newton
 from rotor_fmu.model.periodic.arclength import CurvePoint
 
 
@@ -12,6 +12,7 @@ class _Line:
     """x = 0 over lambda from 0 to 1."""
 
     tolerance, damped_beyond, scale, is_autonomous = 1e-12, 1.0, 1.0, False
+    solve_linear = staticmethod(newton.solve_linear)
 
     def linearized_with_parameter(self, x, value):
         return x, np.eye(1), np.zeros(1)
