@@ -51,7 +51,8 @@ def test_a_whirl_that_is_bounded_by_a_wall_alone_begins_at_the_threshold_of_any_
     inside = [point for point in branch.points if radius(point) < 0.9 * CLEARANCE]
     assert len(inside) > 1
     assert [p.value for p in inside] == pytest.approx([THRESHOLD] * len(inside), rel=1e-6)
-    assert all(radius(bifurcation) > 0.9 * CLEARANCE for bifurcation in driven.bifurcations)
+    # no fold: at most that it touches, all around at once
+    assert [b.kind for b in driven.bifurcations] in ([], ["grazing"])
 
 
 @pytest.mark.parametrize("speed", [220.0, 260.0])

@@ -37,6 +37,13 @@ class _Turn(_Line):
         return 1.0 - x**2 - value, np.array([-2.0 * x * (0.3 - x)])
 
 
+class _Bend(_Line):
+    """lambda = 0 up to x = 0, and x beyond."""
+
+    def linearized_with_parameter(self, x, value):
+        return value - np.maximum(x, 0.0), np.array([-1.0 * (x > 0.0)]), np.ones(1)
+
+
 @pytest.fixture
 def located(monkeypatch):
     """Bifurcations of a line, in one step from 0 to 1, along which it has these multipliers and
@@ -254,3 +261,13 @@ def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(
     monkeypatch.setattr(arclength, "correct", lambda *_: far)
     (seen,) = located(multipliers_at)
     assert seen.point.x == 0.0
+
+
+@pytest.mark.parametrize("rounding", [1e-14, -1e-14])
+def test_a_curve_does_not_turn_where_the_parameter_begins_to_change(located, rounding):
+    """As of a whirl at a threshold, of any size up to a wall: its tangent has any small sign."""
+    half = np.sqrt(0.5)
+    still = CurvePoint(np.array([-1.0]), 0.0, np.ones(1), rounding)
+    ends = [still, CurvePoint(np.ones(1), 1.0, np.array([half]), half)]
+    steady = np.array([0.5])
+    assert located(lambda _: steady, line=_Bend(), ends=ends) == []
