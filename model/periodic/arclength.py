@@ -21,7 +21,6 @@ from .newton import (
     damping_factor,
     predicted_correction,
     solve,
-    solve_linear,
 )
 
 _SLOW_CONVERGENCE = 0.3  # of the last correction: beyond, a correction is damped
@@ -137,7 +136,7 @@ def with_tangent(
 def _along(equations: ContinuationEquations, x: np.ndarray, value: float) -> np.ndarray:
     """Return the direction of the curve for lambda that grows by its scale."""
     _, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
-    return np.append(-solve_linear(jacobian, by_lambda), 1.0)
+    return np.append(-equations.solve_linear(jacobian, by_lambda), 1.0)
 
 
 def correct(
@@ -172,7 +171,7 @@ def _newton_in_plane(
         residual, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
         bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_lambda, plane
         right[:n, 0], right[n, 1] = -residual, 1.0
-        step, tangent = solve_linear(bordered, right).T
+        step, tangent = equations.solve_linear(bordered, right).T
         size = float(np.linalg.norm(step))
         corrections.append(size)
         if not size < limit:

@@ -18,10 +18,11 @@ from typing import NamedTuple
 import numpy as np
 
 from .arclength import ContinuationEquations
+from .elimination import groups_of, solve_by_elimination
 from .force_corners import SampledOrbit
 from .fourier import add_real, amplitudes, coefficients, derivative, products, resized, series_of
 from .linear_structure import CondensedMachine, DynamicStiffness
-from .newton import by_parameter
+from .newton import by_parameter, solve_linear
 
 _CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
 _PARAMETER_STEP = 1e-7  # of a difference by the parameter, as a share of its scale
@@ -224,8 +225,12 @@ class HarmonicBalance(ContinuationEquations):
     def of_motion(self, way: np.ndarray) -> np.ndarray:
         """Return a way along the curve without the internal states: the mean place of a pad that
         nothing holds, but for one touch in each period, jumps where the touch passes a sample."""
+        return np.delete(way, self._rows_of_states())
+
+    def _rows_of_states(self) -> slice:
+        """Return where the internal states are among the unknowns."""
         rows = 2 * self.H + 1
-        return np.delete(way, np.s_[rows * self.b : rows * (self.b + self.s)])
+        return slice(rows * self.b, rows * (self.b + self.s))
 
     def seen(
         self, x: np.ndarray, value: float, direction: np.ndarray
@@ -299,17 +304,30 @@ class HarmonicBalance(ContinuationEquations):
         of_d = products(rates_by_d @ machine.B, orbit.omega * rates_by_v @ machine.B)
         of_d *= -inverse[:, None, None] * self.length_scale
         jacobian[n : n + rows * s, :n] = of_d.reshape(rows * s, n)
-        of_states = -products(rates_by_states, 0 * rates_by_states)
+        states = self._rows_of_states()
+        of_states = jacobian[states, states].reshape(rows, s, rows, s)  # a view
+        for group in groups_of(laws.rates_by_states.any(axis=0)):
+            own = rates_by_states[:, group[:, None], group]
+            every = np.arange(rows)
+            of_states[np.ix_(every, group, every, group)] = -products(own, 0 * own)
         differentiation = orbit.omega * derivative(np.eye(rows))
-        of_states += differentiation[:, None, :, None] * np.eye(s)[:, None, :]
+        for state in range(s):
+            of_states[:, state, :, state] += differentiation
         of_states *= inverse[:, None, None] * self.state_scale
-        jacobian[n : n + rows * s, n : n + rows * s] = of_states.reshape(rows * s, rows * s)
         # a state that stays what it is may have any mean, or, where it is the rate of another one
         # that acts on nothing, such as of the tilt of a pad that bears nothing, that other one
         still, acts = ~jacobian[n : n + s].any(axis=1), jacobian[:, n : n + s].any(axis=0)
         rate_of = (jacobian[n : n + s, n : n + s] != 0.0) & ~acts[:, None]
         free = np.where(rate_of.any(axis=0), rate_of.argmax(axis=0), np.arange(s))
         jacobian[n + np.flatnonzero(still), n + free[still]] = 1.0
+
+    def solve_linear(self, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Return the solution of a linear system with the Jacobian, which may be bordered by
+        further rows and columns."""
+        if not self.s:
+            return solve_linear(matrix, right)
+        own = np.arange(len(matrix))[self._rows_of_states()].reshape(-1, self.s)
+        return solve_by_elimination(matrix, right, own)
 
     def last_share(self, x: np.ndarray) -> float:
         """Return the amplitude of the highest harmonics relative to the largest harmonic."""

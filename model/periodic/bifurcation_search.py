@@ -34,6 +34,7 @@ _PRECISE = 1e-9  # of a step along the curve
 _CLOSE = 1e-5  # of a step: a test function changes little so close to its root
 _LITTLE = 1e-2  # of its larger value at the ends of the step,
 _ERRORS = 10.0  # or errors of a point along the curve, over the length of the step
+_STILL = 1e-9  # component of a tangent along the parameter that is rounding
 _ROUGH = 1e-3  # error of a multiplier where few harmonics, or steps that change, give it
 _FARTHEST = 2.0  # of its length: how far from its begin a point of a piece may be
 _HALVINGS = 10  # of a step with more than one bifurcation, at most
@@ -78,11 +79,7 @@ def bifurcations_between(
     problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, last: Solution, now: Solution
 ) -> list[Bifurcation]:
     """Return the bifurcations between two points, at which the motions are `last` and `now`, in
-    their order along the curve; where these have no multipliers, the folds alone. Where the
-    parameter does not change there are none: of a whirl at the threshold of a machine that is
-    linear until it touches, every size is a motion, and a multiplier of each is 1."""
-    if abs(after.value - before.value) <= problem.tolerance * problem.scale:
-        return []
+    their order along the curve; where these have no multipliers, the folds alone."""
     step = _Piece(before, after, last.multipliers, now.multipliers, last.orbit, now.orbit)
     looked_at = copy(problem)  # the search must not change the steps with which the curve goes on
     located = _located_on(looked_at, step, _HALVINGS)
@@ -105,8 +102,9 @@ class _Piece(NamedTuple):
 
     @property
     def turns(self) -> bool:
-        """Whether the parameter turns in it."""
-        return self.before.tangent_value * self.after.tangent_value < 0
+        """Whether the parameter turns in it, and does not just stop to change."""
+        first, second = self.before.tangent_value, self.after.tangent_value
+        return first * second < 0 and min(abs(first), abs(second)) > _STILL
 
     @property
     def least_count(self) -> int:
@@ -199,7 +197,11 @@ def _is_real(multiplier: Any) -> Any:
 def _located_on(problem: PeriodicEquations, piece: _Piece, halvings: int) -> list[_Located]:
     """Return the bifurcations of a piece in their order; one that is not simple, or in which those
     that are located do not explain how many multipliers are outside, is halved, so many times at
-    most."""
+    most. Where the parameter does not change there are none: of a whirl at the threshold of a
+    machine that is linear until it touches, every size is a motion, and a multiplier of each is
+    1."""
+    if abs(piece.after.value - piece.before.value) <= problem.tolerance * problem.scale:
+        return []
     if halvings and not piece.is_simple(problem, halvings):
         with suppress(NotConverged):
             return _located_on_halves(problem, piece, halvings)

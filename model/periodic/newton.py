@@ -36,6 +36,11 @@ class Equations(ABC):
         """Return the residual of the equations."""
         return self.linearized(x, value)[0]
 
+    def solve_linear(self, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """Return the solution of a linear system with the Jacobian, which may be bordered by
+        further rows and columns."""
+        return solve_linear(matrix, right)
+
 
 class NotConverged(RuntimeError):
     """Newton's method did not converge; corrections: the sizes of its corrections."""
@@ -53,7 +58,7 @@ def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 4
     residuals = list[float]()
     for _ in range(iterations):
         residual, jacobian = equations.linearized(x, value)
-        step = -solve_linear(jacobian, residual)
+        step = -equations.solve_linear(jacobian, residual)
         size = float(np.linalg.norm(step))
         if not np.isfinite(size):
             break

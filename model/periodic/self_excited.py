@@ -9,14 +9,14 @@ the clearance, and a small whirl where the mode begins to grow.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from ..linear.modes import LEAST_GROWTH
 from . import newton
@@ -200,18 +200,56 @@ def _forward_circle(problem: HarmonicBalance, value: float, shape: np.ndarray) -
     return np.append(displacements, shape[problem.b :])
 
 
+def _growing(growth: np.ndarray | None) -> int:
+    """Return how many modes grow, -1 where there is no rest."""
+    return -1 if growth is None else int(np.count_nonzero(growth > 0))
+
+
+def _may_pass_and_return(
+    growths: Sequence[np.ndarray | None],
+) -> Iterator[tuple[int, int, float]]:
+    """Yield each piece between values and mode, the piece by its begin, in which the growth may
+    come to 0 and back, with its sign at both ends: where lines from the neighbouring pieces meet
+    beyond 0, as far as a growth that bends one way may come."""
+    for i, near in enumerate(zip(growths, growths[1:], growths[2:], growths[3:], strict=False), 1):
+        known = [growth for growth in near if growth is not None]
+        if len(known) < len(near) or len({len(growth) for growth in known}) > 1:
+            continue
+        for mode, sign in enumerate(np.sign(known[1])):
+            before, first, last, after = (sign * float(growth[mode]) for growth in known)
+            falls, rises = before - first, after - last  # towards the piece from either side
+            if last > 0.0 and falls > 0.0 and rises > 0.0:
+                share = (first - last + rises) / (falls + rises)
+                if 0.0 < share < 1.0 and first < share * falls:
+                    yield i, mode, float(sign)
+
+
 def beginning_whirls(
     problem: HarmonicBalance, low: float, high: float
 ) -> Iterator[tuple[Orbit, Orbit]]:
     """Yield where in a range a mode about rest begins or ceases to grow: the machine at rest, and a
     small whirl in this mode."""
 
-    def count_at(value: float) -> int:
+    def growth_at(value: float) -> np.ndarray | None:
         modes = _modes_at_rest(problem, value)
-        return -1 if modes is None else int(np.count_nonzero(modes.growth > 0))
+        return None if modes is None else modes.growth[np.argsort(modes.roots.imag)]
+
+    def count_at(value: float) -> int:
+        return _growing(growth_at(value))
 
     values = np.linspace(low, high, _LOOKED_AT)
-    places = [(value, count_at(value)) for value in values]
+    growths = [growth_at(value) for value in values]
+    places = [(float(value), _growing(each)) for value, each in zip(values, growths, strict=True)]
+    for i, mode, sign in _may_pass_and_return(growths):
+
+        def away(value: float, mode: int = mode, sign: float = sign) -> float:
+            growth = growth_at(value)
+            return math.inf if growth is None or len(growth) <= mode else sign * float(growth[mode])
+
+        ends = float(values[i]), float(values[i + 1])
+        found = minimize_scalar(away, bounds=ends, method="bounded")
+        places.append((float(found.x), count_at(float(found.x))))
+    places.sort()
     pieces = list(pairwise(places))[::-1]  # the next one last
     while pieces:
         (below, few), (above, many) = pieces.pop()

@@ -97,19 +97,23 @@ def _circles(problem: HarmonicBalance, open_contacts: Orbit) -> Iterator[Orbit]:
 def _recorded_period(
     run: Simulation, machine: CondensedMachine, speed: float, turns: int, H: int
 ) -> Orbit:
-    """Return the next period of a run as an orbit."""
+    """Return the next period of a run as an orbit. Of one that does not end where it begins, since
+    the run has not settled, the drift is taken out, whose jump has all harmonics."""
     n, frequency = 4 * H, abs(speed)
     period = 2 * math.pi * turns / frequency
     start, phase = run.time, math.remainder(frequency * run.time, 2 * math.pi)
-    d = np.empty((n, machine.laws.count), complex)
-    states = np.empty((n, len(run.motion.internal_state)))
-    for t in range(n):
+    d = np.empty((n + 1, machine.laws.count), complex)
+    states = np.empty((n + 1, len(run.motion.internal_state)))
+    for t in range(n + 1):
         run.advance(start + period * t / n, speed)
         _, displacements, _, states[t] = sample(run)
         d[t] = displacements[machine.is_nonlinear]
-    angles = 2 * math.pi * np.arange(n) / n + phase / turns
+    shares = np.arange(n) / n
+    angles = 2 * math.pi * shares + phase / turns
+    drifted = shares[:, None] - 0.5
     value, _ = basis(min(H, n // 3), angles)
     P = projection(value)
+    d, states = (each[:-1] - drifted * (each[-1] - each[0]) for each in (d, states))
     b = P @ machine.b_of_displacements(in_plane(d))
     return Orbit(b, P @ states, frequency / turns, turns, speed, speed)
 

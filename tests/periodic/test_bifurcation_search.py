@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.periodic import arclength, bifurcation_search
+from rotor_fmu.model.periodic import arclength, bifurcation_search, newton
 from rotor_fmu.model.periodic.arclength import CurvePoint
 
 
@@ -12,6 +12,7 @@ class _Line:
     """x = 0 over lambda from 0 to 1."""
 
     tolerance, damped_beyond, scale, is_autonomous = 1e-12, 1.0, 1.0, False
+    solve_linear = staticmethod(newton.solve_linear)
 
     def linearized_with_parameter(self, x, value):
         return x, np.eye(1), np.zeros(1)
@@ -34,6 +35,13 @@ class _Turn(_Line):
 
     def linearized(self, x, value):
         return 1.0 - x**2 - value, np.array([-2.0 * x * (0.3 - x)])
+
+
+class _Bend(_Line):
+    """lambda = 0 up to x = 0, and x beyond."""
+
+    def linearized_with_parameter(self, x, value):
+        return value - np.maximum(x, 0.0), np.array([-1.0 * (x > 0.0)]), np.ones(1)
 
 
 @pytest.fixture
@@ -253,3 +261,13 @@ def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(
     monkeypatch.setattr(arclength, "correct", lambda *_: far)
     (seen,) = located(multipliers_at)
     assert seen.point.x == 0.0
+
+
+@pytest.mark.parametrize("rounding", [1e-14, -1e-14])
+def test_a_curve_does_not_turn_where_the_parameter_begins_to_change(located, rounding):
+    """As of a whirl at a threshold, of any size up to a wall: its tangent has any small sign."""
+    half = np.sqrt(0.5)
+    still = CurvePoint(np.array([-1.0]), 0.0, np.ones(1), rounding)
+    ends = [still, CurvePoint(np.ones(1), 1.0, np.array([half]), half)]
+    steady = np.array([0.5])
+    assert located(lambda _: steady, line=_Bend(), ends=ends) == []

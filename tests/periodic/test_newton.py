@@ -1,11 +1,22 @@
 """Newton's method, and what continuation shares with it."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from rotor_fmu.model.periodic import newton
 from rotor_fmu.model.quantities import QuantityError
+
+
+class _Equations(newton.Equations):
+    """Equations of two functions, the residual and, with the Jacobian, the linearized one."""
+
+    def __init__(self, residual, linearized):
+        self._functions = residual, linearized
+
+    def residual(self, x, value):
+        return self._functions[0](x, value)
+
+    def linearized(self, x, value):
+        return self._functions[1](x, value)
 
 
 def test_a_system_that_is_singular_has_its_least_squares_solution_or_none():
@@ -21,19 +32,14 @@ def test_a_system_that_is_singular_has_its_least_squares_solution_or_none():
 def test_a_residual_whose_square_no_number_holds_is_no_warning_to_the_user():
     """Such as that of an oil film far beyond its wall."""
     slope = np.diag([1e200, 1.0])
-    steep = SimpleNamespace(
-        tolerance=1e-9,
-        residual=lambda x, _: slope @ (x - 1.0),
-        linearized=lambda x, _: (slope @ (x - 1.0), slope),
-    )
+    steep = _Equations(lambda x, _: slope @ (x - 1.0), lambda x, _: (slope @ (x - 1.0), slope))
     assert newton.solve(steep, np.zeros(2), 0.0) == pytest.approx(1.0)
 
 
 def test_newtons_method_gives_up_at_a_corner_that_is_a_minimum_of_the_residual():
     """Where every correction fails, instead of trying as many as it has."""
 
-    class _Corner:
-        tolerance, damped_beyond = newton.Equations.tolerance, 0.0
+    class _Corner(newton.Equations):
         linearizations = 0
 
         def residual(self, x, value):
@@ -62,7 +68,7 @@ def test_newtons_method_gives_up_in_a_steep_bent_valley_along_which_the_residual
             slope = np.array([[-1.0, 0.0], [-2.0 * steepness * x[0], steepness]])
             return residual(x, value), slope
 
-        return SimpleNamespace(tolerance=1e-9, residual=residual, linearized=linearized)
+        return _Equations(residual, linearized)
 
     begin = np.array([-1.0, 1.0])
     with pytest.raises(newton.NotConverged):
