@@ -1,9 +1,18 @@
 """Answers at many speeds: each place of rest is looked for once, by a matrix factorized once."""
 
+from collections import Counter
+from importlib import import_module
+
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import rest
 from rotor_fmu.model.linear.linear_machine import LinearMachine
+from rotor_fmu.model.linear.unbalance_check import (
+    close_speeds,
+    highest_looked_at,
+    unbalance_check,
+)
+from rotor_fmu.model.linear.unbalance_peaks import response_with_peaks
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.structure.strain_solver import StrainedMatrices
 
@@ -69,3 +78,20 @@ def test_a_place_of_rest_takes_one_factorization(monkeypatch):
     made = factorizations(monkeypatch)
     machine.loaded(300.0)
     assert len(made) == 1
+
+
+def test_a_response_and_its_check_look_for_a_place_of_rest_once_at_each_speed(monkeypatch):
+    monkeypatch.setattr(import_module("rotor_fmu.model.linear.unbalance_check"), "SPEEDS", 13)
+    asked, at = Counter(), LinearMachine.at
+    rotor, low, high = on_films("pads"), 300.0, 400.0
+    top = highest_looked_at(rotor, high)
+    speeds = close_speeds(rotor, top)
+
+    def counted(self, speed):
+        asked[speed] += 1
+        return at(self, speed)
+
+    monkeypatch.setattr(LinearMachine, "at", counted)
+    response_with_peaks(rotor, speeds, nodes=[3])
+    unbalance_check(rotor, low, high, [3])
+    assert {asked[speed] for speed in speeds.tolist()} == {1}
