@@ -9,9 +9,9 @@ from rotor_fmu.model import linear
 from rotor_fmu.linear.displayed import Displayed
 
 COARSE = {
-    "rotor_fmu.machine_report.report_page": {"_SPEEDS": 7, "_CURVE": 13},
-    "rotor_fmu.machine_report.rub_check": {"_SPEEDS": 13, "_TURNS": 100.0, "_SETTLING": 10.0},
-    "rotor_fmu.model.linear.unbalance_check": {"_POINTS": 13},
+    "rotor_fmu.machine_report.report_page": {"_SPEEDS": 7, "SPEEDS": 13},
+    "rotor_fmu.machine_report.rub_check": {"_TURNS": 100.0, "_SETTLING": 10.0},
+    "rotor_fmu.model.linear.unbalance_check": {"SPEEDS": 13},
     "rotor_fmu.model.linear.critical_map": {"_SAMPLES": 10},
 }
 

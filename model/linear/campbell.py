@@ -164,8 +164,7 @@ def _lines(follow: _Follower, at: np.ndarray, count: int) -> tuple[list[Modes], 
             onward = follow.onward(seen[i - 1], seen[i], places[i - 1])
             places[i] = _found_again(follow, seen, places[:i], onward)
         lowest = np.arange(min(count, len(seen[i].eigenvalues)))
-        if i > 0:
-            lowest = lowest[seen[i].is_sound[lowest]]
+        lowest = lowest[seen[i].is_sound[lowest]]
         begun = np.setdiff1d(lowest, places[i])
         if len(begun):
             places = _with_begun(follow, seen, places, begun)

@@ -10,7 +10,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import scipy.sparse as sp
@@ -35,7 +35,9 @@ from .real_matrices import (
     matrices_of,
     to_complex,
     unknowns,
+    x_and_y,
 )
+from .rest import rested
 from .supports import (
     are_linear,
     interfaces,
@@ -50,17 +52,9 @@ from .system_at_speed import Linear, LinearError, Strain
 OPEN, PINNED = "open", "pinned"
 CONTACTS = (OPEN, PINNED)
 _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
-_ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _FAR = 1e9  # what is more than any displacement [m]
 _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
-_SHARES = tuple(0.5**i for i in range(41))  # of such a step, down to what is rounding of it
-_ULP = 2.0**-52  # of the displacements: a shorter step changes nothing
-_MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
-# Of the displacements, and of `small` where they are none but rounding; the second of a change that
-# no longer shrinks, the third where shorter steps still lead nearer, as where a pad is about to
-# bear, whose force sets in with an infinite slope; of what they lead to, by which they do.
-CHANGE, _STEADY, _STEADY_ASTRIDE, _NEARER = 1e-12, 1e-6, 1e-9, 0.99
 
 
 class LinearMachine:
@@ -118,19 +112,21 @@ class LinearMachine:
         strained = (full.strained @ self.expand).tocsr()
         self.system = StrainedMatrices(places, strained, full.stiffness)
         self._onto = self._across.T.tocsr()
+        films = np.flatnonzero(self._acts & self._is_curved)
+        self.curved, self.onto_curved = films, self._onto[:, x_and_y(films)].toarray()
         self._held_softly = self._soft * self.system.places.matrix(self._M)
         self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
         # elements that bear a load may be few, but there are others wherever it falls
         self._is_held_loaded = self._is_held_at_rest or (
             self._fall > 0.0
-            and self._holds(*(self._linear(0.0, self._moved(way, self._fall)) for way in _WAYS))
+            and self._holds(*(self.linearized(0.0, self._moved(way, self._fall)) for way in _WAYS))
         )
         turning = s.numbers[0].lowest_omega
         self._is_held_turning = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
         # pads that tilt, without preload, hold a journal only where it is off their middle
         if not (self._is_held_loaded or self._is_held_turning):
             fallen = [(self._moved(way, self._fall), self._moved(way, _FAR)) for way in _WAYS]
-            off = (self._linear(turning, self._within_films(*places)) for places in fallen)
+            off = (self.linearized(turning, self.within_films(*places)) for places in fallen)
             self._is_held_turning = self._holds(*off)
         self.is_held = self._is_held_loaded or self._is_held_turning
 
@@ -159,14 +155,14 @@ class LinearMachine:
 
     def at_zero_load(self, speed: float) -> Linear:
         """Return the machine at a speed [rad/s] linearized at no displacement."""
-        return self._linear(speed, np.zeros(self.expand.shape[1]), abs(speed))
+        return self.linearized(speed, np.zeros(self.expand.shape[1]), abs(speed))
 
     def vibrating(self, linear: Linear, frequency: float) -> Linear:
         """Return the machine where it rests, the states of its laws, such as the tilts of pads,
         following a vibration of a frequency [rad/s]; those of `at` follow at that of rotation."""
         if not (self.laws.follows | self.laws.whirls).any():
             return linear
-        result = self._linear(linear.speed, linear.rest, frequency, linear.states)
+        result = self.linearized(linear.speed, linear.rest, frequency, linear.states)
         return result._replace(pull=linear.pull)
 
     def with_own_states(self, linear: Linear, *, of_all: bool = False) -> Linear:
@@ -191,7 +187,7 @@ class LinearMachine:
             raise LinearError(self.why_not_held() + (turning if self._is_held_turning else ""))
         # from the same place whatever was asked before: whether a pad that begins to bear does so
         # depends on that, within rounding
-        linear = self._rested(speed, self.expand.T @ given)
+        linear = rested(self, speed, self.expand.T @ given)
         if linear is not None:
             at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
             check_films(self.rotor, names, speed, at, linear.laws.force, self.laws)
@@ -202,48 +198,14 @@ class LinearMachine:
         """Return the machine moved as one body in a direction, so far [m]."""
         return self._rigid()[:, :2] @ np.array([far * way.real, far * way.imag])
 
-    def _rested(self, speed: float, force: np.ndarray) -> Linear | None:
-        """Return the machine linearized where a force holds it, looked for from the middle on by
-        Newton's method; None where that finds nothing. Each step is halved until its tangents, from
-        where it ends, lead hardly further than they did from where it began, which is no worse in
-        other units (Deuflhard 2011)."""
-        rest = np.zeros_like(force)
-        linear = self._linear(speed, rest)
-        least, before = CHANGE * self.structure.numbers[0].small, 0.0
-        for _ in range(_ITERATIONS):
-            lead = self._leading(linear, force)
-            result, _ = lead(rest, linear.laws.force)
-            change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
-            step, states = self._within_films(rest, result) - rest, linear.states
-            for share in _SHARES:
-                linear = self._linear(speed, rest + share * step, 0.0, states)
-                ahead, pull = lead(linear.rest, linear.laws.force)
-                left = np.abs(ahead - linear.rest).max(initial=0.0)
-                if left <= _MORE * change or share * change <= _ULP * size:
-                    break
-            rest = linear.rest
-            is_astride = share < 1.0 and left < _NEARER * change
-            steady = _STEADY_ASTRIDE if is_astride else _STEADY
-            is_steady = change <= steady * size and change >= 0.5 * before > 0.0
-            if left <= max(CHANGE * size, least) or is_steady:
-                return linear._replace(pull=pull)
-            before = change
-        return None
+    def softly_held(self, own_K: np.ndarray) -> np.ndarray:
+        """Return the numbers of a stiffness with what holds the machine softly at a place."""
+        return own_K + self._soft * self._M
 
-    def _leading(
-        self, linear: Linear, force: np.ndarray
-    ) -> Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-        """Return a function of a place and the laws' force there: where tangents lead from it under
-        a force, and the elements' end forces; softly held at that place, for the tangents may hold
-        the machine in one direction only."""
-        solve = linear._replace(own_K=linear.own_K + self._soft * linear.own_M).factorized()
-
-        def lead(at: np.ndarray, of_laws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            # not by what is left: that is small numbers of large ones where the shaft is stiff
-            of_laws = of_laws - to_complex(self.tangent(linear.laws.by_d, at))
-            return solve(force + self._onto @ in_plane(of_laws) + self._held_softly @ at)
-
-        return lead
+    def with_laws(self, force: np.ndarray, of_laws: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """Return a force on the unknowns with those of the laws, complex of shape (interfaces,),
+        and of what holds the machine softly at a place [N]."""
+        return force + self._onto @ in_plane(of_laws) + self._held_softly @ at
 
     def cross_coupling(self, stiffness: Mapping[int, float]) -> np.ndarray:
         """Return what F_x = -q y, F_y = q x add to K, as numbers of the system; stiffness: q [N/m]
@@ -267,7 +229,7 @@ class LinearMachine:
         held = self._is_held_loaded if force.any() else self._is_held_at_rest
         return held or (self._is_held_turning and speed != 0.0)
 
-    def _within_films(self, rest: np.ndarray, result: np.ndarray) -> np.ndarray:
+    def within_films(self, rest: np.ndarray, result: np.ndarray) -> np.ndarray:
         """Return a result of Newton's method no further from `rest` than a share of the clearance
         of each film, whose force grows without limit beyond it."""
         moved = np.abs(to_complex(self._across @ (result - rest)))
@@ -288,7 +250,7 @@ class LinearMachine:
         kappa = self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
         return Strain(self._elastic - kappa * TURN, self._viscous, self._kappa_h, speed)
 
-    def _linear(
+    def linearized(
         self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None
     ) -> Linear:
         """Return the matrices linearized at the displacements `at`, what the laws' states do being

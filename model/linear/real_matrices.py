@@ -152,6 +152,11 @@ def in_plane(z: np.ndarray) -> np.ndarray:
     return np.stack([z.real, z.imag], axis=-1).reshape(*z.shape[:-1], 2 * z.shape[-1])
 
 
+def x_and_y(at: np.ndarray) -> np.ndarray:
+    """Return the places of x and y of these deflections, or interfaces, among x, y in turn."""
+    return np.column_stack([2 * at, 2 * at + 1]).ravel()
+
+
 def to_complex(u: np.ndarray) -> np.ndarray:
     """Return x + i y of x, y in turn, shape (n,)."""
     return u[::2] + 1j * u[1::2]

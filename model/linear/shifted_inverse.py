@@ -15,7 +15,7 @@ _REAL = 1e-5
 DOUBTFUL = 1e-6  # a residual that is said
 # Of Arnoldi's method, which needs one or two; where damping crowds the eigenvalues of a stiff shaft
 # it needs thousands, or never ends, and all of them cost less, up to so many states.
-RESTARTS, _DENSE_IF_CROWDED = 20, 2000
+RESTARTS, _DENSE_IF_CROWDED = 6, 2000
 
 
 class ShiftedInverse:

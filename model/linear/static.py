@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -10,8 +11,9 @@ from ..arguments import check_integer, rows
 from ..machine.rotor import Rotor
 from ..quantities import STANDARD_GRAVITY
 from ..structure.structure import total_mass
-from .linear_machine import CHANGE, LinearError, LinearMachine
+from .linear_machine import LinearError, LinearMachine
 from .modes import check_speed
+from .rest import CHANGE
 from .support_loads import support_loads
 
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
@@ -68,7 +70,7 @@ def static(
     x, y = whole[::2], whole[1::2]
     n = 2 * len(machine.nodes)
     bears = support_loads(
-        machine, linear, linear.rest, linear.pull, machine.weight + force, 0.0
+        machine, linear.laws, speed, linear.rest, linear.pull, machine.weight + force, 0.0
     ).real
     bears = without_rounding(bears, _NO_LOAD * total_mass(s) * STANDARD_GRAVITY)
     return Static(
@@ -134,6 +136,7 @@ def check_node(machine: LinearMachine | Rotor, node: int) -> int:
     return node
 
 
+@lru_cache(maxsize=4)  # the answers of a report all begin there
 def lowest_speed(rotor: Rotor, top: float, contacts: str | None = None) -> float:
     """Return the lowest speed up to `top` [rad/s], of either sign, from which on the machine has
     linear answers: 0, or where its oil films begin to carry it, to some percent."""

@@ -8,7 +8,7 @@ equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y:
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -103,7 +103,21 @@ def unbalance_response(
     unbalances: (node from 1, amount [kg.m], angle from the shaft's mark [rad]); contacts: `open` or
     `pinned`; None: open where the machine is held without them. Raises `LinearError`.
     """
-    return SteadyWhirl(rotor, contacts, unbalances).response(speeds)
+    return steady_whirl(rotor, contacts, unbalances).response(speeds)
+
+
+def steady_whirl(
+    rotor: Rotor,
+    contacts: str | None = None,
+    unbalances: Sequence[tuple[int, float, float]] | None = None,
+) -> "SteadyWhirl":
+    """Return the `SteadyWhirl` of a machine under its unbalances, or under those given instead; see
+    `unbalance_response` for these and `contacts`. The last one is kept: a response and its checks
+    are about the same speeds."""
+    if unbalances is not None:
+        listed = rows("unbalances", unbalances, "(node, amount, angle)")
+        unbalances = tuple((check_node(rotor, node), a, phase) for node, a, phase in listed)
+    return _kept(rotor, contacts, unbalances)
 
 
 def _of(node: int, amount: float, phase: float) -> complex:
@@ -125,14 +139,13 @@ class _Solved(NamedTuple):
 
 
 class SteadyWhirl:
-    """The steady motion of a machine under its unbalances, or under those given instead, at any
-    speed, solved for once; see `unbalance_response` for these and `contacts`."""
+    """The steady motion of a machine, solved for once at each speed; see `steady_whirl`."""
 
     def __init__(
         self,
         rotor: Rotor,
-        contacts: str | None = None,
-        unbalances: Sequence[tuple[int, float, float]] | None = None,
+        contacts: str | None,
+        unbalances: tuple[tuple[int, float, float], ...] | None,
     ) -> None:
         self.machine = machine = LinearMachine(rotor, contacts)
         if unbalances is None:
@@ -140,9 +153,8 @@ class SteadyWhirl:
             at = np.concatenate([own.dof, own.slope])
             each = np.concatenate([whole, own.offset * whole])
         else:
-            listed = rows("unbalances", unbalances, "(node, amount, angle)")
-            at = np.array([2 * (check_node(machine, node) - 1) for node, _, _ in listed], int)
-            each = np.array([_of(*unbalance) for unbalance in listed], complex)
+            at = np.array([2 * (node - 1) for node, _, _ in unbalances], int)
+            each = np.array([_of(*unbalance) for unbalance in unbalances], complex)
         pull, size = np.zeros((2, machine.across.shape[1] // 2), dtype=complex)
         np.add.at(pull, at, each)
         np.add.at(size, at, np.abs(each))
@@ -183,7 +195,7 @@ class SteadyWhirl:
         linear = machine.at(speed)
         force = speed**2 * self._pull
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
-        loads = partial(support_loads, machine, linear, u, pull, force, speed)
+        loads = partial(support_loads, machine, linear.laws, speed, u, pull, force, speed)
         return _Solved((machine.expand @ u).reshape(-1, 2), loads, linear.rest)
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
@@ -209,3 +221,6 @@ class SteadyWhirl:
             load_x=load[:, :, 0],
             load_y=load[:, :, 1],
         )
+
+
+_kept = lru_cache(maxsize=1)(SteadyWhirl)

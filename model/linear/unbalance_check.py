@@ -14,11 +14,11 @@ from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import OPEN, LinearError
 from .static import check_node, lowest_speed
 from .supports import walls
-from .unbalance import SteadyWhirl
+from .unbalance import steady_whirl
 from .unbalance_peaks import Gap, gaps, major_axis, with_criticals
 from .unbalance_placement import vibration_limit
 
-_POINTS = 301
+SPEEDS = 301  # of a grid, that critical speeds are looked for from
 # Of the maximum continuous speed, how far critical speeds are looked for: beyond the largest margin
 # that may be required, 26 %, with their points of half the power.
 LOOKED_AT = 1.5
@@ -119,7 +119,7 @@ def unbalance_check(
     probes = listed("probes", probes, "nodes")
     response = _Response(rotor, contacts, unbalances, mapped("clearances", clearances))
     trip = max(high, rotor.operation.trip_speed or high)
-    speeds = _speeds(rotor, highest_looked_at(rotor, high), contacts)
+    speeds = close_speeds(rotor, highest_looked_at(rotor, high), contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
         for critical in _criticals(response, probes, speeds)
@@ -162,7 +162,7 @@ def critical_peaks(
     check_positive("highest speed", abs(number("highest speed", top)), "rad/s", LinearError)
     response = _Response(rotor, contacts, unbalances, {})
     nodes = listed("nodes", nodes, "nodes")
-    return tuple(_criticals(response, nodes, _speeds(rotor, top, contacts)))
+    return tuple(_criticals(response, nodes, close_speeds(rotor, top, contacts)))
 
 
 def _criticals(
@@ -177,11 +177,11 @@ def _criticals(
     return sorted(result, key=lambda c: (float(f"{c.peak.speed:.6g}"), c.node, c.axis))
 
 
-def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
+def close_speeds(rotor: Rotor, top: float, contacts: str | None = None) -> np.ndarray:
     """Return speeds from 0 to `top` so close together that no peak lies between them: those of a
     grid, and more of them about the damped critical speeds."""
     first = lowest_speed(rotor, top, contacts)
-    close = with_criticals(rotor, np.linspace(first, top, _POINTS + 1), contacts)
+    close = with_criticals(rotor, np.linspace(first, top, SPEEDS), contacts)
     return close[close != 0.0]
 
 
@@ -200,7 +200,7 @@ class _Response:
         unbalances: Sequence[tuple[int, float, float]] | None,
         clearances: Mapping[int, float],
     ) -> None:
-        self.whirl = SteadyWhirl(rotor, contacts, unbalances)
+        self.whirl = steady_whirl(rotor, contacts, unbalances)
         if not self.whirl.is_driven:
             raise LinearError(
                 "no unbalance acts, so that there is no response to check: give the machine one, "

@@ -15,7 +15,7 @@ from .campbell import campbell
 from .linear_machine import LinearMachine
 from .orbit import semi_axes
 from .static import check_node, lowest_speed
-from .unbalance import SteadyWhirl, UnbalanceResponse
+from .unbalance import SteadyWhirl, UnbalanceResponse, steady_whirl
 
 _MODES = 12
 _POINTS = 13  # of the Campbell diagram
@@ -83,7 +83,7 @@ def response_with_peaks(
     """Return the response to unbalance at speeds [rad/s], ascending, and at the peaks between them
     of nodes (from 1), by default those with the largest orbits; see `unbalance_response` for the
     rest."""
-    whirl = SteadyWhirl(rotor, contacts, unbalances)
+    whirl = steady_whirl(rotor, contacts, unbalances)
     close = with_criticals(rotor, speeds, contacts)
     shown = nodes or whirl.response(close).nodes()
     peaks = {}

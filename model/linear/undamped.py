@@ -25,7 +25,7 @@ from ..structure.strain_solver import Solve, StrainedMatrices
 from ..structure.structure import total_mass
 from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
 from .orbit import AT_REST, lengths_of_nodes
-from .real_matrices import Between, differences
+from .real_matrices import Between, differences, x_and_y
 from .shifted_inverse import RESTARTS
 from .support_loads import support_loads
 
@@ -96,7 +96,7 @@ class UndampedMachine:
             own = sp.diags_array(np.repeat(s.springs.stiffness, 2))
             K = K - springs.T @ own @ springs
         K = K.tocoo()
-        rows = np.column_stack([2 * self._held, 2 * self._held + 1]).ravel()
+        rows = x_and_y(self._held)
         self._between = Between(across[rows], K.row, K.col)
         places = self._between.places
         self.mass, self._gyroscopic = M, gyroscopic
@@ -201,7 +201,8 @@ class UndampedMachine:
             linear = machine.loaded(speed)
         except LinearError:
             return np.nan
-        loads = support_loads(machine, linear, linear.rest, linear.pull, machine.weight, 0.0)
+        at_rest = linear.laws, speed, linear.rest, linear.pull
+        loads = support_loads(machine, *at_rest, machine.weight, 0.0)
         load = float(np.linalg.norm(loads[self._held[i]]))
         return float(m * part.k ** (1.0 / m) * load ** (1.0 - 1.0 / m))
 

@@ -84,6 +84,12 @@ class StrainedMatrices:
         columns = np.concatenate([places.columns, b.col, size + b.row, along.ravel()])
         self._by_column = np.lexsort((rows, columns))
         self._rows, self._columns = (at[self._by_column].astype(np.int32) for at in (rows, columns))
+        # numbers row by row, for what is the largest in each
+        self._by_row = np.lexsort((self._columns, self._rows))
+        self._row_starts, self._column_starts = (
+            np.searchsorted(at, np.arange(self.size))
+            for at in (self._rows[self._by_row], self._columns)
+        )
         self._strains = np.concatenate([b.data, b.data])
         self._is_flexibility = self._by_column >= len(places.rows) + 2 * b.nnz
 
@@ -105,11 +111,11 @@ class StrainedMatrices:
         """
         flexibility = _turned(self._flexibility, np.linalg.inv(turned))
         values = np.concatenate([numbers, self._strains, -flexibility.ravel()])[self._by_column]
+        scale = self._balance(np.abs(values))
         acts = (values != 0) | self._is_flexibility
         values, rows, columns = values[acts], self._rows[acts], self._columns[acts]
         starts = np.searchsorted(columns, np.arange(self.size + 1, dtype=np.int32))
         starts = starts.astype(np.int32)  # as SciPy would, in less time
-        scale = _balance(np.abs(values), rows, columns, self.size)
         values *= scale[rows] * scale[columns]
         matrix = sp.csc_array((values, rows, starts), shape=(self.size,) * 2)
         factors = splu(matrix)
@@ -129,21 +135,21 @@ class StrainedMatrices:
 
         return solve
 
+    def _balance(self, sizes: np.ndarray) -> np.ndarray:
+        """Return factors for rows and columns, powers of two, that scale the largest numbers of
+        each to about 1 (Ruiz 2001); sizes: of all numbers."""
+        scale = np.ones(self.size)
+        for _ in range(_SCALINGS):
+            scaled = sizes * scale[self._rows] * scale[self._columns]
+            largest = np.maximum(
+                np.maximum.reduceat(scaled[self._by_row], self._row_starts),
+                np.maximum.reduceat(scaled, self._column_starts),
+            )
+            scale /= np.sqrt(np.where(largest > 0, largest, 1.0))
+        return 2.0 ** np.round(np.log2(scale))
+
 
 def _turned(each: np.ndarray, turned: np.ndarray) -> np.ndarray:
     """Return the Kronecker product of each of `count` matrices, shape (count, 2, 2), with one."""
     size = each.shape[1] * len(turned)
     return np.einsum("eij,ab->eiajb", each, turned).reshape(-1, size, size)
-
-
-def _balance(sizes: np.ndarray, row: np.ndarray, column: np.ndarray, count: int) -> np.ndarray:
-    """Return factors for rows and columns, powers of two, that scale the largest numbers of each to
-    about 1 (Ruiz 2001); sizes: of the numbers at these rows and columns."""
-    scale = np.ones(count)
-    for _ in range(_SCALINGS):
-        scaled = sizes * scale[row] * scale[column]
-        largest = np.zeros(count)
-        np.maximum.at(largest, row, scaled)
-        np.maximum.at(largest, column, scaled)
-        scale /= np.sqrt(np.where(largest > 0, largest, 1.0))
-    return 2.0 ** np.round(np.log2(scale))

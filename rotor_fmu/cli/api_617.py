@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from ..linear.answers import UnbalanceResponse
     from ..model.machine.rotor import Rotor
 
-_SPEEDS = 401  # speeds of the response to unbalance
-
 
 @with_output_options
 def critical_map(
@@ -159,7 +157,9 @@ def unbalance(
     factor: With --mode: multiple of the residual unbalance 4W/N; default: 2.
     out: Folder for picture and CSV.
     """
-    speeds, machine = speed_range(speed, _SPEEDS), machine_in_units(rotor, units)
+    from ..model.linear.unbalance_check import SPEEDS
+
+    speeds, machine = speed_range(speed, SPEEDS), machine_in_units(rotor, units)
     given = [_unbalance(text) for text in at] if at else None
     ends = operating_range(operating, rated, machine)
     gaps = clearances_of(clearance)
@@ -180,7 +180,7 @@ def unbalance(
         placed = placed_unbalances(machine, mode, ends[1], factor=times, contacts=contacts)
         given = [(p.node, p.amount, p.phase) for p in placed]
     if len(speeds) == 0:
-        speeds = usual_speeds(machine, contacts, ends, _SPEEDS)
+        speeds = usual_speeds(machine, contacts, ends, SPEEDS)
     acting: dict[str, Any] = {"contacts": contacts, "unbalances": given}
     if len(speeds) > answers.MOST_SPEEDS:
         result = answers.response_with_peaks(machine, speeds, nodes=node or (), **acting)

@@ -19,8 +19,8 @@ from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_films_are_left, where_linearized, whirl_in_pads
 from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.own_frequency import OwnWhirl
-from ..model.linear.unbalance import SteadyWhirl
-from ..model.linear.unbalance_check import LOOKED_AT, highest_looked_at
+from ..model.linear.unbalance import steady_whirl
+from ..model.linear.unbalance_check import LOOKED_AT, SPEEDS, highest_looked_at
 from ..model.machine.rotor import Rotor
 from ..report.report_tables import notice_html, table
 from ..report.run_page import figure_html, machine_html, page, template
@@ -28,7 +28,6 @@ from .rub_check import RubCheck, rub_check
 from .rub_shown import closings_table, rub_figure, runs_table
 
 _SPEEDS = 41
-_CURVE = 301
 _MODES = 6
 _ONE_PEAK = 0.03
 
@@ -79,7 +78,7 @@ def machine_report(
     speeds = np.linspace(first, top, _SPEEDS)
     listed = inventory(rotor)
     unbalances, mode = None, options.mode
-    if mode is None and not SteadyWhirl(rotor).is_driven:
+    if mode is None and not steady_whirl(rotor).is_driven:
         mode = 1
     if mode is not None:
         placed = placed_unbalances(rotor, mode, high)
@@ -87,7 +86,7 @@ def machine_report(
     at_speed = answers.modes(rotor, high, count=_MODES)
     diagram = answers.campbell(rotor, speeds)
     over_stiffness = acceptance.critical_map(rotor)
-    curve = np.linspace(first, top, _CURVE)
+    curve = np.linspace(first, top, SPEEDS)
     response = answers.response_with_peaks(
         rotor, curve, nodes=options.probes or (), unbalances=unbalances
     )

@@ -18,10 +18,10 @@ from ..display import current
 from ..linear.answers import static
 from ..model.linear.amplification import with_tops
 from ..model.linear.linear_machine import OPEN
-from ..model.linear.static import lowest_speed
 from ..model.linear.supports import touching, walls
-from ..model.linear.unbalance import SteadyWhirl
-from ..model.linear.unbalance_peaks import Gap, gaps, major_axis, with_criticals
+from ..model.linear.unbalance import SteadyWhirl, steady_whirl
+from ..model.linear.unbalance_check import close_speeds, highest_looked_at
+from ..model.linear.unbalance_peaks import Gap, gaps, major_axis
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
@@ -35,7 +35,6 @@ _SETTLING = 60.0  # turns at the first speed, before the run begins
 _FIRST = 0.1  # of the highest speed: where a run begins
 _POINTS = 400
 _BINS = 120
-_SPEEDS = 201
 _LASTING = 0.02  # of the time in the range, from which a rub lasts
 _NARROW = 0.01  # of the highest speed: what a run passes of a range that is a single speed
 
@@ -167,13 +166,14 @@ def rub_check(
     """
     machine = with_unbalances(rotor, unbalances, scale)
     top = max(1.25 * high, rotor.operation.trip_speed or 0.0)
-    whirl = SteadyWhirl(machine)
-    first = max(_FIRST * top, lowest_speed(machine, top))
-    close = with_criticals(machine, np.linspace(first, top, _SPEEDS))
-    closings = _closings(machine, whirl, close, high)
+    whirl = steady_whirl(rotor, None, unbalances)
+    close = close_speeds(rotor, highest_looked_at(rotor, high))
+    first = max(_FIRST * top, close[0])
+    close = np.unique([first, *close[(close > first) & (close < top)], top])
+    closings = _closings(rotor, whirl, scale, close, high)
     probes = {
-        name: partial(major_axis, whirl, 2 * of.node - 2, 2 * of.node - 1, of.offset)
-        for name, of in machine.elements_of_kind(ProbeElement)
+        name: _scaled(scale, whirl, 2 * of.node - 2, 2 * of.node - 1, of.offset)
+        for name, of in rotor.elements_of_kind(ProbeElement)
     }
     speeds = with_tops(list(probes.values()), close)
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
@@ -187,7 +187,16 @@ def rub_check(
     return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, tuple(runs))
 
 
-def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray, high: float) -> list[Closing]:
+def _scaled(
+    scale: float, whirl: SteadyWhirl, dof: int, other: int, factor: float
+) -> Callable[[float], float]:
+    """Return `major_axis` as a function of the speed, times a factor on all unbalances."""
+    return lambda speed: scale * major_axis(whirl, dof, other, factor, speed)
+
+
+def _closings(
+    rotor: Rotor, whirl: SteadyWhirl, scale: float, speeds: np.ndarray, high: float
+) -> list[Closing]:
     contacts = walls(rotor)
     if whirl.machine.contacts != OPEN:
         held = gaps(whirl.machine, contacts)
@@ -199,7 +208,8 @@ def _closings(rotor: Rotor, whirl: SteadyWhirl, speeds: np.ndarray, high: float)
     for gap in gaps(whirl.machine, touching(rotor)):
         is_open = gap.name in contacts  # nothing of it bears; a film's journal rises with the speed
         sag = partial(_distance, gap, (lambda speed: at_rest) if is_open else whirl.rest)
-        found.append(_closing(gap, sag, gap.size(whirl), speeds))
+        size = _scaled(scale, whirl, gap.dof, gap.end, -1.0)
+        found.append(_closing(gap, sag, size, speeds))
     return [each for each in found if each]
 
 

@@ -2,13 +2,13 @@
 
 import json
 import math
+from importlib import import_module
 
 import numpy as np
 import pytest
 from rotor_fmu.model import linear
 from rotor_fmu.model.machine.toml import rig
 
-from rotor_fmu.cli import api_617 as cli_api_617
 from rotor_fmu.cli import linear as cli_linear
 from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.loading import load_rotor
@@ -118,8 +118,8 @@ def test_the_usual_speeds_begin_where_the_films_carry_the_machine(
 ):
     """Slower, a film without a contact behind it would be thinner than its roughness. Where they
     begin does not depend on how many they are."""
-    for module in (cli_linear, cli_api_617):
-        monkeypatch.setattr(module, "_SPEEDS", 5)
+    monkeypatch.setattr(cli_linear, "_SPEEDS", 5)
+    monkeypatch.setattr(import_module("rotor_fmu.model.linear.unbalance_check"), "SPEEDS", 5)
     rotor = tmp_path / "rotor.toml"
     rotor.write_text(OIL_FILM.read_text().replace("k = 1e8", "").replace("mu = 0.1", shape))
     for name in ("campbell",) if shape else ("campbell", "unbalance"):

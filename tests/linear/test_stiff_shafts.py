@@ -177,3 +177,10 @@ def test_modes_that_rounding_hides_are_said_and_are_no_instability():
     assert "rounding" not in answers.modes(machine(2e18, 4), SPEED, count=4).table().title
     assert campbell(rotor, [0.0, SPEED]).threshold is None
     assert machine_warnings(rotor) == []
+
+
+def test_a_stiff_shaft_that_damps_has_the_lines_of_a_rigid_rotor_alone():
+    damped = machine(2e15, 20, shaft="eta_v = 1e-4")
+    diagram = campbell(damped, [0.0, 300.0, 600.0])
+    assert diagram.eigenvalues.shape == (3, 4)
+    assert np.isfinite(diagram.eigenvalues).all()

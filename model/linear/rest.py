@@ -1,0 +1,111 @@
+"""Where a force holds a machine at a speed: Newton's method.
+
+Between its steps nothing changes but the laws' tangents, of a few interfaces. So the matrix with
+the first of them is factorized, and those that follow change it by X^T T X of their differences T:
+
+    (A - X^T T X) u = g,    T d = (1 - T C)^-1 T X A^-1 g,    C = X A^-1 X^T,
+
+with the displacements d = X u of the interfaces (Woodbury).
+"""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .real_matrices import to_complex
+from .system_at_speed import Linear
+
+if TYPE_CHECKING:
+    from .linear_machine import LinearMachine
+
+_ITERATIONS = 200
+_SHARES = tuple(0.5**i for i in range(41))  # of a step, down to what is rounding of it
+_ULP = 2.0**-52  # of the displacements: a shorter step changes nothing
+_MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
+# Of the displacements, and of `small` where they are none but rounding; the second of a change that
+# no longer shrinks, the third where shorter steps still lead nearer, as where a pad is about to
+# bear, whose force sets in with an infinite slope; of what they lead to, by which they do.
+CHANGE, _STEADY, _STEADY_ASTRIDE, _NEARER = 1e-12, 1e-6, 1e-9, 0.99
+_MOST = 100.0  # times as soft or as stiff: as much of a solution's digits is lost
+
+# From a place and the laws' force there to where tangents lead, and the elements' end forces.
+Lead = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+def rested(machine: "LinearMachine", speed: float, force: np.ndarray) -> Linear | None:
+    """Return the machine at a speed [rad/s] linearized where a force holds it, looked for from the
+    middle on by Newton's method; None where that finds nothing. Each step is halved until its
+    tangents, from where it ends, lead hardly further than they did from where it began, which is no
+    worse in other units (Deuflhard 2011)."""
+    rest = np.zeros_like(force)
+    linear = machine.linearized(speed, rest)
+    least, before = CHANGE * machine.structure.numbers[0].small, 0.0
+    leading = _Leading(machine, linear, force)
+    for _ in range(_ITERATIONS):
+        lead = leading.by(linear)
+        if lead is None:
+            leading = _Leading(machine, linear, force)
+            lead = leading.first
+        result, _ = lead(rest, linear.laws.force)
+        change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
+        step, states = machine.within_films(rest, result) - rest, linear.states
+        for share in _SHARES:
+            linear = machine.linearized(speed, rest + share * step, 0.0, states)
+            ahead, pull = lead(linear.rest, linear.laws.force)
+            left = np.abs(ahead - linear.rest).max(initial=0.0)
+            if left <= _MORE * change or share * change <= _ULP * size:
+                break
+        rest = linear.rest
+        is_astride = share < 1.0 and left < _NEARER * change
+        steady = _STEADY_ASTRIDE if is_astride else _STEADY
+        is_steady = change <= steady * size and change >= 0.5 * before > 0.0
+        if left <= max(CHANGE * size, least) or is_steady:
+            return linear._replace(pull=pull)
+        before = change
+    return None
+
+
+class _Leading:
+    """Where tangents lead a machine under a force, softly held where it is, for they may hold it in
+    one direction only."""
+
+    def __init__(self, machine: "LinearMachine", linear: Linear, force: np.ndarray) -> None:
+        self._machine, self._force, self._base = machine, force, linear.laws.by_d
+        self._solve = linear._replace(own_K=machine.softly_held(linear.own_K)).factorized()
+        self._moved, self._pulled = self._solve(machine.onto_curved)
+        self._flexibility = machine.onto_curved.T @ self._moved
+        self.first = self._lead(self._base, None)
+
+    def by(self, linear: Linear) -> Lead | None:
+        """Return where the tangents at a place lead; None if they differ so much from the first
+        ones that these are to be replaced."""
+        curved = self._machine.curved
+        m, each = len(curved), np.arange(len(curved))
+        blocks = np.zeros((m, 2, m, 2))
+        blocks[each, :, each] = (linear.laws.by_d - self._base)[curved]
+        change = blocks.reshape(2 * m, 2 * m)
+        if not change.any():
+            return self.first
+        one = np.eye(len(change)) - change @ self._flexibility
+        try:
+            back = np.linalg.inv(one)
+        except np.linalg.LinAlgError:
+            return None
+        if not max(np.abs(one).max(), np.abs(back).max()) <= _MOST:
+            return None
+        return self._lead(linear.laws.by_d, back @ change)
+
+    def _lead(self, by_d: np.ndarray, by_first: np.ndarray | None) -> Lead:
+        machine = self._machine
+
+        def lead(at: np.ndarray, of_laws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            # not by what is left: that is small numbers of large ones where the shaft is stiff
+            of_laws = of_laws - to_complex(machine.tangent(by_d, at))
+            moved, pull = self._solve(machine.with_laws(self._force, of_laws, at))
+            if by_first is None:
+                return moved, pull
+            more = by_first @ (machine.onto_curved.T @ moved)
+            return moved + self._moved @ more, pull + self._pulled @ more
+
+        return lead
