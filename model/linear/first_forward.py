@@ -209,9 +209,9 @@ def _place(found: Modes) -> int:
 
 
 def _times(part: LinearBearing, share: float) -> LinearBearing:
-    """Return a bearing with its coefficients times a share."""
+    """Return a bearing with its coefficients and its added mass times a share."""
     scaled: dict[str, Any] = {}
-    for name in quantities(Coefficients):
+    for name in (*quantities(Coefficients), "added_mass"):
         value = getattr(part, name)
         is_table = isinstance(value, tuple)
         scaled[name] = tuple(share * v for v in value) if is_table else share * value

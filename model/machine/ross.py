@@ -274,6 +274,7 @@ class _Reader:
                     f"BearingElement to ground; there is {mass:g} kg on {len(holding)} of them"
                 )
             ground = holding[0]
+            ground.refuse_nonzero(*_MASSES)
             coefficients = self._coefficients(ground)
             crossed = [k for k in ("kxy", "kyx", "cxy", "cyx") if coefficients.get(k, 0.0) != 0]
             tabled = [k for k, v in coefficients.items() if isinstance(v, list)]
@@ -296,12 +297,6 @@ class _Reader:
         for key in ("kxx", "cxx"):
             if not element.has(key):
                 raise QuantityError(f"{element.where}.{key} is missing")
-        for key in _MASSES:
-            if element.column(key) != 0:
-                raise QuantityError(
-                    f"{element.where}.{key}: must be 0; a bearing here has no added mass, take a "
-                    "PointMass"
-                )
         idle = [key for key in _NOT_LATERAL if element.column(key) != 0]
         if idle:
             self._notes.append(f"{element.where}: {', '.join(idle)}: no lateral force, left out")
@@ -342,4 +337,14 @@ class _Reader:
                     "supported"
                 )
             table["housing"] = pedestals[n][0]["name"]
-        return table | self._coefficients(element)
+        return table | self._added_mass(element) | self._coefficients(element)
+
+    @staticmethod
+    def _added_mass(element: Element) -> dict[str, float]:
+        """Return the added mass [kg], which here is the same in x and y and at every speed."""
+        element.refuse_nonzero("mxy", "myx")
+        x, y = (element.column(k if element.has(k) else "mxx") for k in ("mxx", "myy"))
+        if isinstance(x, list) or x != y:
+            where = f"{element.where}.mxx = {x}, myy = {y}"
+            raise QuantityError(f"{where}: must be the same, at all speeds too")
+        return {"added_mass": x} if x != 0 else {}

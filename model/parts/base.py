@@ -29,6 +29,13 @@ class BodyElement(NamedTuple):
     offset: float = 0.0
 
 
+class AddedMassElement(NamedTuple):
+    """A mass [kg] of fluid that a node accelerates against ground. It has no weight."""
+
+    node: int
+    mass: float
+
+
 class SpringElement(NamedTuple):
     """An isotropic linear spring [N/m] and damper [N.s/m] from a node to ground."""
 
@@ -110,6 +117,7 @@ class InterfaceElement(NamedTuple):
 
 Element = (
     BodyElement
+    | AddedMassElement
     | SpringElement
     | UnbalanceElement
     | PortElement

@@ -4,7 +4,9 @@ With the node's displacement d = u + i v [m] relative to the housing, or to grou
 
     F = -(K d + C d'),    K = [[kxx, kxy], [kyx, kyy]],    C = [[cxx, cxy], [cyx, cyy]]
 
-and in complex coordinates K d = k d + l conj(d), with k = (kxx + kyy + i (kyx - kxy)) / 2 and l =
+A liquid seal's fluid adds m d'' against ground, `added_mass` in the machine's mass matrix.
+
+In complex coordinates K d = k d + l conj(d), with k = (kxx + kyy + i (kyx - kxy)) / 2 and l =
 (kxx - kyy + i (kyx + kxy)) / 2.
 
 The ledger: K0, the symmetric part of K at standstill, stores d^T K0 d / 2; C dissipates d'^T C d';
@@ -19,8 +21,26 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..kernels.jit import jit, jit_not_inlined
-from ..quantities import ANY, Output, QuantityError, check_all, places, quantities, quantity
-from .base import FORCE_OUTPUTS, GROUND, Element, InterfaceElement, Part, ProbeElement, Shape
+from ..quantities import (
+    ANY,
+    NOT_NEGATIVE,
+    Output,
+    QuantityError,
+    check_all,
+    places,
+    quantities,
+    quantity,
+)
+from .base import (
+    FORCE_OUTPUTS,
+    GROUND,
+    AddedMassElement,
+    Element,
+    InterfaceElement,
+    Part,
+    ProbeElement,
+    Shape,
+)
 from .law import Law
 from .speed_table import check_ascending, check_column, cubic, interpolant, row_at, speed_table
 
@@ -170,6 +190,9 @@ class LinearBearing(Coefficients, Part):
     speed: tuple[float, ...] = quantity(
         "rad/s", "speeds of the table, ascending", ANY, (), may_be_list=True
     )
+    added_mass: float = quantity(
+        "kg", "direct added mass of the fluid, which has no weight", NOT_NEGATIVE, 0.0
+    )
 
     def check(self, where: str) -> None:
         """Raise `QuantityError` for impossible quantities or an impossible table."""
@@ -187,6 +210,10 @@ class LinearBearing(Coefficients, Part):
             check_column(f"{where}.{name}", values, over, len(self.speed))
         if self.speed and not tabulated:
             raise QuantityError(f"{where}.speed: no coefficient is a list over it")
+        if self.added_mass > 0 and self.housing != GROUND:
+            raise QuantityError(
+                f"{where}.added_mass = {self.added_mass:g} kg: must be 0 in a housing"
+            )
 
     def matrices(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
         """Return K [N/m] and C [N.s/m] at a speed [rad/s], each of shape (2, 2)."""
@@ -198,8 +225,9 @@ class LinearBearing(Coefficients, Part):
         return np.reshape(values[:4], (2, 2)), np.reshape(values[4:], (2, 2))
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """Yield one interface, and a probe of the shaft in it."""
+        """Yield one interface, a probe of the shaft in it and the added mass."""
         yield InterfaceElement(self.node, LINEAR_BEARING, self, self.housing)
+        yield AddedMassElement(self.node, self.added_mass)
         yield ProbeElement(self.node)
 
     def outline(self) -> Iterator[Shape]:

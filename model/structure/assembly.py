@@ -22,6 +22,7 @@ from ..parts import LAWS
 from ..parts.base import (
     BASE,
     GROUND,
+    AddedMassElement,
     BodyElement,
     Element,
     InterfaceElement,
@@ -62,6 +63,9 @@ def assemble(rotor: Rotor) -> Structure:
     n = 2 * len(rotor.nodes)
     elements = list(machine_elements(rotor))
     M, M_shaft, G, K_shaft, K_axial, inertia = _matrices(rotor, elements)
+    mass_sum = product(M, np.arange(n) % 2 == 0)
+    for _, added in _of_kind(AddedMassElement, elements):
+        M[_dof(added), 0] += added.mass
     springs = _rows(
         SPRING,
         [(_dof(s), s.stiffness, s.damping) for _, s in _of_kind(SpringElement, elements)],
@@ -97,7 +101,7 @@ def assemble(rotor: Rotor) -> Structure:
         K_axial=K_axial,
         M_factors=M_factors,
         weights=_weights(M),
-        mass_sum=product(M, np.arange(n) % 2 == 0),
+        mass_sum=mass_sum,
         weight=np.zeros(n, dtype=complex),
         releases=_rows(
             RELEASE, [tuple(element) for _, element in _of_kind(ReleaseElement, elements)]

@@ -68,7 +68,7 @@ CASES = {
     "housing": [SEAT, ("contact", WALL | {"housing": "seat"})],
     "linear_bearing": [SEAT, ("linear_bearing", EIGHT | {"housing": "seat"})],
     "linear_bearing over the speed": [("linear_bearing", OVER_SPEED)],
-    "seal": [("seal", EIGHT)],
+    "seal": [("seal", EIGHT | {"added_mass": 2.0})],
     "rolling_bearing": [("rolling_bearing", BALLS)],
     "journal_bearing": [("journal_bearing", FILM | COARSE)],
     "grooved journal_bearing": [("journal_bearing", FILM | GROOVED | COARSE)],

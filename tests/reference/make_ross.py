@@ -115,6 +115,31 @@ def damped_by_its_mass():
     return rs.Rotor(shaft, discs, bearings)
 
 
+def pump():
+    """Two liquid seals with cross coupling and added mass."""
+    shaft = [rs.ShaftElement(0.15, 0.0, 0.06, material=STEEL, n=n) for n in range(6)]
+    discs = [rs.DiskElement(n=n, m=18.0, Id=0.09, Ip=0.16) for n in (2, 4)]
+    bearings = [rs.BearingElement(n=n, kxx=4e7, kyy=6e7, cxx=4e4, cyy=6e4) for n in (0, 6)]
+    seals = [
+        rs.SealElement(
+            n=n,
+            kxx=3e6,
+            kyy=3e6,
+            kxy=4e6,
+            kyx=-4e6,
+            cxx=2e4,
+            cyy=2e4,
+            cxy=900.0,
+            cyx=-900.0,
+            mxx=mass,
+            myy=mass,
+            tag=f"seal {n}",
+        )
+        for n, mass in ((2, 6.0), (3, 25.0))
+    ]
+    return rs.Rotor(shaft, discs, [*bearings, *seals])
+
+
 def computed_bearings():
     """Bearings that ROSS computed: a ball bearing, and a film over the speed."""
     shaft = [rs.ShaftElement(0.125, 0.0, 0.05, material=STEEL, n=n) for n in range(8)]
@@ -203,6 +228,7 @@ if not IS_3:
     for seed in range(8):
         node = 1 + seed % 3
         MACHINES[f"random_{seed}.json"] = (partial(at_random, seed), (node, 1e-4, 0.1 * seed))
+    MACHINES["pump.toml"] = (pump, (2, 1e-4, 0.0), (4, 1e-4, 1.5))
     MACHINES["computed_bearings.toml"] = (computed_bearings, (3, 1e-4, 0.0), (5, 5e-5, 1.0))
 NOT_AT_REST = {"computed_bearings.toml"}  # whose film has no coefficients there
 # those of the tables: between them ROSS 2.3 has splines where ROSS 3 and this project have PCHIP

@@ -17,7 +17,9 @@ from .test_ross import text_of
     ("before", "after", "expected"),
     [
         ('["SealElement_balance', '["GearElement_balance', "GearElement of ROSS is not supported"),
-        ("mxx = [ 0,]", "mxx = [ 2.0,]", "SealElement_balance piston.mxx: must be 0"),
+        ("mxx = [ 0,]", "mxx = [ 2.0,]", "piston.mxx = 2.0, myy = 0.0: must be the same, at all"),
+        ("mxx = [ 0,]", "mxx = [ 2.0, 3.0,]", "piston.mxx = [2.0, 3.0], myy = 0.0: must be"),
+        ("mxy = [ 0,]", "mxy = [ 2.0,]", "piston.mxy = 2.0: must be 0; it is not supported"),
         ("torque = 0\n", "torque = 5.0\n", "torque = 5.0: must be 0"),
         ("gyroscopic = true", "gyroscopic = false", "gyroscopic = false: not supported, a shaft"),
         ("shear_effects = true", 'shear_effects = ""', "shear_effects = '': must be true or false"),
@@ -63,6 +65,7 @@ def test_what_cannot_be_carried_over_is_refused_by_name(before, after, expected)
 @pytest.mark.parametrize(
     ("element", "given", "expected"),
     [
+        ("BearingElement_Bearing 2", {"mxx": [5.0]}, "Bearing 2.mxx = 5.0: must be 0; it is not"),
         ("BearingElement_Bearing 2", {"kxy": [5.0]}, "Bearing 2.kxy: a pedestal here stands on"),
         (
             "BearingElement_Bearing 2",

@@ -172,10 +172,7 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
 {
     NEEDED(c);
-    if (!state || !size)
-        return refuse(c, "serializedFMUstateSize: NULL given");
-    *size = state_size(state);
-    return fmi2OK;
+    return state_size(c, state, size);
 }
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {

@@ -212,10 +212,7 @@ fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size)
 {
     NEEDED(c);
-    if (!state || !size)
-        return refuse(c, "serializedFMUStateSize: NULL given");
-    *size = state_size(state);
-    return fmi3OK;
+    return state_size(c, state, size);
 }
 fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {

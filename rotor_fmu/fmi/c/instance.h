@@ -153,10 +153,10 @@ Status get_derivatives(Instance *, const char *call, const uint32_t *references,
 Status get_directional(Instance *, const uint32_t *unknown, size_t unknowns, const uint32_t *known,
                        size_t knowns, const double *along, double *values);
 
-size_t state_size(const void *state);
 void free_state(void **state);
 Status take_state(Instance *, void **state);
 Status give_state(Instance *, const void *state);
+Status state_size(Instance *, const void *state, size_t *size);
 Status write_state(Instance *, const void *state, void *bytes, size_t size);
 Status read_state(Instance *, const void *bytes, size_t size, void **state);
 #ifdef __GNUC__

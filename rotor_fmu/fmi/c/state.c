@@ -6,15 +6,23 @@
 
 #include "kernels.h"
 
-size_t state_size(const void *state)
+static size_t size_of(const void *state)
 {
     return (size_t)((const State *)state)->bytes;
+}
+
+Status state_size(Instance *m, const void *state, size_t *size)
+{
+    if (!state || !size)
+        return refuse(m, "serializedFMUstateSize: NULL given");
+    *size = size_of(state);
+    return OK;
 }
 
 /* Whether a state is of this size. */
 static int is_size(const Instance *m, uint64_t bytes)
 {
-    return bytes == head_size(m) + (size_t)m->table->state_bytes 
+    return bytes == head_size(m) + (size_t)m->table->state_bytes
            || bytes == head_size(m) + (size_t)m->table->tangent_bytes;
 }
 
@@ -40,7 +48,7 @@ Status take_state(Instance *m, void **state)
     if (!state)
         return refuse(m, "getFMUstate: NULL given");
     uint8_t *room = *state;
-    if (!room || state_size(room) != head + run) /* what is given may be of another instance */
+    if (!room || size_of(room) != head + run) /* what is given may be of another instance */
         room = realloc(room, head + run);
     if (!room)
         return refuse(m, "out of memory for a state");
@@ -79,7 +87,7 @@ Status write_state(Instance *m, const void *state, void *bytes, size_t size)
 {
     if (!state || !bytes)
         return refuse(m, "serializeFMUstate: NULL given");
-    size_t needed = state_size(state);
+    size_t needed = size_of(state);
     if (size < needed)
         return refuse(m, "serializeFMUstate: %zu bytes given, %zu needed", size, needed);
     uint64_t sum = checksum(state, needed, offsetof(State, checksum));
