@@ -104,6 +104,8 @@ def write_json(figures: Mapping[str, Any], path: Path) -> None:
 
 def as_json_value(value: Any) -> Any:
     """Return figures as JSON values: None where a number is not finite."""
+    if isinstance(value, float):  # first: most are
+        return value if math.isfinite(value) else None
     if isinstance(value, Mapping):
         return {str(key): as_json_value(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -112,4 +114,4 @@ def as_json_value(value: Any) -> Any:
         return str(value)
     if isinstance(value, Integral) and not isinstance(value, bool):
         return int(value)
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return value

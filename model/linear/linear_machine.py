@@ -10,7 +10,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import scipy.sparse as sp
@@ -53,6 +53,7 @@ OPEN, PINNED = "open", "pinned"
 CONTACTS = (OPEN, PINNED)
 _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
+_FALLEN = 0.5  # of a clearance, where the middle is no place to begin from
 _FAR = 1e9  # what is more than any displacement [m]
 _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
 
@@ -185,14 +186,27 @@ class LinearMachine:
         if not self._holds_at(speed, given):
             turning = "; it is held as it turns: give a speed above 0"
             raise LinearError(self.why_not_held() + (turning if self._is_held_turning else ""))
-        # from the same place whatever was asked before: whether a pad that begins to bear does so
-        # depends on that, within rounding
-        linear = rested(self, speed, self.expand.T @ given)
-        if linear is not None:
+        force = self.expand.T @ given
+        for start in self._starts(force):
+            linear = rested(self, speed, force, start)
+            if linear is None:
+                continue
             at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
             check_films(self.rotor, names, speed, at, linear.laws.force, self.laws)
             return self.vibrating(linear, abs(speed))
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
+
+    def _starts(self, force: np.ndarray) -> Iterator[np.ndarray]:
+        """Yield where an equilibrium under a force on the unknowns is looked for, the same places
+        whatever was asked before: whether a pad that begins to bear does so depends on that, within
+        rounding. In the middle of a film with pads on one side only, tangents may lead a journal
+        away from these: second, it has moved by a share of the least clearance as the force
+        pulls."""
+        yield np.zeros_like(force)
+        pull = complex(*(self._rigid()[:, :2].T @ force))
+        clearances = self._lengths[self._lengths > 0.0]
+        if pull and len(clearances):
+            yield self._moved(pull / abs(pull), _FALLEN * float(clearances.min()))
 
     def _moved(self, way: complex, far: float) -> np.ndarray:
         """Return the machine moved as one body in a direction, so far [m]."""

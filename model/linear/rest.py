@@ -33,12 +33,13 @@ _MOST = 100.0  # times as soft or as stiff: as much of a solution's digits is lo
 Lead = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def rested(machine: "LinearMachine", speed: float, force: np.ndarray) -> Linear | None:
-    """Return the machine at a speed [rad/s] linearized where a force holds it, looked for from the
-    middle on by Newton's method; None where that finds nothing. Each step is halved until its
+def rested(
+    machine: "LinearMachine", speed: float, force: np.ndarray, rest: np.ndarray
+) -> Linear | None:
+    """Return the machine at a speed [rad/s] linearized where a force holds it, looked for from a
+    place on by Newton's method; None where that finds nothing. Each step is halved until its
     tangents, from where it ends, lead hardly further than they did from where it began, which is no
     worse in other units (Deuflhard 2011)."""
-    rest = np.zeros_like(force)
     linear = machine.linearized(speed, rest)
     least, before = CHANGE * machine.structure.numbers[0].small, 0.0
     leading = _Leading(machine, linear, force)

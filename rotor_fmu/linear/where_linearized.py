@@ -68,13 +68,15 @@ def where_linearized(
 
 
 def where_beyond_tables(machine: Rotor, speeds: Collection[float]) -> list[str]:
-    """Return a sentence for each table of a machine outside of which the lowest or the highest of
-    some speeds [rad/s] lies, by their size where the table is for either sense of rotation."""
+    """Return a sentence for each end of a table of a machine beyond which some speeds [rad/s] lie,
+    on the furthest one, by their size where the table is for either sense of rotation."""
     result = []
     for table in speed_ranges(machine_with_oil(machine)):
         over = [abs(speed) if table.is_of_size else speed for speed in speeds]
-        ends = sorted({min(over), max(over)}) if over else []
-        result += [table.beyond.format(speed=end) for end in ends if not table.holds(end)]
+        below = (speed for speed in over if speed < table.low)
+        above = (speed for speed in over if speed > table.high)
+        ends = min(below, default=None), max(above, default=None)
+        result += [table.beyond.format(speed=end) for end in ends if end is not None]
     return result
 
 

@@ -156,8 +156,10 @@ def figure_html(figure: "Figure", caption: str, alt: str = "") -> str:
     """Return a picture as HTML, drawn as SVG; alt: what it shows, by default its caption."""
     import matplotlib
 
+    from ..plotting.figure_style import placed
+
     buffer = io.BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "rotor-fmu"}):
+    with matplotlib.rc_context({"svg.hashsalt": "rotor-fmu"}), placed(figure):
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     picture = base64.b64encode(buffer.getvalue()).decode("ascii")
     return (

@@ -178,6 +178,24 @@ def test_a_journal_rests_where_the_end_of_its_film_passes_a_point_of_the_grid():
         assert there == pytest.approx(near, rel=1e-5)
 
 
+@pytest.mark.parametrize("speed", [-300.0, 300.0])
+def test_a_journal_rests_in_a_bearing_of_one_pad_further_out_than_its_clearance(speed):
+    """From the middle of that film tangents lead away from the pad."""
+    film = {"journal_radius": 0.025, "length": 0.03, "clearance": 1e-4, "viscosity": 0.03}
+    pad = {"pads": [4.5248], "arc": 1.0, "preload": 0.5, "offset": 0.0}
+    tables = (
+        table("material", young=2.1e11, density=7800.0),
+        table("shaft", nodes=[0.0, 0.3, 0.6], diameters=[0.05, 0.05]),
+        table("[disc]", node=2, diameter=0.6, width=0.05),
+        table("[journal_bearing]", node=1, **film, **pad),
+        table("[support]", node=3, stiffness=1e8, damping=1e4),
+    )
+    rotor = parse_rotor("\n".join(tables))
+    assert _distance(rotor, speed) < 1e-6
+    rest = static(rotor, speed=speed)
+    assert math.hypot(rest.x[0], rest.y[0]) > film["clearance"]
+
+
 @pytest.mark.slow
 def test_no_machine_rests_where_only_a_run_finds_it():
     distances = [_distance(*_drawn(seed)) for seed in range(12, 312)]

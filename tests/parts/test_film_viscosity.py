@@ -248,6 +248,7 @@ def test_a_film_that_has_no_heat_balance_turned_the_other_way_says_so():
     assert curves.viscosity[0] == curves.viscosity[1]
     assert curves.temperature[0] == curves.temperature[1]
     assert where_beyond_tables(machine, [-250.0, 250.0]) == [warned]
+    assert where_beyond_tables(machine, [-250.0, -120.0, -200.0]) == [warned]
     with pytest.raises(QuantityError, match=re.escape(warned)):
         response_request(machine, speed=(-250.0, -200.0))
 
