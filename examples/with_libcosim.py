@@ -1,5 +1,5 @@
-"""A coupled system of FMUs through libcosim, from OspSystemStructure.xml or SystemStructure.ssd;
-prints CSV. Needs libcosimpy.
+"""A coupled system of FMUs through libcosim, from OspSystemStructure.xml, SystemStructure.ssd or
+System.ssp; prints CSV. Needs libcosimpy.
 
     python with_libcosim.py FILE STOP EVERY SLAVE.VARIABLE...       # times in seconds
 
@@ -19,8 +19,11 @@ def main(file: str, stop: str, every: str, *shown: str) -> None:
     """Run to `stop` [s] and print what is `shown` at each multiple of `every` [s], or each step."""
     # it writes warnings, of the enumerations that it leaves out, among what is printed here
     log_output_level(CosimLogLevel.ERROR)
-    if Path(file).suffix == ".ssd":
-        execution = CosimExecution.from_ssp_file(str(Path(file).resolve().parent))
+    path = Path(file).resolve()
+    if path.suffix in (".ssd", ".ssp"):
+        execution = CosimExecution.from_ssp_file(
+            str(path.parent if path.suffix == ".ssd" else path)
+        )
     else:
         execution = CosimExecution.from_osp_config_file(file)
     observer = CosimObserver.create_last_value()

@@ -33,6 +33,7 @@ _OF_PARTS = {
     "clearance": Usual(1e-8, 0.05, _LENGTHS),
     "e": Usual(0.0, 0.02, _LENGTHS),
     "mass": Usual(0.0, 1e6, (("g", 1e-3),)),
+    "added_mass": Usual(0.0, 1e4, (("g", 1e-3),)),
     "amount": Usual(0.0, 10.0, (("g.mm", 1e-6), ("g.m", 1e-3))),
     "phase": Usual(-2 * math.pi, 2 * math.pi, _DEGREES),
     "wear_angle": Usual(-2 * math.pi, 2 * math.pi, _DEGREES),

@@ -12,6 +12,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.archive import contents_of
 
 from ..parts.machines import shaft
+from .coupled import last_row
 from .test_hosts import LIBCOSIM, needs, run
 from .test_schemas import EXAMPLES, FMI3, SSP, mistakes, osp_schema
 
@@ -117,6 +118,15 @@ def test_libcosim_opens_the_package_and_steps_as_osps_file_says(folder, tmp_path
         rows.append(json.loads((tmp_path / "rows.json").read_text()))
     assert rows[0] == rows[1]
     assert rows[0][-1][SEEN.index("w")] > 0.0
+
+
+@needs("libcosimpy", "pip install libcosimpy")
+@pytest.mark.parametrize("file", ["System.ssp", "OspSystemStructure.xml"])
+def test_the_script_of_the_examples_runs_either_file(folder, file):
+    script = EXAMPLES / "with_libcosim.py"
+    row = last_row(script, str(folder / file), "0.2", "0.1", "drive.w")
+    assert row["time"] == pytest.approx(0.2)
+    assert row["drive.w"] > 0.0
 
 
 def test_by_ecco_the_load_goes_on_and_a_step_may_lose_little_of_the_energy(tmp_path):

@@ -75,6 +75,12 @@ def test_a_machine_that_is_meant_is_not_asked_about(path):
             "operation.trip_speed = 300000 rad/s: moves the rim of the largest disc at 1.8e+04 m/s",
         ),
         ("mu = ", "mu = 5.0 # ", "bearing[1].mu = 5: is that what is meant; 5 percent?"),
+        (
+            "[operation]",
+            "[[seal]]\nnode = 3\nadded_mass = 2e4\nkxx = 1e6\nkyy = 1e6\ncxx = 1e3\ncyy = 1e3\n"
+            "[operation]",
+            "seal[1].added_mass = 20000 kg: is that what is meant; 20000 g?",
+        ),
     ],
 )
 def test_what_was_probably_meant_is_said(old, new, expected):
