@@ -7,9 +7,8 @@ from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, linear_sum_assignment
+from scipy.optimize import linear_sum_assignment
 
-from . import arclength
 from .arclength import CurvePoint, distance
 from .balance import Orbit
 from .branch import (
@@ -27,16 +26,11 @@ from .branch import (
 )
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
+from .piece import PiecePoints
 
 _NEAR_ONE = 1e-2  # distance from 1 within which rounding may separate a double multiplier
-_EVALUATIONS = 40  # evaluations of a test function at most
-_PRECISE = 1e-9  # of a step along the curve
-_CLOSE = 1e-5  # of a step: a test function changes little so close to its root
-_LITTLE = 1e-2  # of its larger value at the ends of the step,
-_ERRORS = 10.0  # or errors of a point along the curve, over the length of the step
 _STILL = 1e-9  # component of a tangent along the parameter that is rounding
 _ROUGH = 1e-3  # error of a multiplier where few harmonics, or steps that change, give it
-_FARTHEST = 2.0  # of its length: how far from its begin a point of a piece may be
 _HALVINGS = 10  # of a step with more than one bifurcation, at most
 _LOOKS = 2  # halvings of a step in which multipliers only come near to the unit circle,
 _NEAR_CIRCLE, _TINY = 0.1, 1e-300  # in the logarithm of their sizes,
@@ -161,17 +155,6 @@ class _Piece(NamedTuple):
         )
         return bool(first != second)
 
-    def between(self, problem: PeriodicEquations, share: float) -> CurvePoint:
-        """Return the point at a share of its length along the tangent; raises `NotConverged`, also
-        where Newton's method leads far away."""
-        a, b, scale = self.before, self.after, problem.scale
-        x, value = a.x + share * (b.x - a.x), a.value + share * (b.value - a.value)
-        problem.fix_phase(a.x)
-        point = arclength.correct(problem, x, value, a.direction)
-        if distance(a, point, scale) > _FARTHEST * distance(a, b, scale):  # another branch
-            raise NotConverged()
-        return point
-
 
 def _touches(problem: PeriodicEquations, orbit: Orbit) -> np.ndarray:
     """Return how often each interface comes into contact along an orbit, and 1 more where it is in
@@ -214,7 +197,7 @@ def _located_on(problem: PeriodicEquations, piece: _Piece, halvings: int) -> lis
 
 def _located_on_halves(problem: PeriodicEquations, piece: _Piece, halvings: int) -> list[_Located]:
     """Return the bifurcations of both halves of a piece; raises `NotConverged`."""
-    middle = piece.between(problem, 0.5)
+    middle = PiecePoints(problem, piece.before, piece.after).at(0.5)
     at_middle = _multipliers(problem, middle) if len(piece.second) else piece.second
     orbit = problem.split(middle.x, middle.value)
     halves = (
@@ -228,13 +211,21 @@ def _located_at_once(problem: PeriodicEquations, piece: _Piece) -> list[_Located
     """Return the bifurcations of a piece in their order, for each multiplier that is outside at
     one of its ends one."""
     located = list[_Located]()
+    points = PiecePoints(problem, piece.before, piece.after)
+    known = {0.0: piece.first, 1.0: piece.second}
+
+    def multipliers_at(share: float) -> np.ndarray:
+        if share not in known:
+            known[share] = _multipliers(problem, points.motion_at(share))
+        return known[share]
+
     if piece.turns:
-        located.append(_locate_fold(problem, piece))
+        located.append(_locate_fold(problem, piece, points))
     few, many = sorted(
         int(2 * n[2] + n[:2].sum()) for n in map(_outside, (piece.first, piece.second))
     )
     for k in range(few + 1, many + 1):
-        crossed = _locate_crossing(problem, piece, k)
+        crossed = _locate_crossing(problem, piece, points, multipliers_at, k)
         if crossed is None or any(crossed.is_one_with(each) for each in located):
             continue
         # where the curve turns in a corner multipliers jump
@@ -246,10 +237,9 @@ def _located_at_once(problem: PeriodicEquations, piece: _Piece) -> list[_Located
     return located
 
 
-def _locate_fold(problem: PeriodicEquations, piece: _Piece) -> _Located:
+def _locate_fold(problem: PeriodicEquations, piece: _Piece, points: PiecePoints) -> _Located:
     """Return the fold, where the tangent has no component along the parameter."""
-    ends = piece.before.tangent_value, piece.after.tangent_value
-    point, is_smooth = _locate_root(problem, piece, lambda p: p.tangent_value, *ends)
+    point, is_smooth = points.root(lambda share: points.at(share).tangent_value)
     multiplier = complex(math.nan)
     if is_smooth and len(piece.second):
         values = _multipliers(problem, point)
@@ -261,19 +251,23 @@ def _multipliers(problem: PeriodicEquations, point: CurvePoint) -> np.ndarray:
     return stability_multipliers(problem, point, problem.split(point.x, point.value))
 
 
-def _locate_crossing(problem: PeriodicEquations, piece: _Piece, k: int) -> _Located | None:
+def _locate_crossing(
+    problem: PeriodicEquations,
+    piece: _Piece,
+    points: PiecePoints,
+    multipliers_at: Callable[[float], np.ndarray],
+    k: int,
+) -> _Located | None:
     """Return where the k-th largest multiplier crosses the unit circle, or None."""
 
-    def size(values: np.ndarray) -> float:
-        return math.log(max(abs(values[k - 1]), 1e-300)) - math.log(UNIT)
+    def size_at(share: float) -> float:
+        return math.log(max(abs(multipliers_at(share)[k - 1]), _TINY)) - math.log(UNIT)
 
-    def size_at(point: CurvePoint) -> float:
-        return size(_multipliers(problem, point))
-
-    first, second = size(piece.first), size(piece.second)
-    if first * second >= 0:
+    if size_at(0.0) * size_at(1.0) >= 0:
         return None
-    point, is_smooth = _locate_root(problem, piece, size_at, first, second)
+    with suppress(NotConverged):
+        points.narrow(size_at)
+    point, is_smooth = points.root(size_at)
     value = complex(_multipliers(problem, point)[k - 1])
     kind = TORUS if not _is_real(value) else DOUBLING if value.real < 0 else BRANCHING
     if kind == BRANCHING and not piece.is_branching(problem):
@@ -281,33 +275,3 @@ def _locate_crossing(problem: PeriodicEquations, piece: _Piece, k: int) -> _Loca
     if not is_smooth and (kind == BRANCHING or abs(abs(value) - 1.0) > _ROUGH):
         return _Located(GRAZING, point, complex(math.nan), False)  # it jumps past the circle
     return _Located(kind, point, value, is_smooth)
-
-
-def _locate_root(
-    problem: PeriodicEquations,
-    piece: _Piece,
-    test: Callable[[CurvePoint], float],
-    at_before: float,
-    at_after: float,
-) -> tuple[CurvePoint, bool]:
-    """Return the root of a test function along a piece, by Brent's method, and whether the
-    function is smooth there."""
-    known = {0.0: (piece.before, at_before), 1.0: (piece.after, at_after)}  # by share of the piece
-
-    def tested(share: float) -> float:
-        if share not in known:
-            point = piece.between(problem, share)
-            known[share] = point, test(point)
-        return known[share][1]
-
-    length = distance(piece.before, piece.after, problem.scale)
-    error = problem.tolerance * (1.0 + float(np.linalg.norm(piece.before.x))) / length
-    little = max(_LITTLE, min(_ERRORS * error, 0.5)) * max(abs(at_before), abs(at_after))
-    try:
-        root = brentq(tested, 0.0, 1.0, xtol=_PRECISE, maxiter=_EVALUATIONS, disp=False)
-        point, _ = known[root]
-        # not at the root alone: within rounding of a corner a function has any value
-        beside = max(root - _CLOSE, 0.0), min(root + _CLOSE, 1.0)
-        return point, all(abs(tested(share)) < little for share in beside)
-    except NotConverged:
-        return list(known.values())[-1][0], False

@@ -263,6 +263,49 @@ def test_a_bifurcation_lies_in_its_step_although_newtons_method_leads_far_away(
     assert seen.point.x == 0.0
 
 
+def test_a_branch_point_is_located_although_newtons_method_finds_no_point_beside_it(
+    located, monkeypatch
+):
+    """Where the bordered Jacobian is singular to rounding."""
+    correct, at = arclength.correct, 0.4321
+
+    def fails_beside_it(equations, x, value, plane):
+        if abs(value - at) < 1e-4:
+            raise newton.NotConverged
+        return correct(equations, x, value, plane)
+
+    line = _Line()
+    line.linearized = lambda x, value: (x, np.array([[value - at]]))
+    monkeypatch.setattr(arclength, "correct", fails_beside_it)
+    (seen,) = located(lambda point: np.array([1.0 + point.value - at]), line=line)
+    assert seen.kind == "branch point"
+    assert abs(seen.multiplier - 1.0) < 2e-6
+
+
+def test_both_multipliers_of_a_pair_are_located_with_the_points_of_one(located, monkeypatch):
+    """Whatever rounding makes of the size of the other one."""
+    correct, computed = arclength.correct, []
+
+    def counted(*arguments):
+        computed.append(arguments)
+        return correct(*arguments)
+
+    monkeypatch.setattr(arclength, "correct", counted)
+
+    def multipliers_at(point, *turns):
+        size = np.exp(0.1 * (point.value - 0.3) + 0.05 * (point.value - 0.3) ** 2)
+        return size * np.array([*turns, 0.1])
+
+    (alone,) = located(lambda point: multipliers_at(point, -1.0))
+    of_one = len(computed)
+    computed.clear()
+    pair = np.exp(1.0j), (1.0 - 1e-15) * np.exp(-1.0j)
+    (torus,) = located(lambda point: multipliers_at(point, *pair))
+    assert (alone.kind, torus.kind) == ("period doubling", "Neimark-Sacker")
+    assert torus.point.value == pytest.approx(0.3, abs=2e-5)
+    assert len(computed) == of_one < 10
+
+
 @pytest.mark.parametrize("rounding", [1e-14, -1e-14])
 def test_a_curve_does_not_turn_where_the_parameter_begins_to_change(located, rounding):
     """As of a whirl at a threshold, of any size up to a wall: its tangent has any small sign."""
