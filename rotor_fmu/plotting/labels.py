@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from itertools import product
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
@@ -12,10 +13,9 @@ from matplotlib.transforms import Affine2D, Bbox
 from .figure_style import GREY, PlainFigure
 
 _SIZE = 8.0  # of the font [pt]
-_WIDE, _HIGH = 0.68, 1.15  # a character's width and height over that
 _MARK = 3.0  # half a point's mark [pt]
 _NEAR = 5.0  # from a point to its text [pt]
-_FAR = (0.0, 11.0, 22.0, 33.0, 44.0)  # further away, where there is no room [pt]
+_FAR = tuple(11.0 * i for i in range(8))  # further away, where there is no room [pt]
 
 
 def write_labels(
@@ -43,7 +43,7 @@ def write_labels(
     scale = Affine2D().scale(to_points)
     paths = [(of.get_transform() + scale).transform_path(of.get_path()) for of in curves]
     for (x, y, text, is_right), place in zip(labels, places, strict=False):
-        width, height = _WIDE * _SIZE * len(text), _HIGH * _SIZE
+        width, height = _size_of(axes, text) * to_points
         boxes = [
             (far, Bbox.from_bounds(place[0] + dx, place[1] + dy, width, height))
             for far, (dx, dy) in _offsets(width, height, is_right)
@@ -60,6 +60,14 @@ def write_labels(
             path_effects=[withStroke(linewidth=2.5, foreground="white")],
             arrowprops={"arrowstyle": "-", "color": GREY, "lw": 0.6} if far else None,
         )
+
+
+def _size_of(axes: Axes, text: str) -> np.ndarray:
+    """Return the width and height of a text [pixels]."""
+    drawn = axes.text(0.0, 0.0, text, fontsize=_SIZE)
+    size = np.array(drawn.get_window_extent().size)
+    drawn.remove()
+    return size
 
 
 def _offsets(

@@ -78,20 +78,20 @@ def polar(view: View) -> Figure:
     figure = empty_figure(5.8, 5.4)
     axes = figure.add_subplot(projection="polar")
     track = vibration.order_track(*view.signal, (1.0,))
-    speeds = []
+    speeds, curves = [], []
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", "-"),
         (track.y(), ORANGE, "1x of y", DASHED),
     ):
         radius = np.abs(vector) * view.shown.amplitude
-        axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
+        curves += axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
         speeds += _speeds_along(axes, vector * view.shown.amplitude, track.speed, color)
     axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.tick_params(labelsize=8)
     units = f"radius [{view.shown.amplitude_unit}], speeds in {current().speed_unit}"
     view.title(axes, f"polar plot of {view.place.label}\n{units}")
-    write_labels(axes, speeds)
+    write_labels(axes, speeds, curves=curves)
     return figure
 
 

@@ -70,19 +70,21 @@ def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_no
         assert not any(box.contains(*dot) for dot in dots)
 
 
-def test_the_loads_in_a_picture_of_a_machine_at_rest_cross_no_curve(tmp_path):
-    """Of a shaft of two elements that sags below and beside its supports."""
+@pytest.mark.parametrize("case", ["two elements", "long words"])
+def test_the_loads_in_a_picture_of_a_machine_at_rest_cross_no_curve(tmp_path, case):
+    """Of a shaft that sags below and beside its supports."""
     text = table("material", young=2.1e11, density=7800.0)
     text += table("shaft", nodes=[0.0, 0.5, 1.0], diameters=[0.03, 0.03])
     for node in (1, 3):
         text += table("[support]", node=node, name=f"support_at_{node}", stiffness=1e7)
     rotor = tmp_path / "rotor.toml"
     rotor.write_text(text)
+    rotor, count = (rotor, 2) if case == "two elements" else (ROSS / "pump.toml", 4)
     figure = answers.static(load_rotor(rotor)[1]).figure()
     figure.draw_without_rendering()
     (axes,) = figure.axes
     words = [text for text in axes.texts if text.get_text()]
-    assert len(words) == 2
+    assert len(words) == count
     for line in axes.lines:
         path = line.get_transform().transform_path(line.get_path())
         for text in words:
