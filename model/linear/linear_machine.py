@@ -1,151 +1,48 @@
-"""The machine linearized about its equilibrium, at any speed, as sparse real matrices.
+"""The machine linearized where a force holds it at a speed, found by Newton's method.
 
-The unknowns are x, y in turn of every deflection and slope of the shaft, then of the housings:
+Between its steps nothing changes but the laws' tangents, of a few interfaces. So the matrix with
+the first of them is factorized, and those that follow change it by X^T T X of their differences T:
 
-    M u'' + D u' + K u = f,   D = C + Omega G - dF/dd',   K = K_shaft + springs + kappa K_c - dF/dd
+    (A - X^T T X) u = g,    T d = (1 - T C)^-1 T X A^-1 g,    C = X A^-1 X^T,
 
-in motions slower than the rotation; in faster ones hysteresis is another (`system_at_speed`).
-A clearance contact is open (as if it were not there), or pinned (the journal moves as its housing
-does). The laws of all other interfaces are linearized where gravity holds them at that speed.
+with the displacements d = X u of the interfaces (Woodbury).
 """
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..arguments import is_one_of
-from ..kernels.kernel import interpreted
-from ..laws_at_rest.oil import machine_with_oil
-from ..laws_at_rest.tangents import LawsAtRest, Tangents
 from ..machine.rotor import Rotor
-from ..parts.housing import masses
-from ..structure.assembly import assemble
-from ..structure.parameters import elastic_share, lengths_of
-from ..structure.strain_solver import StrainedMatrices
 from .bearing_equilibrium import check_films
-from .own_states import OwnStates
-from .real_matrices import (
-    TURN,
-    Between,
-    differences,
-    expansion,
-    in_plane,
-    matrices_of,
-    to_complex,
-    unknowns,
-    x_and_y,
-)
-from .rest import rested
-from .supports import (
-    are_linear,
-    interfaces,
-    not_held,
-    rigid_motions,
-    seat,
-    supports,
-    unsprung,
-)
-from .system_at_speed import Linear, LinearError, Strain
+from .linearization import Linearization
+from .real_matrices import in_plane, to_complex, x_and_y
+from .system_at_speed import Linear, LinearError
 
-OPEN, PINNED = "open", "pinned"
-CONTACTS = (OPEN, PINNED)
-_SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
-_SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _FALLEN = 0.5  # of a clearance, where the middle is no place to begin from
-_FAR = 1e9  # what is more than any displacement [m]
-_WAYS = (1, 1j, -1, -1j)  # right, up, left, down
+_ITERATIONS = 200
+_SHARES = tuple(0.5**i for i in range(41))  # of a step, down to what is rounding of it
+_ULP = 2.0**-52  # of the displacements: a shorter step changes nothing
+_MORE = 1.01  # of how far tangents led before: what is rounding where nothing holds the machine
+# Of the displacements, and of `small` where they are none but rounding; the second of a change that
+# no longer shrinks, the third where shorter steps still lead nearer, as where a pad is about to
+# bear, whose force sets in with an infinite slope; of what they lead to, by which they do.
+CHANGE, _STEADY, _STEADY_ASTRIDE, _NEARER = 1e-12, 1e-6, 1e-9, 0.99
+_MOST = 100.0  # times as soft or as stiff: as much of a solution's digits is lost
+
+# From a place and the laws' force there to where tangents lead, and the elements' end forces.
+Lead = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-class LinearMachine:
-    """A machine for linear analyses.
-
-    contacts: `open` or `pinned`; None: open where the machine is held without its contacts, else
-    pinned. Raises `LinearError` for another word. full: matrices of every dof; system: where those
-    of its unknowns have numbers, with the shaft's strain.
-    """
+class LinearMachine(Linearization):
+    """A machine for linear analyses, linearized at its equilibrium; contacts: as of
+    `Linearization`."""
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
-        if not is_one_of(contacts, (None, *CONTACTS)):
-            raise LinearError(f"contacts = {contacts}: must be one of {', '.join(CONTACTS)}")
-        self.rotor = rotor = machine_with_oil(rotor)
-        self.structure = assemble(rotor)
-        # to read them of a record takes longer than all that is done with them at a speed
-        numbers = self.structure.numbers[0]
-        self._kappa_v, self._kappa_h = float(numbers.kappa_v), float(numbers.kappa_h)
-        self._elastic = interpreted(elastic_share)(numbers.eta_h) * np.eye(2)
-        self._viscous = numbers.eta_v * np.eye(2)
-        self._soft = float(_SOFT * numbers.lowest_omega**2)  # what of the masses is no stiffness
-        self.supports = supports(rotor)
-        self.full = matrices_of(rotor, self.structure)
-        self.laws = LawsAtRest(self.structure.laws, self.structure.interfaces)
-        self._set_contacts(contacts or OPEN)
-        if contacts is None and self.has_contacts and not self.is_held:
-            self._set_contacts(PINNED)
-
-    def _set_contacts(self, contacts: str) -> None:
-        s = self.structure
-        self.contacts = contacts
-        self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
-        self._acts = s.interfaces.has_wall == 0
-        self._fall = seat(self.rotor)
-        falls = np.array([e.law.seat is not None for e in interfaces(self.rotor)], bool)
-        self._lengths = np.where(self._acts, np.where(falls, self._fall, lengths_of(s)), 0.0)
-        self._is_curved = ~are_linear(self.rotor)
-        full, size = self.full, len(s.weight) + len(s.housings) + 1
-        pinned = self.pinned if contacts == PINNED else np.arange(0)
-        held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
-        self._unknown = unknown = unknowns(size, held)
-        self.expand = expansion(unknown)
-        self.across = differences(size, list(zip(s.interfaces.dof, s.interfaces.end, strict=True)))
-        self._across = (self.across @ self.expand).tocsr()
-        rows, columns = unknown[full.rows], unknown[full.columns]
-        moving = (rows >= 0) & (columns >= 0)
-        rows, columns = rows[moving], columns[moving]
-        self._between = Between(self._across, rows, columns)
-        places = self._between.places
-        at = places.at(rows, columns)
-        self._M, self._D, self._K, self._gyroscopic = (
-            places.summed(at, numbers[moving])
-            for numbers in (full.M, full.C, full.K, full.gyroscopic)
-        )
-        strained = (full.strained @ self.expand).tocsr()
-        self.system = StrainedMatrices(places, strained, full.stiffness)
+        super().__init__(rotor, contacts)
         self._onto = self._across.T.tocsr()
-        films = np.flatnonzero(self._acts & self._is_curved)
-        self.curved, self.onto_curved = films, self._onto[:, x_and_y(films)].toarray()
+        self.curved = np.flatnonzero(self._acts & self._is_curved)
+        self.onto_curved = self._onto[:, x_and_y(self.curved)].toarray()
         self._held_softly = self._soft * self.system.places.matrix(self._M)
-        self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
-        # elements that bear a load may be few, but there are others wherever it falls
-        self._is_held_loaded = self._is_held_at_rest or (
-            self._fall > 0.0
-            and self._holds(*(self.linearized(0.0, self._moved(way, self._fall)) for way in _WAYS))
-        )
-        turning = s.numbers[0].lowest_omega
-        self._is_held_turning = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
-        # pads that tilt, without preload, hold a journal only where it is off their middle
-        if not (self._is_held_loaded or self._is_held_turning):
-            fallen = [(self._moved(way, self._fall), self._moved(way, _FAR)) for way in _WAYS]
-            off = (self.linearized(turning, self.within_films(*places)) for places in fallen)
-            self._is_held_turning = self._holds(*off)
-        self.is_held = self._is_held_loaded or self._is_held_turning
-
-    @property
-    def has_contacts(self) -> bool:
-        """Whether there is a clearance contact."""
-        return len(self.pinned) > 0
-
-    @property
-    def support_dofs(self) -> np.ndarray:
-        """The deflections where springs, then interfaces stand."""
-        at = [2 * (e.node - 1) for e in interfaces(self.rotor)]
-        return np.concatenate([self.structure.springs.dof, np.array(at, int)])
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Positions of the nodes along the shaft [m]."""
-        return np.array(self.rotor.nodes)
 
     def at(self, speed: float) -> Linear:
         """Return the machine at a speed [rad/s], linearized where gravity holds it; where nothing
@@ -153,31 +50,6 @@ class LinearMachine:
         finds no equilibrium."""
         needs_rest = (self._acts & self._is_curved).any() and self.holds_at(speed)
         return self.loaded(speed) if needs_rest else self.at_zero_load(speed)
-
-    def at_zero_load(self, speed: float) -> Linear:
-        """Return the machine at a speed [rad/s] linearized at no displacement."""
-        return self.linearized(speed, np.zeros(self.expand.shape[1]), abs(speed))
-
-    def vibrating(self, linear: Linear, frequency: float) -> Linear:
-        """Return the machine where it rests, the states of its laws, such as the tilts of pads,
-        following a vibration of a frequency [rad/s]; those of `at` follow at that of rotation."""
-        if not (self.laws.follows | self.laws.whirls).any():
-            return linear
-        result = self.linearized(linear.speed, linear.rest, frequency, linear.states)
-        return result._replace(pull=linear.pull)
-
-    def with_own_states(self, linear: Linear, *, of_all: bool = False) -> Linear:
-        """Return the machine where it rests, states that whirl by themselves (`Law.whirls`) being
-        unknowns; of_all: those that else follow a vibration, such as tilts of pads, too."""
-        free = self.laws.whirls | self.laws.follows if of_all else self.laws.whirls
-        if not free.any():
-            return linear
-        d, laws = to_complex(self._across @ linear.rest), linear.laws
-        stayed, own = self.laws.linearized(d, linear.speed, linear.states, free)
-        numbers = (linear.own_K, laws.by_d, stayed.by_d), (linear.own_D, laws.by_v, stayed.by_v)
-        K, D = (A + self._between(free[:, None, None] * (b - c)) for A, b, c in numbers)
-        states = OwnStates(self._across, self._between, own)
-        return linear._replace(own_K=K, own_D=D, own_states=states)
 
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
         """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;
@@ -188,7 +60,7 @@ class LinearMachine:
             raise LinearError(self.why_not_held() + (turning if self._is_held_turning else ""))
         force = self.expand.T @ given
         for start in self._starts(force):
-            linear = rested(self, speed, force, start)
+            linear = self._rested(speed, force, start)
             if linear is None:
                 continue
             at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
@@ -208,9 +80,36 @@ class LinearMachine:
         if pull and len(clearances):
             yield self._moved(pull / abs(pull), _FALLEN * float(clearances.min()))
 
-    def _moved(self, way: complex, far: float) -> np.ndarray:
-        """Return the machine moved as one body in a direction, so far [m]."""
-        return self._rigid()[:, :2] @ np.array([far * way.real, far * way.imag])
+    def _rested(self, speed: float, force: np.ndarray, rest: np.ndarray) -> Linear | None:
+        """Return the machine at a speed [rad/s] linearized where a force holds it, looked for from
+        a place on by Newton's method; None where that finds nothing. Each step is halved until its
+        tangents, from where it ends, lead hardly further than they did from where it began, which
+        is no worse in other units (Deuflhard 2011)."""
+        linear = self.linearized(speed, rest)
+        least, before = CHANGE * self.structure.numbers[0].small, 0.0
+        leading = _Leading(self, linear, force)
+        for _ in range(_ITERATIONS):
+            lead = leading.by(linear)
+            if lead is None:
+                leading = _Leading(self, linear, force)
+                lead = leading.first
+            result, _ = lead(rest, linear.laws.force)
+            change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
+            step, states = self.within_films(rest, result) - rest, linear.states
+            for share in _SHARES:
+                linear = self.linearized(speed, rest + share * step, 0.0, states)
+                ahead, pull = lead(linear.rest, linear.laws.force)
+                left = np.abs(ahead - linear.rest).max(initial=0.0)
+                if left <= _MORE * change or share * change <= _ULP * size:
+                    break
+            rest = linear.rest
+            is_astride = share < 1.0 and left < _NEARER * change
+            steady = _STEADY_ASTRIDE if is_astride else _STEADY
+            is_steady = change <= steady * size and change >= 0.5 * before > 0.0
+            if left <= max(CHANGE * size, least) or is_steady:
+                return linear._replace(pull=pull)
+            before = change
+        return None
 
     def softly_held(self, own_K: np.ndarray) -> np.ndarray:
         """Return the numbers of a stiffness with what holds the machine softly at a place."""
@@ -221,89 +120,47 @@ class LinearMachine:
         and of what holds the machine softly at a place [N]."""
         return force + self._onto @ in_plane(of_laws) + self._held_softly @ at
 
-    def cross_coupling(self, stiffness: Mapping[int, float]) -> np.ndarray:
-        """Return what F_x = -q y, F_y = q x add to K, as numbers of the system; stiffness: q [N/m]
-        by node (from 1)."""
-        places, x = self.system.places, self._unknown[[4 * (node - 1) for node in stiffness]]
-        q, x = np.array(list(stiffness.values()))[x >= 0], x[x >= 0]
-        return places.numbers(x, x + 1, q) - places.numbers(x + 1, x, q)
 
-    def rotor_matrices(self) -> tuple[sp.csc_array, sp.csc_array, sp.csc_array]:
-        """Return M, K and G of the unknowns, shape (N, N), without laws and the shaft's strain."""
-        matrix = self.system.places.matrix
-        return matrix(self._M), matrix(self._K), matrix(self._gyroscopic)
+class _Leading:
+    """Where tangents lead a machine under a force, softly held where it is, for they may hold it in
+    one direction only."""
 
-    def holds_at(self, speed: float) -> bool:
-        """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""
-        return self._holds_at(speed, self.weight)
+    def __init__(self, machine: LinearMachine, linear: Linear, force: np.ndarray) -> None:
+        self._machine, self._force, self._base = machine, force, linear.laws.by_d
+        self._solve = linear._replace(own_K=machine.softly_held(linear.own_K)).factorized()
+        self._moved, self._pulled = self._solve(machine.onto_curved)
+        self._flexibility = machine.onto_curved.T @ self._moved
+        self.first = self._lead(self._base, None)
 
-    def _holds_at(self, speed: float, force: np.ndarray) -> bool:
-        """Return whether it is held under a force: in the middle of its clearance no element of a
-        rolling bearing bears."""
-        held = self._is_held_loaded if force.any() else self._is_held_at_rest
-        return held or (self._is_held_turning and speed != 0.0)
+    def by(self, linear: Linear) -> Lead | None:
+        """Return where the tangents at a place lead; None if they differ so much from the first
+        ones that these are to be replaced."""
+        curved = self._machine.curved
+        m, each = len(curved), np.arange(len(curved))
+        blocks = np.zeros((m, 2, m, 2))
+        blocks[each, :, each] = (linear.laws.by_d - self._base)[curved]
+        change = blocks.reshape(2 * m, 2 * m)
+        if not change.any():
+            return self.first
+        one = np.eye(len(change)) - change @ self._flexibility
+        try:
+            back = np.linalg.inv(one)
+        except np.linalg.LinAlgError:
+            return None
+        if not max(np.abs(one).max(), np.abs(back).max()) <= _MOST:
+            return None
+        return self._lead(linear.laws.by_d, back @ change)
 
-    def within_films(self, rest: np.ndarray, result: np.ndarray) -> np.ndarray:
-        """Return a result of Newton's method no further from `rest` than a share of the clearance
-        of each film, whose force grows without limit beyond it."""
-        moved = np.abs(to_complex(self._across @ (result - rest)))
-        bounded = (self._lengths > 0.0) & (moved > 0.0)
-        share = np.min(_SHARE * self._lengths[bounded] / moved[bounded], initial=1.0)
-        return result if share == 1.0 else rest + share * (result - rest)
+    def _lead(self, by_d: np.ndarray, by_first: np.ndarray | None) -> Lead:
+        machine = self._machine
 
-    @property
-    def weight(self) -> np.ndarray:
-        """Gravity's force, x, y of every dof, shape (2 size,) [N, N.m]."""
-        s = self.structure
-        g = s.weight[0] / s.mass_sum[0]  # the housings fall as the shaft does
-        m_x, m_y = interpreted(masses)(s.housings)
-        return in_plane(np.concatenate([s.weight, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
+        def lead(at: np.ndarray, of_laws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            # not by what is left: that is small numbers of large ones where the shaft is stiff
+            of_laws = of_laws - to_complex(machine.tangent(by_d, at))
+            moved, pull = self._solve(machine.with_laws(self._force, of_laws, at))
+            if by_first is None:
+                return moved, pull
+            more = by_first @ (machine.onto_curved.T @ moved)
+            return moved + self._moved @ more, pull + self._pulled @ more
 
-    def _strain(self, speed: float) -> Strain:
-        """Return the contribution of the shaft's strain."""
-        kappa = self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
-        return Strain(self._elastic - kappa * TURN, self._viscous, self._kappa_h, speed)
-
-    def linearized(
-        self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None
-    ) -> Linear:
-        """Return the matrices linearized at the displacements `at`, what the laws' states do being
-        that of a vibration of a frequency [rad/s]; states: what they were before, None: at the
-        start of a run."""
-        K = self._K
-        D = self._D + speed * self._gyroscopic
-        m = len(self._acts)
-        laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
-        if self._acts.any():
-            d = to_complex(self._across @ at)
-            result = self.laws.tangents(d, speed, frequency, states=states)
-            laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in result))
-            K, D = K - self._between(laws.by_d), D - self._between(laws.by_v)
-        none, own = np.zeros(self.system.B.shape[0]), self.laws.states.copy()
-        return Linear(speed, self.system, self._M, D, K, self._strain(speed), at, none, laws, own)
-
-    def tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Return tangents by interface, shape (interfaces, 2, 2), times what displacements of the
-        unknowns are across each, x and y in turn, shape (2 interfaces,)."""
-        d = (self._across @ u).reshape(-1, 2)
-        return np.einsum("jab,jb->ja", tangents, d).ravel()
-
-    def _holds(self, *places: Linear) -> bool:
-        """Return whether the stiffness, the mean of these places, resists every rigid motion."""
-        linear, soft, rigid = places[0], self._soft, self._rigid()
-        own_K = sum(place.own_K for place in places) / len(places)
-        solve = self.system.factorized(own_K + soft * linear.own_M, linear.strain.by_d)
-        moved, _ = solve(soft * (linear.M @ rigid))
-        return bool((np.abs(moved).max(axis=0) < 0.5 * np.abs(rigid).max(axis=0)).all())
-
-    def _rigid(self) -> np.ndarray:
-        """Return `rigid_motions` of the unknowns, shape (unknowns, 4)."""
-        return np.asarray(self.expand.T @ rigid_motions(self.nodes, self.across.shape[1] // 2))
-
-    def why_not_held(self) -> str:
-        """Return one line about the supports that hold the machine and those that do not."""
-        held = len(self.supports.springs) + int(self._acts.sum())
-        held += len(self.pinned) if self.contacts == PINNED else 0
-        is_unpressed = not self.weight.any() and (self._acts & self._is_curved).any()
-        gravity = self.rotor.gravity if is_unpressed else None
-        return not_held(self.contacts, held, gravity, unsprung(self.rotor))
+        return lead

@@ -11,9 +11,8 @@ from ..arguments import check_integer, rows
 from ..machine.rotor import Rotor
 from ..quantities import STANDARD_GRAVITY
 from ..structure.structure import total_mass
-from .linear_machine import LinearError, LinearMachine
+from .linear_machine import CHANGE, LinearError, LinearMachine
 from .modes import check_speed
-from .rest import CHANGE
 from .support_loads import support_loads
 
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds

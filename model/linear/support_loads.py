@@ -4,7 +4,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..laws_at_rest.tangents import Tangents
-from .linear_machine import PINNED, LinearMachine
+from .linear_machine import LinearMachine
+from .linearization import PINNED
 from .real_matrices import in_plane, x_and_y
 
 

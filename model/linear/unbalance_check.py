@@ -11,7 +11,8 @@ import numpy as np
 from ..arguments import check_positive, listed, mapped, number
 from ..machine.rotor import Rotor
 from .amplification import Margin, Peak, largest, margin, peaks
-from .linear_machine import OPEN, LinearError
+from .linear_machine import LinearError
+from .linearization import OPEN
 from .static import check_node, lowest_speed
 from .supports import walls
 from .unbalance import steady_whirl

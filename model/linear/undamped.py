@@ -23,7 +23,8 @@ from ..parts.base import GROUND, InterfaceElement, Part, SpringElement
 from ..parts.linear_bearing import Seal
 from ..structure.strain_solver import Solve, StrainedMatrices
 from ..structure.structure import total_mass
-from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
+from .linear_machine import LinearError, LinearMachine
+from .linearization import OPEN, PINNED
 from .orbit import AT_REST, lengths_of_nodes
 from .real_matrices import Between, differences, x_and_y
 from .shifted_inverse import RESTARTS

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..laws_at_rest.oil import machine_with_oil
 from ..linear import LinearError, LinearMachine
-from ..linear.linear_machine import OPEN
+from ..linear.linearization import OPEN
 from ..linear.real_matrices import TURN, in_plane
 from ..linear.supports import are_linear
 from ..machine.rotor import Rotor

@@ -2,7 +2,8 @@
 
 from ..model import messages
 from ..model.kernels.kernel import interpreted
-from ..model.linear.linear_machine import OPEN, LinearError, LinearMachine
+from ..model.linear.linear_machine import LinearError, LinearMachine
+from ..model.linear.linearization import OPEN
 from ..model.linear.modes import modes
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import fill_template

@@ -17,7 +17,7 @@ from ..api.simulate import simulate
 from ..display import current
 from ..linear.answers import static
 from ..model.linear.amplification import with_tops
-from ..model.linear.linear_machine import OPEN
+from ..model.linear.linearization import OPEN
 from ..model.linear.supports import touching, walls
 from ..model.linear.unbalance import SteadyWhirl, steady_whirl
 from ..model.linear.unbalance_check import close_speeds, highest_looked_at

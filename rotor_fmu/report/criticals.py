@@ -6,7 +6,8 @@ import numpy as np
 
 from ..display import current
 from ..model.linear.campbell import campbell
-from ..model.linear.linear_machine import OPEN, PINNED, LinearError, LinearMachine
+from ..model.linear.linear_machine import LinearError, LinearMachine
+from ..model.linear.linearization import OPEN, PINNED
 from ..model.linear.static import lowest_speed
 from ..model.machine.rotor import Rotor
 from ..runs.recording import Recording

@@ -5,7 +5,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import rest
+from rotor_fmu.model.linear import linear_machine
 from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.linear.unbalance_check import (
     close_speeds,
@@ -64,7 +64,7 @@ def test_a_machine_rests_where_it_does_by_matrices_that_are_factorized_at_each_s
 ):
     machine = LinearMachine(on_films(kind))
     found = [machine.loaded(speed) for speed in (100.0, 700.0)]
-    monkeypatch.setattr(rest, "_MOST", -1.0)
+    monkeypatch.setattr(linear_machine, "_MOST", -1.0)
     for one in found:
         anew = machine.loaded(one.speed)
         np.testing.assert_allclose(one.rest, anew.rest, atol=1e-11 * np.abs(anew.rest).max())

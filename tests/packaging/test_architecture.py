@@ -2,6 +2,7 @@
 
 import re
 import sys
+from graphlib import TopologicalSorter
 
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
@@ -18,6 +19,21 @@ def test_no_imports_between_packages_go_round():
         ("rotor_fmu.cli", "rotor_fmu.studies"),
     ):
         assert packages.index(below) < packages.index(above)
+
+
+def test_no_imports_between_modules_go_round_and_none_for_type_checkers_do():
+    known = architecture.modules()
+    # a package is imported with each of its modules
+    TopologicalSorter(
+        {
+            name: {
+                below
+                for below in architecture.imports(name, file, known)
+                if not f"{name}.".startswith(f"{below}.")
+            }
+            for name, file in known.items()
+        }
+    ).prepare()
 
 
 def test_the_model_knows_nothing_of_fmi_files_or_screens():
