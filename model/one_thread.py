@@ -38,7 +38,6 @@ def on_one_thread(function: Callable[_Arguments, _Result]) -> Callable[_Argument
 
     @wraps(function)
     def limited(*arguments: _Arguments.args, **options: _Arguments.kwargs) -> _Result:
-        """Call the function."""
         with _one_thread():
             return function(*arguments, **options)
 

@@ -321,7 +321,6 @@ class Simulation:
                 self._warn(Message(allowed.beyond.format(speed=speed), allowed.code))
 
     def _failure(self, status: int) -> str:
-        """Return why a step failed."""
         if status == RAISED:
             return "internal error in a step"
         self._entry_points.survey(float(self._run.memory.record[0].surveyed_at), False)

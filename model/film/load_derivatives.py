@@ -129,7 +129,6 @@ def clear_ends(film, work):
 
 @jit_not_inlined
 def _fill_adjoints(film, zone, work):
-    """Fill in the adjoints of a solved zone."""
     n = film.n
     cosine, sine, _, _, _, _, _, adjoint = vectors(film, work)
     step = (zone.last - zone.first) / n

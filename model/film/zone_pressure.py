@@ -267,7 +267,6 @@ def _ruptured(film, bound, first, last, most, work):
 
 @jit
 def _with_elements(film, n):
-    """Return the film with another count of elements."""
     return Film(
         *(film.D, film.S, film.a, film.floor, film.first, film.last, film.is_whole),
         *(film.is_full, n, film.ambient),

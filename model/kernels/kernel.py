@@ -35,7 +35,6 @@ class Kernel:
         return self.dispatcher(*arguments)
 
     def __getattr__(self, name: str) -> Any:
-        """Return an attribute of the dispatcher."""
         if name.startswith("__"):
             raise AttributeError(name)
         return getattr(self.dispatcher, name)

@@ -61,7 +61,6 @@ class _Followed:
         self.modes, self.known = cache(modes), known
 
     def __call__(self, amount: float) -> complex:
-        """Return the eigenvalue with an amount."""
         if amount not in self.known:
             known = [k for k in self.known if k > 0 or len(self.known) == 1]
             self.known[amount] = self._onward(min(known, key=lambda k: abs(k - amount)), amount)
@@ -148,7 +147,6 @@ class FirstForward:
         return self._modes(self._machine, self._alone, q)
 
     def _modes(self, machine: LinearMachine, linear: Linear, q: float) -> Modes:
-        """Return the modes with a cross coupling."""
         added = machine.cross_coupling({node: q * share for node, share in self._shares.items()})
         return modes_of(machine, linear._replace(own_K=linear.own_K + added), _COUNT)
 

@@ -183,7 +183,6 @@ class SteadyWhirl:
         return self._solved(float(speed)).loads()
 
     def _solve(self, speed: float) -> _Solved:
-        """Return the whirl at a speed."""
         check_speed(speed)
         machine = self.machine
         if speed == 0.0 and not machine.is_held:  # it turns about its centre of mass

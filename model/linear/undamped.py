@@ -275,7 +275,6 @@ def _solve(inverse: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _criticals(values: np.ndarray, shapes: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return `_solve` of eigenvalues and eigenvectors."""
     moves = np.abs(shapes[:nodes]).max(axis=0) > AT_REST * np.abs(shapes).max(axis=0)
     is_critical = moves & (values.real > 0) & (np.abs(values.imag) < _REAL * np.abs(values))
     speeds = values.real[is_critical] ** -0.5

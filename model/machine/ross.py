@@ -99,7 +99,6 @@ class _Reader:
         return Element(key, "SealElement" if "Seal" in kind else "BearingElement", own)
 
     def read(self) -> Imported:
-        """Return the tables of a machine file."""
         tables: dict[str, Any] = {"name": self._name, "material": {}}
         shaft = self._of(_SHAFT)
         tables["section"] = self._sections(shaft, tables["material"])
@@ -127,7 +126,6 @@ class _Reader:
         return Imported(given, tuple(map(printable, self._notes)), self._origins)
 
     def _operation(self) -> dict[str, float]:
-        """Return the operating speeds that are given."""
         speeds = {ours: self._parameters.number(w, 0.0) for w, ours in _SPEEDS.items()}
         return {name: speed for name, speed in speeds.items() if speed != 0}
 

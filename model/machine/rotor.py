@@ -62,7 +62,6 @@ _VERTICAL = 1e-5  # rad of the vertical: pi / 2 with the digits that are usually
 
 
 def _is_base(element: Element) -> bool:
-    """Return whether the element is a port on the foundation instead of a node."""
     return isinstance(element, PortElement) and element.node == BASE
 
 

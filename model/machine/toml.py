@@ -109,7 +109,6 @@ def _places(data: dict[str, Any]) -> Iterator[tuple[str, float]]:
 def _parts(
     kind: type[Part], data: dict[str, Any], mesh: Mesh, materials: Materials
 ) -> Iterator[Part]:
-    """Yield all parts of a kind."""
     names = {field.name for field in fields(kind)}
     for where, table in _tables(kind, data):
         values = dict(table)

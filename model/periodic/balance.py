@@ -209,7 +209,6 @@ class HarmonicBalance(ContinuationEquations):
         return np.concatenate([of_b, of_states, tail])
 
     def _phase_condition(self, orbit: Orbit) -> float:
-        """Return the phase condition of a self-excited orbit."""
         assert self.phase_reference is not None
         return float(np.sum(orbit.b / self.length_scale * derivative(self.phase_reference)))
 

@@ -96,7 +96,6 @@ class Note(Message):
         return note
 
     def __getnewargs__(self) -> tuple[Any, ...]:
-        """Return the arguments of a copy."""
         return self.code, self.unit, *self.parts
 
     def shown(self, factor: float, unit: str) -> Message:

@@ -60,7 +60,6 @@ class _RestEquations(Equations):
         return forces, tangents_by_y(self.machine, laws)[0]
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residual and the Jacobian."""
         forces, by = self.tangents(x)
         b = self.b
         residual = -forces
@@ -109,7 +108,6 @@ class _RestOnFilms(Equations):
         return np.where(acts > _IDLE * acts.max(initial=0.0), near[0], near.min(axis=0)) / scale
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residual and the Jacobian."""
         of, (force, by_d, _) = self._of, self._at(x)
         sizes = of.sizes[: of.b]
         residual = of.S @ (x * self._scale) - of.force - force[0] @ self._B

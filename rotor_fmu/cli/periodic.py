@@ -123,7 +123,6 @@ def _computed(
     with saved_journal(out, toml, options) as saved, _progress(length, saved.before, axis) as add:
 
         def report_point(label: str, point: "Solution") -> None:
-            """Take one more point of a branch."""
             add(label, point.value, f", {point.orbit.H} harmonics")
 
         if waits_for_compiler():
@@ -166,7 +165,6 @@ def _progress(length: float, before: int, axis: Shown) -> Iterator[_AddPoint]:
     with progress_of("response", length, first=2.0) as update:
 
         def add(label: str, value: float, more: str) -> None:
-            """Take one more point."""
             nonlocal count, low, high
             count, low, high = count + 1, min(low, value), max(high, value)
             if count > before:

@@ -140,7 +140,6 @@ def report(
 
 
 def _report_of_machine(machine: Rotor, options: "ReportOptions", out: Path) -> dict[str, Any]:
-    """Write the page of a machine and its numbers beside it."""
     from ..machine_report.report_page import machine_report
 
     check_page(out)

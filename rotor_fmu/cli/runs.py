@@ -166,7 +166,6 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
 
 
 def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
-    """Print what the run came to."""
     from ..runs.summary import sentences
     from ..runs.verify_run import text_of
 

@@ -107,7 +107,6 @@ class _RunRate:
         self._begun, self._first = math.nan, 0
 
     def sentence(self, progress: Progress) -> str:
-        """Return how far a study is, with rate and time left."""
         now = time.perf_counter()
         if progress.now and math.isnan(self._begun):
             self._begun, self._first = now, progress.now
@@ -125,7 +124,6 @@ class _RunRate:
 
 @contextmanager
 def _progress_bar(definition: Study) -> Iterator[Callable[[Progress], None]]:
-    """Show progress with rate and time left."""
     rate = _RunRate()
     with progress_of(definition.name, len(definition.design), first=0.0) as update:
 
@@ -186,7 +184,6 @@ def _in_units(definition: Study, row: dict[str, Any]) -> dict[str, Any]:
 
 
 def _named(name: str, unit: str) -> str:
-    """Return a name with the unit behind it, if there is one."""
     return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
@@ -243,7 +240,6 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
 
 
 def _draw(definition: Study, out: Path) -> list[str]:
-    """Draw the bifurcation diagrams of a study."""
     from ..machine_studies.diagram import diagrams
     from ..plotting.figure_style import save
     from ..studies.store import open_dataset
@@ -257,7 +253,6 @@ def _draw(definition: Study, out: Path) -> list[str]:
 
 
 def _counted(result: dict[str, Any]) -> str:
-    """Return how many runs pass a limit, and the share."""
     counted = f"{result['above']} of {result['count']} runs"
     if result["failed"]:
         counted += f" and {result['failed']} that failed"

@@ -146,7 +146,6 @@ class Coupling:
             return opened.run(step, progress)
 
     def _table(self, name: str) -> Any:
-        """Return a table of the source."""
         if name not in self._declared:
             raise InputError(f"{self.source.name}: has no table {name}")
         return self._declared[name]

@@ -53,7 +53,6 @@ class CoupledRun:
     status: str = OK
 
     def __getitem__(self, fmu: str) -> Mapping[str, np.ndarray]:
-        """Return the variables of an FMU."""
         return self.values[fmu]
 
     def save(self, path: Path) -> None:

@@ -242,14 +242,12 @@ def _half_power_heads() -> tuple[str, str]:
 
 
 def _why_none(amplification: float) -> str:
-    """Return why a peak needs no separation."""
     if math.isnan(amplification):
         return "flat"
     return "damped" if amplification < DAMPED else "yes"
 
 
 def _factors(title: str, size: float) -> tuple[Figure, Axes]:
-    """Return axes of amplification factors over the speed."""
     figure, axes = new_figure(6.8, 4.0)
     axes.axhline(DAMPED, color=GREY, lw=1.0, ls=LIMIT)
     within = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "top"}

@@ -138,7 +138,6 @@ class BearingCurves(Displayed, linear.BearingCurves):
                     axes.annotate(f"{n}", (1.18 * at.real, 1.18 * at.imag), fontsize=8, ha="center")
 
     def _draw_pads_over(self, panels: Sequence[Axes], over: np.ndarray, mark: str) -> None:
-        """Draw how far each pad is tilted, and what it bears."""
         d = current()
         for axes, values, name in (
             (panels[0], 1e3 * self.tilts[:, :, 0] / self.journal_radius, "Tilt [mrad]"),

@@ -178,7 +178,6 @@ def _html(of: Table) -> str:
 
 
 def _shown(answer: Displayed, caption: str) -> list[str]:
-    """Return the table and the picture of an answer."""
     return [_html(answer.table()), figure_html(answer.figure(), caption)]
 
 
@@ -281,7 +280,6 @@ def _conclusions(
     whirl: OwnWhirl | None,
     rub: RubCheck,
 ) -> tuple[Conclusion, ...]:
-    """Return what the report says, in a line each."""
     near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
     loud = [p for p in check.probes if p.peak_to_peak > check.limit]
     d = current()

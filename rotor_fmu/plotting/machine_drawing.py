@@ -93,7 +93,6 @@ class _RoundIn(MaxNLocator):
         self._length = length
 
     def tick_values(self, vmin: float, vmax: float) -> list[float]:
-        """Return the ticks [m]."""
         ticks = super().tick_values(vmin * self._length, vmax * self._length)
         return [float(tick) / self._length for tick in ticks]
 

@@ -79,7 +79,6 @@ def _within(rotor: Rotor, lowest: float, highest: float) -> list[float]:
 
 
 def _as_run(run: Recording) -> Rotor | None:
-    """Return the machine with the parameters of the run."""
     if run.rotor is None:
         return None
     known = run.rotor.parameters()

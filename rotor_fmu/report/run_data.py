@@ -157,7 +157,6 @@ def _place(place: MeasuringPoint, seen: _Evaluated, begin: float) -> dict[str, A
 
 
 def _thin(n: int) -> np.ndarray:
-    """Return the rows that are shown of n."""
     return np.unique(np.linspace(0, n - 1, min(n, _ROWS)).round().astype(int))
 
 

@@ -122,7 +122,6 @@ def head(title: str, css: str, policy: str = "") -> str:
 
 
 def _bokeh() -> Sequence[str]:
-    """Return Bokeh's scripts."""
     resources = optional("bokeh.resources", "report", "a page of a run")
     # the third is what Bokeh's own Python pages set up
     scripts: list[str] = resources.Resources(

@@ -74,7 +74,6 @@ def study_page(
 
 
 def _shown_in(unit: str) -> Shown:
-    """Return how a number in a unit is shown."""
     return Shown(1.0, "-") if unit == "1" else current().of_si(unit)
 
 

@@ -213,7 +213,6 @@ def usual(rotor: Rotor) -> tuple[str, ...]:
 def _time_loop(
     job: Job, record: Record | Sequence[str], progress: ReportProgress, is_silent: bool
 ) -> tuple[Run, np.ndarray]:
-    """Make a run and return it with its recorded rows."""
     signals, stop = job.signals, job.stop
     values = {v.name: v.start for v in job.table if v.start is not None} | dict(job.parameters)
     values |= {name: signals.at(name, 0.0) for name in signals.values}
