@@ -24,6 +24,7 @@ _PLANAR = 1e-3  # forwardness below which an orbit is a line
 # twice, and so comes out off by the root of rounding.
 _FREE = 1e-6
 LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
+_ERRORS = 10.0  # residuals of a mode, below which its growth may be rounding
 DEFAULT_COUNT = 8
 
 
@@ -115,11 +116,10 @@ class Modes(Spectrum):
 
     @property
     def growth(self) -> float:
-        """The largest share of growth of a mode that something holds, Re lambda / |lambda|; of what
-        does not oscillate, its sign; -1 of none [1]."""
-        known = self.is_sound & self.is_held
-        straight = [1.0] if len(self.growing) else []
-        return max([*(-self.damping_ratio[known]), *straight], default=-1.0)
+        """The largest share of growth of a mode that something holds, Re lambda / |lambda|, less
+        what may be rounding; of what does not oscillate, its sign; -1 of none [1]."""
+        shares = (-self.damping_ratio - _ERRORS * self.residuals)[self.is_sound & self.is_held]
+        return max([*shares, *([1.0] if len(self.growing) else [])], default=-1.0)
 
     @property
     def _rounding(self) -> float:

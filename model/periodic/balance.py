@@ -20,12 +20,22 @@ import numpy as np
 from .arclength import ContinuationEquations
 from .elimination import groups_of, solve_by_elimination
 from .force_corners import SampledOrbit
-from .fourier import add_real, amplitudes, coefficients, derivative, products, resized, series_of
+from .fourier import (
+    add_real,
+    amplitudes,
+    coefficients,
+    derivative,
+    last_share,
+    products,
+    resized,
+    series_of,
+    times_derivative,
+)
 from .linear_structure import CondensedMachine, DynamicStiffness
 from .newton import by_parameter, solve_linear
 
-_CENTRAL_STEP = 1e-6  # of a central difference by omega, as a share of its scale
-_PARAMETER_STEP = 1e-7  # of a difference by the parameter, as a share of its scale
+_CENTRAL_STEP = 1e-6  # of a central difference of the stiffness by omega, as a share of its scale
+_PARAMETER_STEP, _WHIRL_STEP = 1e-7, 1e-8  # of a difference by the parameter, of its scale
 _MOVED = 0.1  # of a motion: a larger part of it comes into contact in a step across a corner
 _LEAST_SHARE = 1e-3  # of the stiffness at the speed: the least by which an equation is scaled
 _SAMPLES_A_HARMONIC = 16
@@ -52,8 +62,7 @@ class Orbit(NamedTuple):
 
 @dataclass(frozen=True)
 class Parameter:
-    """The continuation parameter: `speed` or a quantity of the machine; scale: length of its
-    range."""
+    """The continuation parameter, `speed` or a quantity of the machine; scale: of its range."""
 
     name: str
     scale: float
@@ -69,8 +78,6 @@ class HarmonicBalance(ContinuationEquations):
     each interface's length; length_scale: unit of displacements [m], by default that of the
     machine.
     """
-
-    difference = _PARAMETER_STEP
 
     def __init__(
         self,
@@ -92,8 +99,9 @@ class HarmonicBalance(ContinuationEquations):
         machine = machine_at(reference)
         self.b, self.s = machine.b, machine.laws.states
         self.d = 2 * machine.laws.count
-        # the friction of a race that rolls turns within a hardly larger change of the speed
-        self.is_central = self.s > 0
+        # the friction of a race or a whirl that rolls turns within a hardly larger change of speed
+        self.is_central = self.s > 0 or is_autonomous
+        self.difference = _WHIRL_STEP if is_autonomous else _PARAMETER_STEP
         self.length_scale = length_scale or machine.length
         if state_scale is None:
             state_scale = machine.laws.state_scales(abs(self.speed_at(reference)))
@@ -279,18 +287,23 @@ class HarmonicBalance(ContinuationEquations):
         if self.s:
             self._add_states(jacobian, laws, machine, orbit, samples)
         if self.is_autonomous:
-            shifted = x.copy()
-            shifted[-1] = x[-1] + _CENTRAL_STEP
-            above = self.residual(shifted, value)
-            shifted[-1] = x[-1] - _CENTRAL_STEP
-            jacobian[:, -1] = (above - self.residual(shifted, value)) / (2 * _CENTRAL_STEP)
+            jacobian[:n, -1] = self._by_omega(orbit, value, by_v)
             assert self.phase_reference is not None
             jacobian[-1, :n] = derivative(self.phase_reference).ravel()
         return residual, jacobian
 
+    def _by_omega(self, orbit: Orbit, value: float, by_v: np.ndarray) -> np.ndarray:
+        """Return the derivative of the equations of the motion by omega over its scale, of the
+        forces by their tangents: friction that rolls turns within any difference of omega."""
+        ends = (orbit.omega + side * self.omega_scale for side in (_CENTRAL_STEP, -_CENTRAL_STEP))
+        above, below = (self.dynamic_stiffness(value, omega).S for omega in ends)
+        change = np.einsum("kij,kj->ki", above - below, amplitudes(orbit.b))
+        by_omega = coefficients(change) / (2 * _CENTRAL_STEP)
+        by_omega -= self.omega_scale * times_derivative(by_v, orbit.b)
+        return (self.row_scale[:, None] * by_omega).ravel() / self.length_scale
+
     def _add_states(self, jacobian, laws, machine, orbit, samples) -> None:
-        rows, nb, s, H = 2 * self.H + 1, self.b, self.s, self.H
-        n = rows * nb
+        rows, s, H, n = 2 * self.H + 1, self.s, self.H, (2 * self.H + 1) * self.b
         by_state = samples.spectrum(laws.by_states, 2 * H)
         rates_by_d, rates_by_v, rates_by_states = (
             samples.spectrum(by, 2 * H)
@@ -319,6 +332,9 @@ class HarmonicBalance(ContinuationEquations):
         rate_of = (jacobian[n : n + s, n : n + s] != 0.0) & ~acts[:, None]
         free = np.where(rate_of.any(axis=0), rate_of.argmax(axis=0), np.arange(s))
         jacobian[n + np.flatnonzero(still), n + free[still]] = 1.0
+        if self.is_autonomous:
+            by_omega = derivative(orbit.states) - times_derivative(rates_by_v @ machine.B, orbit.b)
+            jacobian[n : n + rows * s, -1] = (self.omega_scale * inverse * by_omega).ravel()
 
     def solve_linear(self, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
         """Return the solution of a linear system with the Jacobian, which may be bordered by
@@ -331,11 +347,3 @@ class HarmonicBalance(ContinuationEquations):
     def last_share(self, x: np.ndarray) -> float:
         """Return the amplitude of the highest harmonics relative to the largest harmonic."""
         return last_share(self.split(x, self.reference).b)
-
-
-def last_share(b: np.ndarray) -> float:
-    """Return the amplitude of the highest harmonics of a series relative to its largest
-    harmonic."""
-    size, H = np.abs(amplitudes(b)).max(axis=1, initial=0.0), len(b) // 2
-    last = max(2, H // 4)
-    return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < H else 1.0

@@ -11,9 +11,9 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from .arclength import CurvePoint
-from .balance import Orbit, last_share
+from .balance import Orbit
 from .floquet import multipliers
-from .fourier import amplitudes
+from .fourier import amplitudes, last_share
 from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
 from .shooting import Shooting

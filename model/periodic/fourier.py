@@ -111,6 +111,12 @@ def derivative(series: np.ndarray) -> np.ndarray:
     return out
 
 
+def times_derivative(matrices: np.ndarray, series: np.ndarray) -> np.ndarray:
+    """Return the coefficients 0 to H of matrices, given by their spectrum 0 to 2 H, times the
+    derivative of a series by the angle."""
+    return np.tensordot(products(0 * matrices, matrices), series, 2)
+
+
 def repeated(series: np.ndarray, count: int) -> np.ndarray:
     """Return the coefficients of the same motion with `count` of its periods as one, along the
     first axis."""
@@ -136,3 +142,11 @@ def resized(series: np.ndarray, H: int) -> np.ndarray:
     n = min(len(out), len(series))
     out[:n] = series[:n]
     return out
+
+
+def last_share(b: np.ndarray) -> float:
+    """Return the amplitude of the highest harmonics of a series relative to its largest
+    harmonic."""
+    size, H = np.abs(amplitudes(b)).max(axis=1, initial=0.0), len(b) // 2
+    last = max(2, H // 4)
+    return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < H else 1.0

@@ -10,8 +10,8 @@ import numpy as np
 
 from . import arclength
 from .arclength import ContinuationEquations, CurvePoint
-from .balance import HarmonicBalance, Orbit, last_share
-from .fourier import resized
+from .balance import HarmonicBalance, Orbit
+from .fourier import last_share, resized
 from .newton import NotConverged
 
 _LARGE_FACTOR, _SMALL_FACTOR = 1.4, 1.1  # times the harmonics, at once; where these are too many

@@ -3,8 +3,8 @@
 import numpy as np
 
 from .arclength import CurvePoint
-from .balance import HarmonicBalance, Orbit, last_share
-from .fourier import resized
+from .balance import HarmonicBalance, Orbit
+from .fourier import last_share, resized
 from .harmonic_count import Accuracy, transferred, with_enough_harmonics, with_fewer_harmonics
 from .newton import NotConverged
 from .shooting import Shooting

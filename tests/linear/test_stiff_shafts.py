@@ -19,8 +19,8 @@ DIAMETRAL = I_D + SHAFT * (LENGTH**2 / 12 + DIAMETER**2 / 16)
 POLAR = I_P + SHAFT * DIAMETER**2 / 8
 
 
-def machine(young, elements, more="", shaft=""):
-    bearing = f"[[linear_bearing]]\nkxx = {K}\nkyy = {K}\ncxx = {C}\ncyy = {C}\n"
+def machine(young, elements, more="", shaft="", c=C):
+    bearing = f"[[linear_bearing]]\nkxx = {K}\nkyy = {K}\ncxx = {c}\ncyy = {c}\n"
     return parse_rotor(f"""
 [material]
 young = {young}
@@ -177,6 +177,13 @@ def test_modes_that_rounding_hides_are_said_and_are_no_instability():
     assert "rounding" not in answers.modes(machine(2e18, 4), SPEED, count=4).table().title
     assert campbell(rotor, [0.0, SPEED]).threshold is None
     assert machine_warnings(rotor) == []
+
+
+@pytest.mark.parametrize("young", [2e16, 2e18, 2e20])
+def test_rounding_of_a_stiff_shaft_without_damping_is_no_instability(young):
+    """Its bending modes are a million times faster than those of the rigid rotor, and known to that
+    share of rounding."""
+    assert campbell(machine(young, 4, c=0.0), np.linspace(10.0, 900.0, 10)).threshold is None
 
 
 def test_a_stiff_shaft_that_damps_has_the_lines_of_a_rigid_rotor_alone():

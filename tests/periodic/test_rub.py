@@ -16,7 +16,7 @@ from rotor_fmu.model.periodic.self_excited import rolling_whirls
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
 
-from .machines import CLEARANCE, OMEGA, RADIUS, ZETA, E, growth, jeffcott, rolling, rub
+from .machines import BETA, CLEARANCE, OMEGA, RADIUS, ZETA, E, growth, jeffcott, rolling, rub
 
 WHOLE = 2 * ("end of the range",)  # how both ends of a curve of folds are said
 
@@ -192,6 +192,20 @@ def test_dry_whirl_rolls_as_the_closed_form_says(v):
     assert result.amplitude(slides, "disc") / CLEARANCE == pytest.approx(1.088023, rel=1e-4)
     (needed,) = [b.value for b in result.bifurcations if b.kind == "fold"]
     assert needed == pytest.approx(2 * 0.05 * omega / (20 * (1 - 1 / r)), rel=5e-3)
+
+
+def test_a_whirl_of_many_clearances_rolls_as_the_closed_form_says_over_all_speeds():
+    """In long steps, although its friction turns within a millionth of its frequency."""
+    machine = jeffcott(mu=0.2, e=0.0)
+    result = rf.response(machine, speed=(50.0, 250.0), whirl=True, stability=False)
+    assert {branch.ends for branch in result.branches} == {2 * ("end of the range",)}
+    points = [p for p in result.points if p.orbit.omega > 2.1 * OMEGA]
+    assert len(points) < 100
+    for point in points:
+        omega, r = rolling(point.value * RADIUS / (CLEARANCE * OMEGA), BETA)
+        assert point.orbit.omega / OMEGA == pytest.approx(omega, rel=1e-5)
+        assert result.amplitude(point, "disc") / CLEARANCE == pytest.approx(r, rel=1e-5)
+    assert {50.0, 250.0} <= {point.value for point in points}
 
 
 @pytest.mark.parametrize("v", [1.5, 5.6, 10.0, 300.0])
