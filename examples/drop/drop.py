@@ -4,10 +4,10 @@ python drop.py [FOLDER for the pictures]
 """
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
@@ -104,4 +104,4 @@ def main(out: str = str(HERE)) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*script_arguments())

@@ -3,11 +3,11 @@
 python run_up.py [FOLDER for the picture]
 """
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
@@ -68,4 +68,4 @@ def draw(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    draw(Path(*(sys.argv[1:] or [str(HERE)])) / "run_up.png")
+    draw(Path(*script_arguments() or [str(HERE)]) / "run_up.png")

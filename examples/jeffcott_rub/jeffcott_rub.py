@@ -6,10 +6,10 @@ Lengths in clearances, speeds in the natural frequency, as the closed form has t
 """
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
@@ -75,4 +75,4 @@ def draw(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    draw(Path(*(sys.argv[1:] or [str(HERE)])) / "response.png")
+    draw(Path(*script_arguments() or [str(HERE)]) / "response.png")

@@ -5,12 +5,12 @@ python newkirk.py [FOLDER for the pictures]
 
 import cmath
 import math
-import sys
 from pathlib import Path
 from typing import NamedTuple, cast
 
 import numpy as np
 from matplotlib.projections.polar import PolarAxes
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
@@ -141,4 +141,4 @@ def main(out: str = str(HERE)) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*script_arguments())

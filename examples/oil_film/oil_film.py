@@ -4,10 +4,10 @@ python oil_film.py [FOLDER for the pictures]
 """
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.linear import bearing_curves, campbell
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
@@ -116,4 +116,4 @@ def main(out: str = str(HERE)) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*script_arguments())

@@ -5,10 +5,10 @@ python run_down.py [FOLDER for the picture]
 """
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.simulation import Simulation
 
@@ -71,4 +71,4 @@ def main(out: str = str(HERE)) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*script_arguments())

@@ -4,10 +4,9 @@ the map of jumps: jeffcott.png, rig.png, jumps.png.
 python response_curves.py [FOLDER for the pictures]
 """
 
-import sys
 from pathlib import Path
 
-from rotor_fmu.examples import example_folder
+from rotor_fmu.examples import example_folder, script_arguments
 
 import rotor_fmu as rf
 from rotor_fmu.plotting.figure_style import save
@@ -29,4 +28,4 @@ def draw(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    draw(Path(*(sys.argv[1:] or [str(HERE)])))
+    draw(Path(*script_arguments() or [str(HERE)]))

@@ -4,11 +4,11 @@ python rolling_bearing.py [FOLDER for the picture]
 """
 
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
@@ -84,4 +84,4 @@ def main(out: str = str(HERE)) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*script_arguments())

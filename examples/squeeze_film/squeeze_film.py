@@ -6,10 +6,10 @@ Orbits over the clearance, speeds over the natural frequency, as the closed form
 """
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.body import Body
@@ -112,4 +112,4 @@ def main(out: str = str(HERE)) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*script_arguments())

@@ -6,12 +6,12 @@ The first holds a folder a study, named after its file: bifurcation_clearance, h
 """
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
 import xarray
 from matplotlib.colors import LogNorm
+from rotor_fmu.examples import script_arguments
 from scipy.optimize import brentq
 
 from rotor_fmu import studies
@@ -237,4 +237,4 @@ def main(rows: str, out: str = "") -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*script_arguments(1))

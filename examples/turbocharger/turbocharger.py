@@ -4,11 +4,11 @@ python turbocharger.py [FOLDER for the pictures]
 """
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
@@ -158,4 +158,4 @@ def main(out: str = str(HERE)) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(*script_arguments())

@@ -315,10 +315,12 @@ def _motor(simulation: Simulation, how: Excitation) -> Iterator[float]:
     n = how.numbers
     inertia = simulation.read("J")
     w = simulation.names.index("w")
+    way = n["target"] - n["from"]
     for t in _instants(0.0, n["stop"], n["step"]):
-        commanded = n["from"] + n["ramp"] * simulation.time
-        ahead = inertia * n["ramp"] if commanded < n["target"] else 0.0
-        error = min(commanded, n["target"]) - float(simulation.observed[w])
+        gone = n["ramp"] * simulation.time
+        ahead = math.copysign(inertia * n["ramp"], way) if gone < abs(way) else 0.0
+        commanded = n["from"] + math.copysign(min(gone, abs(way)), way)
+        error = commanded - float(simulation.observed[w])
         torque = max(-n["torque"], min(n["torque"], n["gain"] * error + ahead))
         simulation.advance(t, torque)
         yield t

@@ -104,7 +104,7 @@ _DROP = {
 # A motor with a torque limit that follows a ramp.
 MOTOR = {
     "torque": Number("N.m", None, "torque limit of the motor", POSITIVE),
-    "target": Number("rad/s", "rated", "speed that the motor is to reach", POSITIVE),
+    "target": Number("rad/s", "rated", "speed that the motor is to reach"),
     "ramp": Number("rad/s2", "run_up_rate", "rate of the speed that it follows", POSITIVE),
     "gain": Number("N.m.s/rad", 0.1, "torque per speed error", POSITIVE),
     "from": Number("rad/s", 1.0, "speed at the start"),

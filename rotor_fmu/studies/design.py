@@ -268,7 +268,8 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: s
     where = f"vary {name}"
     given = [key for key in ("values", "grid", "distribution") if key in table]
     if len(given) != 1:
-        raise InputError(f"{where}: must have one of values, grid, distribution")
+        ways = "values = [...], grid = { from, to, count }, distribution = NAME"
+        raise InputError(f"{where}: must have one of {ways}")
     allowed = {"names", given[0]}
     if given[0] == "values":
         values = _numbers(where, "values", table["values"], unit)
@@ -303,13 +304,14 @@ def _distribution(where: str, table: Mapping[str, Any], unit: str) -> Distributi
 
 
 def _grid(where: str, grid: object, unit: str) -> tuple[float, ...]:
+    form = "must be { from, to, count }, and may have spacing"
     if not isinstance(grid, dict):
-        raise InputError(f"{where}: grid must be {{ from, to, count }}")
-    unknown = sorted(grid.keys() - {"from", "to", "count", "spacing"})
-    missing = [key for key in ("from", "to", "count") if key not in grid]
-    if unknown or missing:
-        what = f"has no {missing[0]}" if missing else f"knows no {unknown[0]}"
-        raise InputError(f"{where}: grid {what}; it is {{ from, to, count, spacing }}")
+        raise InputError(f"{where}: grid = {grid!r}: {form}")
+    for key in ("from", "to", "count"):
+        if key not in grid:
+            raise InputError(f"{where}: grid without {key}: {form}")
+    if unknown := sorted(grid.keys() - {"from", "to", "count", "spacing"}):
+        raise InputError(f"{where}: grid with {unknown[0]}: {form}")
     low, high = (number(f"{where}: grid {key}", grid[key], unit) for key in ("from", "to"))
     count = whole(f"{where}: grid count", grid["count"], most=MOST)
     spacing = grid.get("spacing", "linear")

@@ -4,7 +4,9 @@ import json
 import math
 import re
 import runpy
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +21,35 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 def script(folder, name):
     """What a script of the examples defines."""
     return runpy.run_path(str(EXAMPLES / folder / name))
+
+
+SCRIPTS = [file for file in EXAMPLES.glob("*/*.py") if "script_arguments(" in file.read_text()]
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.name)
+def test_a_script_called_wrongly_says_how_it_is_called(path, monkeypatch, capsys):
+    for arguments in (["--help"], ["a", "b", "c"]):
+        monkeypatch.setattr("sys.argv", [str(path), *arguments])
+        with pytest.raises(SystemExit) as ended:
+            runpy.run_path(str(path), run_name="__main__")
+        assert ended.value.code == 2
+        usage = capsys.readouterr().err
+        assert re.fullmatch(rf"usage: python {path.name} .*FOLDER .*\n", usage)
+
+
+def test_the_folder_of_a_scripts_pictures_is_made_or_refused(tmp_path, monkeypatch, capsys):
+    path = EXAMPLES / "drop" / "drop.py"
+    here = runpy.run_path(str(path))
+    monkeypatch.setitem(sys.modules, "__main__", SimpleNamespace(__doc__=here["__doc__"]))
+    monkeypatch.setattr("sys.argv", [str(path), str(tmp_path / "new")])
+    assert here["script_arguments"]() == [str(tmp_path / "new")]
+    assert (tmp_path / "new").is_dir()
+    (tmp_path / "new" / "file").touch()
+    monkeypatch.setattr("sys.argv", [str(path), str(tmp_path / "new" / "file")])
+    with pytest.raises(SystemExit) as ended:
+        here["script_arguments"]()
+    assert ended.value.code == 2
+    assert re.fullmatch(r"FOLDER .*file: cannot be written to: .*\n", capsys.readouterr().err)
 
 
 # --- drop ---

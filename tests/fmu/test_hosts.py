@@ -65,6 +65,25 @@ def test_fmpy_simulate_gives_what_its_api_gives(fmu, tmp_path):
         assert column == pytest.approx(result[name].tolist(), rel=1e-9), name
 
 
+def test_fmpy_simulate_follows_a_file_and_names_a_start_value_that_is_none_if_it_validates(
+    fmu, tmp_path
+):
+    (tmp_path / "in.csv").write_text("time,speed\n0,300\n0.02,310\n")
+    call = ("simulate", fmu, "--stop-time", "0.02", "--output-interval", "0.01")
+    files = ("--input-file", "in.csv", "--output-file", "out.csv")
+    shown = ("--output-variables", "w", "solver.preset")
+    values = ("--start-values", "solver.preset", "5", "bearing[1].my", "0.1")
+    run(FMPY, *call, *files, *shown, *values, cwd=tmp_path)
+    with (tmp_path / "out.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    # held in the first interval, which has none before it, then continued
+    assert [float(row["w"]) for row in rows] == [300.0, 300.0, 310.0]
+    assert {row["solver.preset"] for row in rows} == {"5"}
+    done = run_python(FMPY, *call, "--validate", *values)
+    assert done.returncode != 0
+    assert "could not be set: bearing[1].my" in done.stderr
+
+
 @pytest.mark.slow
 @needs("nbclient", "pip install nbclient ipykernel")
 @needs("ipykernel", "pip install nbclient ipykernel")

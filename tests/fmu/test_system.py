@@ -12,6 +12,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.archive import contents_of
 
 from ..parts.machines import shaft
+from ..processes import run_python
 from .coupled import last_row
 from .test_hosts import LIBCOSIM, needs, run
 from .test_schemas import EXAMPLES, FMI3, SSP, mistakes, osp_schema
@@ -127,6 +128,25 @@ def test_the_script_of_the_examples_runs_either_file(folder, file):
     row = last_row(script, str(folder / file), "0.2", "0.1", "drive.w")
     assert row["time"] == pytest.approx(0.2)
     assert row["drive.w"] > 0.0
+
+
+@needs("libcosimpy", "pip install libcosimpy")
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ([], "usage: python with_libcosim.py FILE STOP EVERY SLAVE.VARIABLE..., times in seconds"),
+        (["System.ssp", "now", "0"], "usage: python with_libcosim.py FILE STOP EVERY SLAVE.VARI"),
+        (["System.ssp", "-1", "0"], "-1 0: STOP must be > 0 and below 1e9 s, EVERY from 0 to STOP"),
+        (["None.ssp", "1", "0"], "None.ssp: is not a file"),
+        (["System.ssp", "1", "0", "w"], "w: is no variable of the slaves drive, rotor"),
+        (["System.ssp", "1", "0", "drive.u"], "drive.u: is no variable of drive"),
+    ],
+)
+def test_the_script_says_in_a_line_what_it_cannot_run(folder, arguments, expected):
+    done = run_python(EXAMPLES / "with_libcosim.py", *arguments, cwd=folder)
+    assert done.returncode == 2
+    assert done.stderr.startswith(expected)
+    assert done.stderr.count("\n") == 1
 
 
 def test_by_ecco_the_load_goes_on_and_a_step_may_lose_little_of_the_energy(tmp_path):

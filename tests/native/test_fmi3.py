@@ -273,7 +273,7 @@ def test_a_state_made_of_bytes_is_written_wherever_the_host_points(library):
     library.c.fmi3FreeInstance(m)
 
 
-def test_a_step_that_may_return_early_does_so_without_a_warning(library, make):
+def test_a_step_that_may_return_early_does_so_without_a_warning(library, make, capfd):
     folder = Path(fmpy.extract(str(make(fmi=3, toml=rig_toml() + "[start]\nx = 0.0\n"))))
     description = fmpy.read_model_description(str(folder))
     refs = {v.name: v.valueReference for v in description.modelVariables}
@@ -296,6 +296,9 @@ def test_a_step_that_may_return_early_does_so_without_a_warning(library, make):
         assert dropped.c.fmi3DoStep(m, ZERO, step, *arguments) == 0
         assert early.value == may_return
         assert (reached.value < 0.5) == may_return
+        assert {status for status, *_ in dropped.heard} == ({0} if may_return else set())
+        dropped.heard.clear()
+    assert "closed" not in capfd.readouterr().err
 
 
 @NEEDS_COMPILER

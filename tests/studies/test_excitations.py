@@ -101,6 +101,18 @@ def test_loads_of_a_file_are_linear_between_its_points_whatever_the_step(tmp_pat
     assert data.x.values == pytest.approx([x[-1]] * 3, abs=1e-3 * largest)
 
 
+@pytest.mark.parametrize("target", [15.0, 5.0, -15.0])
+def test_a_motor_follows_its_ramp_to_a_higher_a_lower_and_a_reversed_speed(tmp_path, target):
+    path = tmp_path / "study.toml"
+    path.write_text(
+        f'[run]\nkind = "motor"\ntorque = 5\nfrom = 10\ntarget = {target}\nramp = 20\ngain = 5\n'
+        'stop = 1.5\n[vary]\n"solver.tolerance" = { values = [1e-2] }\n[keep]\nw = { last = "w" }\n'
+    )
+    seen = read_study(path).model.record({})
+    ramp = np.interp(seen.t, [0.0, abs(target - 10.0) / 20.0], [10.0, target])
+    assert seen.columns["w"] == pytest.approx(ramp, abs=0.2)
+
+
 @pytest.mark.parametrize("way", ["run-up", "up-and-down"])
 def test_the_speed_of_a_ramp_goes_on_during_a_kick(tmp_path, way):
     path = tmp_path / "study.toml"

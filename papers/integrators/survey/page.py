@@ -1,5 +1,7 @@
 """`docs/explanation/integrators.md`: a template, and the numbers of a survey's table."""
 
+import posixpath
+import re
 from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -18,6 +20,7 @@ from .impact_numbers import of_the_impacts
 from .run_down_numbers import of_the_run_downs
 
 PAGE, _TEMPLATE = "explanation/integrators.md", "integrators.md"
+_OF_TEMPLATE, _OF_PAGE = "papers/integrators/survey", "docs/explanation"  # where links start from
 
 
 def write_page(rows: Sequence[Row], out: Path) -> Path:
@@ -63,4 +66,10 @@ def page_text(findings: Findings) -> str:
         ),
         **order_five.in_words(order_five.rows()),
     }
-    return Template(template).substitute(numbers)
+    return re.sub(r"(?<=\]\()[^)#:]+", _relinked, Template(template).substitute(numbers))
+
+
+def _relinked(link: re.Match[str]) -> str:
+    """The link to a file as it is from the page, of a link that holds from the template."""
+    target = posixpath.normpath(posixpath.join(_OF_TEMPLATE, link[0]))
+    return posixpath.relpath(target, _OF_PAGE)

@@ -31,8 +31,10 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     Instance *m = create(
         name, token, resources, logging, &SKIN, (void *)(uintptr_t)log, environment,
         has_events ? "instantiate: the event mode is asked for, and there is none" : NULL);
-    if (m)
+    if (m) {
+        m->returns_early = may_return_early;
         m->is_whole = !may_return_early; /* what is discarded then has to have changed nothing */
+    }
     return m;
 }
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,

@@ -100,6 +100,7 @@ struct Instance {
     double *continued; /* 1 where a slope is that of a step that ended early */
     void *before;            /* the state before a step that has to be done whole or not at all */
     int is_whole;
+    int returns_early; /* whether a step that ends early is a success of its call */
     double limit_at; /* time at which a step ended at a limit, NaN before */
     uint8_t *block; /* of the kernels, aligned; its first bytes are the run */
     uint8_t warned[WARNINGS]; /* by the code of the sentence */

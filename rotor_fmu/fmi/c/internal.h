@@ -55,8 +55,8 @@ void add(char *out, const char *more);
 void add_number(char *out, double value, int digits);
 /* A sentence of the table with its numbers: {g}, {.4g}, {d} for an integer, and {?one|other}. */
 void spell(char *out, const char *pattern, const double *numbers);
-/* Tell a message as it is, or a sentence; the status is returned. */
-Status log_text(Instance *, Status, const char *message);
+/* Tell a message as it is, or a sentence, whose status is returned. */
+void log_text(Instance *, Status, const char *message);
 Status log_sentence(Instance *, Status, const char *pattern, const double *numbers);
 void warn_of(Instance *, const char *format, ...);
 /* Say from when the time in a message of the model counts. */

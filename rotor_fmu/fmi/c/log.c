@@ -14,8 +14,7 @@ const char *const CATEGORIES[CATEGORY_COUNT] = {"logAll",          "logStatusWar
 /* Errors and warnings go to standard error too, since hosts drop them unless logging is on. */
 static void log_message(Instance *m, Status status, char *message)
 {
-    static const char *const LEVELS[] = {"note", "warning", "discard", "error"};
-    const char *level = LEVELS[status];
+    static const char *const LEVELS[] = {"", "warning", "discard", "error"};
     char given[2 * LONGEST], *to = given;
     int category = (int)status;
     for (char *c = message; *c; c++) {
@@ -26,7 +25,8 @@ static void log_message(Instance *m, Status status, char *message)
         *to++ = *c;
     }
     *to = 0;
-    write_error(m->name, level, message);
+    if (status != OK)
+        write_error(m->name, LEVELS[status], message);
     if (m->categories & 1u << category)
         m->skin->emit(m, status, CATEGORIES[category], given);
 }
@@ -102,12 +102,11 @@ void spell(char *out, const char *pattern, const double *numbers)
     }
 }
 
-Status log_text(Instance *m, Status status, const char *text)
+void log_text(Instance *m, Status status, const char *text)
 {
     char message[LONGEST] = "";
     add(message, text);
     log_message(m, status, message);
-    return status;
 }
 
 Status log_sentence(Instance *m, Status status, const char *pattern, const double *numbers)

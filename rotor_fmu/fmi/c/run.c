@@ -141,7 +141,8 @@ static Status stop_early(Instance *m, const char *why, int is_limit)
         continue_inputs(m);
         snprintf(s->failure, sizeof s->failure, "%s", why);
     }
-    return log_text(m, DISCARD, why);
+    log_text(m, m->returns_early ? OK : DISCARD, why);
+    return DISCARD;
 }
 
 static Status fail(Instance *m, const char *why)
