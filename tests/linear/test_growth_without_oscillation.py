@@ -9,6 +9,7 @@ from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear import answers, stability_answers
+from rotor_fmu.linear.mode_answers import mode_shapes_figure, shapes_for_page
 from tests.linear.api_617 import ROOT, SHAFT
 
 PULLING = "[[{kind}]]\nnode = {node}\nkxx = {k}\nkyy = {ky}\ncxx = 2e3\ncyy = 2e3\n"
@@ -63,6 +64,21 @@ def test_what_nothing_holds_is_said_and_has_no_critical_speed():
     dampings = [row[4:6] for row in table.rows]
     assert np.isnan(dampings).tolist() == [[True, True], *[[False, False]] * (len(dampings) - 1)]
     assert not campbell(hinged, [0.0, 200.0, 400.0]).critical
+
+
+def test_every_picture_of_modes_says_what_nothing_holds():
+    """In the place of a frequency and a damping that are rounding."""
+    hinged = parse_rotor(SHAFT + PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7))
+    shown = answers.modes(hinged, 0.0)
+    titles = [
+        [axes.get_title() or axes.get_title(loc="left") for axes in figure.axes[:2]]
+        for figure in (shown.figure(), mode_shapes_figure(shown))
+    ]
+    titles.append([mode["caption"] for mode in shapes_for_page(shown)["modes"][:2]])
+    for of_first, of_second in titles:
+        assert of_first.startswith("1: 0 Hz, ")
+        assert of_first.endswith(", held by nothing")
+        assert "held by nothing" not in of_second
 
 
 def test_rounding_of_what_nothing_holds_is_no_logarithmic_decrement():
