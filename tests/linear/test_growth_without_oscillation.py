@@ -94,6 +94,15 @@ def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
     assert [case.log_dec == -math.inf for case in cases] == [False, True]
 
 
+def test_what_grows_without_oscillating_has_no_sensitivity_to_cross_coupling():
+    """Alike in x and y the least coupling makes it a whirl, whose decrement is finite."""
+    pulls = "".join(PULLING.format(kind="linear_bearing", node=n, k=-5e5, ky=-5e5) for n in (1, 7))
+    one = level_1(parse_rotor(SHAFT + pulls), 300.0, node=4)
+    assert one.log_dec_alone == -math.inf
+    assert math.isfinite(one.log_dec[1])
+    assert math.isnan(one.sensitivity)
+
+
 def test_the_tables_name_growth_without_oscillation_and_a_missing_stage():
     rotor = pulled()
     tables = (
