@@ -170,6 +170,7 @@ def level_1(
     seen = [_case(f"{q:g} N/m", mode.coupled(float(q))) for q in values]
     step = _STEP * (expected or threshold or mode.scale)
     alone, little, with_qa = (_case("", mode.coupled(q)) for q in (0.0, step, expected))
+    slope = (little.log_dec - alone.log_dec) / step
     return StabilityLevel1(
         speed=speed,
         node=at,
@@ -184,7 +185,7 @@ def level_1(
         log_dec_anticipated=with_qa.log_dec,
         first_alone=alone.first_log_dec,
         first_anticipated=with_qa.first_log_dec,
-        sensitivity=(little.log_dec - alone.log_dec) / step,
+        sensitivity=slope if math.isfinite(alone.log_dec) else math.nan,
         critical_speed_ratio=speed / first_rigid_critical(rotor, contacts),
     )
 

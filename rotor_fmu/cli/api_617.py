@@ -187,13 +187,13 @@ def unbalance(
     else:
         result = answers.unbalance_response(machine, speeds, **acting)
     nodes = node or result.nodes()
-    _say_where_it_holds(machine, result, ends, contacts)
     if ends is None:
         ends_of_ways = {float(min(*speeds, 0.0)), float(max(*speeds, 0.0))}
         tops = sorted(ends_of_ways - {0.0}) or [0.0]
         checked: Any = acceptance.critical_peaks(machine, tops, nodes, **acting)
     else:
         checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)
+    _say_where_it_holds(machine, result, ends, contacts)
     writable_folder(out)
     _write_response(result, nodes, out / "unbalance.csv")
     more = {"criticals" if ends is None else "check": checked}

@@ -55,9 +55,15 @@ class Modes(Displayed, linear.Modes):
         )
         return Table.of(title, columns)
 
-    def motion(self, mode: int) -> str:
-        """Return in a word or two how a mode, counted from 0, moves."""
-        return f"{self.whirl[mode]}{', housings alone' if self.is_of_housings[mode] else ''}"
+    def caption(self, mode: int, damping: str = "") -> str:
+        """Return in words which mode this is, counted from 0, how it moves, and its damping, or
+        that nothing holds it, so that its frequency and its damping are rounding."""
+        is_held = self.is_held[mode]
+        frequency = shown_speed(self.damped[mode] if is_held else 0.0)
+        housings = "housings alone" if self.is_of_housings[mode] else ""
+        last = damping if is_held else "held by nothing"
+        words = (f"{frequency} {current().frequency_unit}", self.whirl[mode], housings, last)
+        return f"{mode + 1}: {', '.join(filter(None, words))}"
 
     def figure(self) -> Figure:
         """Draw the lowest modes' shapes, each plane at the instant of its largest deflection."""
@@ -80,10 +86,8 @@ class Modes(Displayed, linear.Modes):
                     self.z[at] * current().length, (w[at] * turn).real, "o", color=color, ms=3
                 )
             axes.margins(y=0.08)
-            frequency = f"{shown_speed(self.damped[i])} {current().frequency_unit}"
             damping = f"damping {clean_damping(self.damping_ratio[i]):.2g}"
-            damping = damping if self.is_held[i] else "held by nothing"
-            entitle(axes, f"{i + 1}: {frequency}, {self.motion(i)}, {damping}", 9)
+            entitle(axes, self.caption(i, damping), 9)
             if i + columns >= shown:
                 axes.set_xlabel(f"Along the shaft z [{current().length_unit}]")
                 axes.tick_params(labelbottom=True)
@@ -135,8 +139,7 @@ def mode_shapes_figure(result: Modes) -> Figure:
         axes.set_zticks([])
         axes.tick_params(labelsize=7, pad=-2)
         axes.set_xlabel(f"z [{current().length_unit}]", fontsize=7, labelpad=-4)
-        frequency = f"{shown_speed(result.damped[i])} {current().frequency_unit}"
-        axes.set_title(f"{i + 1}: {frequency}, {result.motion(i)}", fontsize=9, y=0.98)
+        axes.set_title(result.caption(i), fontsize=9, y=0.98)
     state = turns(result.speed, result.contacts)
     entitle(figure, result.titled(f"Mode shapes at {state}; x across, y up"))
     return figure
@@ -144,17 +147,16 @@ def mode_shapes_figure(result: Modes) -> Figure:
 
 def shapes_for_page(result: Modes) -> dict[str, object]:
     """Return the shapes as numbers for the page's own drawing: z [mm], which nodes (from
-    0) are marked, and of each mode its frequency in the unit that is shown, whirl, logarithmic
-    decrement and complex x, y of the nodes."""
+    0) are marked, and of each mode its caption with the logarithmic decrement, its whirl and
+    complex x, y of the nodes."""
+    log_decs = clean_damping(result.log_dec)
     return {
-        "unit": current().frequency_unit,
         "z": (result.z * 1e3).tolist(),
         "marked": dotted(len(result.z)).tolist(),
         "modes": [
             {
-                "frequency": float(result.damped[i]) * current().speed,
+                "caption": result.caption(i, f"log dec {log_decs[i]:.3g}"),
                 "whirl": result.whirl[i],
-                "log_dec": float(clean_damping(result.log_dec[i])),
                 "x": [result.x[i].real.tolist(), result.x[i].imag.tolist()],
                 "y": [result.y[i].real.tolist(), result.y[i].imag.tolist()],
             }

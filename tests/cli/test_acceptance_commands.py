@@ -224,13 +224,18 @@ def test_a_report_begins_with_the_threshold_of_stability_below_the_highest_speed
 
 
 @pytest.mark.usefixtures("conclusions_alone")
-def test_a_machine_without_unbalance_is_not_said_to_pass(refusal, tmp_path):
+def test_a_machine_without_unbalance_is_not_said_to_pass(refusal, tmp_path, capsys):
     """It answers to nothing. A report places the unbalances of API 617 then: its critical speed of
     4128 rpm is too near to the range."""
     file = tmp_path / "balanced.toml"
     file.write_text(SHAFT + support(1, 1e7, 500.0) + support(7, 1e7, 500.0))
     for arguments in ([], ["--range", "2500:3500rpm"]):
         assert "no unbalance acts" in refusal("unbalance", "--rotor", str(file), *arguments)
+    pulled = tmp_path / "pulled.toml"
+    pulls = table("[linear_bearing]", node=4, kxx=-5e7, kyy=0.0, cxx=0.0, cyy=0.0)
+    pulled.write_text(f"{file.read_text()}\n{pulls}")
+    assert "no unbalance acts" in refusal("unbalance", "--rotor", str(pulled), *arguments)
+    assert not any(capsys.readouterr())  # where it is unstable is no matter then
     report = machine_report(load_rotor(file)[1], ReportOptions(2500 * RPM, 3500 * RPM))
     said = report.conclusions[0].text
     assert said.startswith("Critical speeds too near to the operating range: ")

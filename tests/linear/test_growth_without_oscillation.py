@@ -9,6 +9,7 @@ from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear import answers, stability_answers
+from rotor_fmu.linear.mode_answers import mode_shapes_figure, shapes_for_page
 from tests.linear.api_617 import ROOT, SHAFT
 
 PULLING = "[[{kind}]]\nnode = {node}\nkxx = {k}\nkyy = {ky}\ncxx = 2e3\ncyy = 2e3\n"
@@ -65,6 +66,21 @@ def test_what_nothing_holds_is_said_and_has_no_critical_speed():
     assert not campbell(hinged, [0.0, 200.0, 400.0]).critical
 
 
+def test_every_picture_of_modes_says_what_nothing_holds():
+    """In the place of a frequency and a damping that are rounding."""
+    hinged = parse_rotor(SHAFT + PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7))
+    shown = answers.modes(hinged, 0.0)
+    titles = [
+        [axes.get_title() or axes.get_title(loc="left") for axes in figure.axes[:2]]
+        for figure in (shown.figure(), mode_shapes_figure(shown))
+    ]
+    titles.append([mode["caption"] for mode in shapes_for_page(shown)["modes"][:2]])
+    for of_first, of_second in titles:
+        assert of_first.startswith("1: 0 Hz, ")
+        assert of_first.endswith(", held by nothing")
+        assert "held by nothing" not in of_second
+
+
 def test_rounding_of_what_nothing_holds_is_no_logarithmic_decrement():
     """Of a rotor on two dampers, at a speed: the sensitivity is that of the modes that are held."""
     damper = "[[linear_bearing]]\nnode = {}\nkxx = 0.0\nkyy = 0.0\ncxx = {}\ncyy = {}\n"
@@ -76,6 +92,15 @@ def test_rounding_of_what_nothing_holds_is_no_logarithmic_decrement():
 def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
     cases = level_2(pulled("seal"), 300.0).cases
     assert [case.log_dec == -math.inf for case in cases] == [False, True]
+
+
+def test_what_grows_without_oscillating_has_no_sensitivity_to_cross_coupling():
+    """Alike in x and y the least coupling makes it a whirl, whose decrement is finite."""
+    pulls = "".join(PULLING.format(kind="linear_bearing", node=n, k=-5e5, ky=-5e5) for n in (1, 7))
+    one = level_1(parse_rotor(SHAFT + pulls), 300.0, node=4)
+    assert one.log_dec_alone == -math.inf
+    assert math.isfinite(one.log_dec[1])
+    assert math.isnan(one.sensitivity)
 
 
 def test_the_tables_name_growth_without_oscillation_and_a_missing_stage():

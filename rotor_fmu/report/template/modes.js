@@ -10,8 +10,7 @@ let angle = -0.6, tilt = 0.35, phase = 0, last = null, drag = null;
 shapes.modes.forEach((mode, i) => {
   const option = document.createElement("option");
   option.value = i;
-  option.textContent =
-    `${i + 1}: ${Number(mode.frequency.toPrecision(4))} ${shapes.unit}, ${mode.whirl}, log dec ${mode.log_dec.toPrecision(3)}`;
+  option.textContent = mode.caption;
   chosen.append(option);
 });
 running.checked = !still;
