@@ -58,8 +58,9 @@ def _positive(where: str, part: BearingWithOil) -> SpeedRange:
     return SpeedRange(
         0.0,
         math.inf,
-        f"{where}: speed {{speed:.4g}} rad/s is negative, where it has no heat balance",
-        f", but the viscosity of positive speeds: {part.why_positive}",
+        f"{where}: speed {{speed:.4g}} rad/s is negative, where it has no heat balance, but the "
+        f"viscosity of positive speeds: {part.why_positive}",
+        "",
         "beyond-table",
         is_of_size=False,
     )
