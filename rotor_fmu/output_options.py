@@ -24,6 +24,7 @@ def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[.
 
     @wraps(command)
     def run_command(*, as_json: bool = False, is_quiet: bool = False, **options: Any) -> None:
+        """Call the command and print what it returns."""
         with ExitStack() as stack:
             stack.enter_context(restored())
             if as_json or is_quiet:

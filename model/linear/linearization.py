@@ -145,7 +145,8 @@ class Linearization:
 
     def vibrating(self, linear: Linear, frequency: float) -> Linear:
         """Return the machine where it rests, the states of its laws, such as the tilts of pads,
-        following a vibration of a frequency [rad/s]; those of `at` follow at that of rotation."""
+        following a vibration of a frequency [rad/s]; those of `LinearMachine.at` follow at that of
+        rotation."""
         if not (self.laws.follows | self.laws.whirls).any():
             return linear
         result = self.linearized(linear.speed, linear.rest, frequency, linear.states)

@@ -99,6 +99,8 @@ class _Reader:
         return Element(key, "SealElement" if "Seal" in kind else "BearingElement", own)
 
     def read(self) -> Imported:
+        """Return the tables of a machine file, with what is left out. Raises `QuantityError` for
+        what a machine cannot have."""
         tables: dict[str, Any] = {"name": self._name, "material": {}}
         shaft = self._of(_SHAFT)
         tables["section"] = self._sections(shaft, tables["material"])

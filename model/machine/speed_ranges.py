@@ -9,21 +9,14 @@ from .rotor import Rotor
 
 
 class SpeedRange(NamedTuple):
-    """A range of speeds [rad/s], what is said of a speed outside it, in which {speed:.4g} is filled
-    in, and of what holds there, the code of both as a warning, and whether the range holds
-    whichever way the shaft turns."""
+    """A range of speeds [rad/s], the message for a speed outside it, in which {speed:.4g} is filled
+    in, the code of that message, and whether the range holds whichever way the shaft turns."""
 
     low: float
     high: float
-    outside: str
-    there: str
+    beyond: str
     code: str
     is_of_size: bool
-
-    @property
-    def beyond(self) -> str:
-        """The warning for a speed outside the range."""
-        return self.outside + self.there
 
     def holds(self, speed: float) -> bool:
         """Return whether a speed [rad/s] lies in the range."""
@@ -46,8 +39,8 @@ def _range_of(where: str, part: Any) -> SpeedRange:
     return SpeedRange(
         low,
         high,
-        f"{where}: speed {{speed:.4g}} rad/s lies outside its table, {low:g} to {high:g} rad/s",
-        f"; from there on its {values} of the end",
+        f"{where}: speed {{speed:.4g}} rad/s lies outside its table, {low:g} to {high:g} rad/s; "
+        f"from there on its {values} of the end",
         "beyond-table",
         is_of_size=is_film,
     )
@@ -60,7 +53,6 @@ def _positive(where: str, part: BearingWithOil) -> SpeedRange:
         math.inf,
         f"{where}: speed {{speed:.4g}} rad/s is negative, where it has no heat balance, but the "
         f"viscosity of positive speeds: {part.why_positive}",
-        "",
         "beyond-table",
         is_of_size=False,
     )

@@ -153,8 +153,8 @@ def check(rotor: Rotor, task: Task) -> None:
             )
         for allowed in ranges:
             if not allowed.holds(speed):
-                outside = allowed.outside.format(speed=speed)
-                raise PeriodicError(f"{outside}; no periodic response is computed there")
+                beyond = allowed.beyond.format(speed=speed)
+                raise PeriodicError(f"{beyond}; no periodic response is computed there")
     if task.name != SPEED:
         for value in (task.low, task.high):
             rotor.with_value(task.name, value)

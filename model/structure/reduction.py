@@ -213,8 +213,8 @@ def _warning_for_mode(
         0.0,
         highest,
         f"solver.reduction = {modes} is too coarse: mode {place + 1} of the shaft{contacts}, "
-        f"{_hertz(omega)}, {how}, and the speed, {{speed:.4g}} rad/s, is above half of it",
-        f"; use at least {enough}, or 0 (no reduction)",
+        f"{_hertz(omega)}, {how}, and the speed, {{speed:.4g}} rad/s, is above half of it; use at "
+        f"least {enough}, or 0 (no reduction)",
         "reduction-too-coarse",
         is_of_size=True,
     )

@@ -107,6 +107,7 @@ class _RunRate:
         self._begun, self._first = math.nan, 0
 
     def sentence(self, progress: Progress) -> str:
+        """Return how far a study is, with rate and time left."""
         now = time.perf_counter()
         if progress.now and math.isnan(self._begun):
             self._begun, self._first = now, progress.now

@@ -53,6 +53,7 @@ class _ApartLocator(AutoLocator):
     """Ticks so far apart that numbers of six digits below them do not run into each other."""
 
     def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        """Return the places of the ticks, fewer where their numbers are long."""
         self.set_params(nbins="auto")
         ticks = super().tick_values(vmin, vmax)
         if not isinstance(self.axis, Axis):

@@ -93,6 +93,7 @@ class _RoundIn(MaxNLocator):
         self._length = length
 
     def tick_values(self, vmin: float, vmax: float) -> list[float]:
+        """Return the places of the ticks [m]."""
         ticks = super().tick_values(vmin * self._length, vmax * self._length)
         return [float(tick) / self._length for tick in ticks]
 

@@ -103,6 +103,7 @@ class _Processes(ProcessPoolExecutor):
     """Workers that Ctrl-C does not reach from their start on, which is when they are given work."""
 
     def submit(self, *work: Any, **named: Any) -> Future:
+        """Schedule a call, as `Executor.submit` does."""
         with interrupts_deferred():
             return super().submit(*work, **named)
 

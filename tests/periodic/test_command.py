@@ -196,8 +196,9 @@ def test_speeds_outside_a_table_are_refused():
     machine = rf.parse(jeffcott().toml + table + "cxx = 0.0\ncyy = 0.0\n")
     with pytest.raises(rf.InputError) as refused:
         rf.response(machine, speed=(50.0, 120.0))
-    where = "seal[1]: speed 120 rad/s lies outside its table, 10 to 100 rad/s"
-    assert str(refused.value) == f"{where}; no periodic response is computed there"
+    where = "seal[1]: speed 120 rad/s lies outside its table, 10 to 100 rad/s; from there on"
+    held = f"{where} its coefficients are those of the end"
+    assert str(refused.value) == f"{held}; no periodic response is computed there"
 
 
 def test_a_machine_that_nothing_holds_is_refused():
