@@ -27,6 +27,9 @@ HALF_POWER = math.sqrt(0.5)
 DAMPED = 2.5  # amplification factor below which a peak is critically damped
 _PRECISE = 1e-10  # of a speed
 _UNDAMPED = 1e-8  # of a speed: a peak that is not as wide has no damping but rounding
+_FALLEN = 0.5  # of a peak: so far away on both sides one that is not as wide is lower
+_UNBOUNDED = complex(math.inf, math.nan)  # the answer at a resonance without damping
+_CLEAR = 1e-3  # of a resonance without damping: nearer to it a curve shows nothing but its pole
 # About a mode's frequency, in its half-widths. Not there itself: an undamped mode that nothing
 # drives has a peak of rounding there.
 _ABOVE = np.array([0.1, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
@@ -45,9 +48,9 @@ _SHARPEST = 1e-5 / (2 * math.pi)
 
 @dataclass(frozen=True)
 class Peak:
-    """A peak of a response over the speed: the critical speed [rad/s], the response there, and the
-    speeds below and above at which it has fallen to 0.707 of that [rad/s]; NaN where it does not
-    fall so far before the speeds end or another peak follows."""
+    """A peak of a response over the speed: the critical speed [rad/s], the response there, infinite
+    without damping, and the speeds below and above at which it has fallen to 0.707 of that [rad/s];
+    NaN where it does not fall so far before the speeds end or another peak follows."""
 
     speed: float
     amplitude: float
@@ -63,8 +66,7 @@ class Peak:
             width = 2 * (self.above - self.speed)
         elif math.isnan(self.above):
             width = 2 * (self.speed - self.below)
-        speed = abs(self.speed)
-        return math.inf if width < _UNDAMPED * speed else speed / width
+        return math.inf if math.isinf(self.amplitude) else abs(self.speed) / width
 
     @property
     def is_one_sided(self) -> bool:
@@ -159,7 +161,8 @@ def inner_peaks(values: np.ndarray) -> list[int]:
 
 
 def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[float, float]:
-    """Return speed [rad/s] and response of a peak between the neighbours of the i-th of speeds."""
+    """Return speed [rad/s] and response of a peak between the neighbours of the i-th of speeds; an
+    infinite response where nothing damps it."""
     # the distance from there, since the search is only exact to 1e-8 of what it varies
     found = minimize_scalar(
         lambda apart: -response(at[i] + apart),
@@ -167,7 +170,9 @@ def top(response: Callable[[float], float], at: np.ndarray, i: int) -> tuple[flo
         method="bounded",
         options={"xatol": _PRECISE * abs(at[i])},
     )
-    return float(at[i] + found.x), -float(found.fun)
+    speed, highest = float(at[i] + found.x), -float(found.fun)
+    beside = max(response(speed * (1.0 + by)) for by in (-_UNDAMPED, _UNDAMPED))
+    return speed, math.inf if beside < _FALLEN * highest else highest
 
 
 def largest(
@@ -195,6 +200,8 @@ def _peak(
 ) -> Peak:
     """Return the peak with its top between the neighbours of the i-th of speeds; before, after:
     places of the peaks beside it, or just outside of the speeds."""
+    if math.isinf(largest):
+        return Peak(speed, largest, speed, speed)
 
     def excess(s: float) -> float:
         return response(s) - HALF_POWER * largest
@@ -220,19 +227,45 @@ def with_modes(at: np.ndarray, modes: Iterable[tuple[float, float]]) -> np.ndarr
 
 def with_tops(sizes: Iterable[Callable[[float], float]], at: np.ndarray) -> np.ndarray:
     """Return ascending frequencies [rad/s] with those of the peaks of sizes between them."""
-    found = [
-        top(size, at, i)[0]
+    return np.unique(np.append(at, [frequency for frequency, _ in _tops_of(sizes, at)]))
+
+
+def _tops_of(
+    sizes: Iterable[Callable[[float], float]], at: np.ndarray
+) -> list[tuple[float, float]]:
+    return [
+        top(size, at, i)
         for size in sizes
         for i in inner_peaks(np.array([size(frequency) for frequency in at]))
     ]
-    return np.unique(np.append(at, found))
+
+
+def with_poles(
+    at: Iterable[float], asked: Sequence[float] | np.ndarray, poles: Sequence[float]
+) -> np.ndarray:
+    """Return ascending frequencies [rad/s] with those of resonances without damping, and within
+    `_CLEAR` of these only its ends and what was asked for."""
+    each, of_poles = np.asarray(list(at)), np.asarray(poles)
+    beside = np.concatenate([(1 - _CLEAR) * of_poles, (1 + _CLEAR) * of_poles])
+    beside = beside[(beside >= each.min()) & (beside <= each.max())]
+    apart = np.abs(each[:, None] - of_poles) > _CLEAR * np.abs(of_poles)
+    kept = each[apart.all(axis=1) | np.isin(each, asked)]
+    return np.unique(np.concatenate([kept, beside, of_poles]))
+
+
+def at_pole(answer: Callable[[float], np.ndarray], pole: float) -> np.ndarray:
+    """Return a complex answer at a resonance without damping [rad/s], infinite in what resonates
+    and not what comes out by rounding."""
+    here, *beside = (answer(pole * (1.0 + by)) for by in (0.0, -_UNDAMPED, _UNDAMPED))
+    resonates = np.abs(beside).max(axis=0) < _FALLEN * np.abs(here)
+    return np.where(resonates, _UNBOUNDED, here)
 
 
 def with_peaks(
     answer: Callable[[float], np.ndarray], frequencies: np.ndarray, poles: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the frequencies that were asked for [rad/s], ascending, with those of all peaks
-    between them, and the answers at these.
+    between them, and the answers at these, infinite where nothing damps a peak.
 
     answer: complex array of a frequency; poles: of the answer [1/s].
     """
@@ -250,5 +283,7 @@ def with_peaks(
     def size_of(column: int, w: float) -> float:
         return float(abs(answered(w).ravel()[column]))
 
-    at = with_tops((partial(size_of, column) for column in np.flatnonzero(seen).tolist()), at)
-    return at, np.array([answered(w) for w in at])
+    found = _tops_of((partial(size_of, column) for column in np.flatnonzero(seen).tolist()), at)
+    infinite = {w for w, highest in found if math.isinf(highest)}
+    at = with_poles([*at, *(w for w, _ in found)], frequencies, sorted(infinite))
+    return at, np.array([at_pole(answered, w) if w in infinite else answered(w) for w in at])

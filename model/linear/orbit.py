@@ -1,7 +1,8 @@
 """The ellipse of a node that moves as x = Re(X exp(i w t)), y = Re(Y exp(i w t)).
 
 In complex coordinates x + i y = f exp(i w t) + b exp(-i w t), with f = (X + i Y) / 2 that turns
-with and b = conj(X - i Y) / 2 that turns against the shaft.
+with and b = conj(X - i Y) / 2 that turns against the shaft. At a resonance without damping X and Y
+are infinite, and what they would be made of is not known.
 """
 
 import numpy as np
@@ -12,18 +13,21 @@ AT_REST = 1e-9
 
 def forward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return f of complex amplitudes."""
-    return (x + 1j * y) / 2
+    with np.errstate(invalid="ignore"):
+        return (x + 1j * y) / 2
 
 
 def backward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return b of complex amplitudes."""
-    return np.conj(x - 1j * y) / 2
+    with np.errstate(invalid="ignore"):
+        return np.conj(x - 1j * y) / 2
 
 
 def semi_axes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the major and minor semi-axis; the latter is negative where the node whirls back."""
     forward, backward = np.abs(forward_part(x, y)), np.abs(backward_part(x, y))
-    return forward + backward, forward - backward
+    is_infinite = np.isinf(x) | np.isinf(y)
+    return np.where(is_infinite, np.inf, forward + backward), forward - backward
 
 
 def lengths_of_nodes(z: np.ndarray) -> np.ndarray:

@@ -35,7 +35,8 @@ class UnbalanceResponse:
     contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y: shape (s, n) [m]; housings:
     names, housing_x, housing_y, shape (s, housings) [m]; supports: names of the supports; load_x,
     load_y: the load on each, shape (s, supports) [N]; peaks: speeds at which the orbits of nodes
-    (from 1) peak, where these were looked for [rad/s].
+    (from 1) peak, where these were looked for [rad/s]. Where nothing damps a peak amplitudes are
+    infinite there.
     """
 
     speeds: np.ndarray
@@ -83,8 +84,9 @@ class UnbalanceResponse:
         return self._lead(self.y)
 
     def nodes(self) -> list[int]:
-        """Return up to three nodes (from 1) with the largest orbits, ascending."""
-        largest = np.argsort(-self.major.max(axis=0, initial=0.0), kind="stable")[:3]
+        """Return up to three nodes (from 1) with the largest finite orbits, ascending."""
+        finite = np.where(np.isinf(self.major), 0.0, self.major)
+        largest = np.argsort(-finite.max(axis=0, initial=0.0), kind="stable")[:3]
         return sorted((largest + 1).tolist())
 
     def _lead(self, vector: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..machine.rotor import Rotor
-from .amplification import tops, with_modes
+from .amplification import at_pole, tops, with_modes, with_poles
 from .campbell import campbell
 from .linear_machine import LinearMachine
 from .orbit import semi_axes
@@ -19,6 +19,7 @@ from .unbalance import SteadyWhirl, UnbalanceResponse, steady_whirl
 
 _MODES = 12
 _POINTS = 13  # of the Campbell diagram
+_AMPLITUDES = ("x", "y", "housing_x", "housing_y", "load_x", "load_y")  # of a response
 _BEYOND = 1.2  # times the highest speed, that a critical speed whose flank lies below is found
 
 
@@ -86,10 +87,25 @@ def response_with_peaks(
     whirl = steady_whirl(rotor, contacts, unbalances)
     close = with_criticals(rotor, speeds, contacts)
     shown = nodes or whirl.response(close).nodes()
-    peaks = {}
+    peaks, poles = {}, set[float]()
     for node in shown:
         size = partial(major_axis, whirl, 2 * (check_node(whirl.machine, node) - 1), -1, 0.0)
         found = tops(size, close, np.array([size(at) for at in close]))
         peaks[node] = tuple(speed for _, speed, _ in found)
-    at = np.unique([*close, *(speed for of in peaks.values() for speed in of)])
-    return replace(whirl.response(at), peaks=peaks)
+        poles |= {speed for _, speed, largest in found if math.isinf(largest)}
+    of_peaks = (speed for of in peaks.values() for speed in of)
+    at = with_poles([*close, *of_peaks], speeds, sorted(poles))
+    return replace(_response(whirl, at, poles), peaks=peaks)
+
+
+def _response(whirl: SteadyWhirl, speeds: np.ndarray, poles: set[float]) -> UnbalanceResponse:
+    """Return the response at speeds [rad/s], infinite at those where nothing damps a resonance."""
+
+    def amplitude(name: str, speed: float) -> np.ndarray:
+        return np.asarray(getattr(whirl.response([speed]), name)[0])
+
+    result = whirl.response(speeds)
+    for i in np.flatnonzero(np.isin(speeds, list(poles))):
+        for name in _AMPLITUDES:
+            getattr(result, name)[i] = at_pole(partial(amplitude, name), speeds[i])
+    return result

@@ -181,7 +181,7 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
         shade([axes], (self.low, self.high))
         for critical in self.criticals:
             peak, needs = critical.peak, critical.margin
-            if needs is None or not np.isfinite(peak.amplification):
+            if needs is None or math.isnan(peak.amplification):
                 continue
             color = GREEN if needs.is_met else ORANGE
             _mark(axes, critical, color)
@@ -262,10 +262,16 @@ def _finish(axes: Axes) -> None:
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, (DAMPED / high**_ROOM) ** (1.0 / (1.0 - _ROOM))), high)
     plain_ticks(axes.yaxis)
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        axes.legend(handles[:1], labels[:1], loc="upper right", frameon=False, fontsize=8)
 
 
 def _mark(axes: Axes, critical: ProbeCritical, color: str) -> None:
     at = critical.peak.speed * current().speed, critical.peak.amplification
+    if math.isinf(critical.peak.amplification):
+        axes.axvline(at[0], color=color, lw=1.2, ls=DOTTED, label="without damping, infinite")
+        return
     axes.plot(*at, "o" if critical.axis == "x" else "s", color=color, ms=5, mfc="white")
 
 

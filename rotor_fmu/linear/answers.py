@@ -146,7 +146,7 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
         """Return the rows of speed and node (from 1): at every speed where they are few, else where
         the largest semi-axis of a node peaks."""
         d = current()
-        moves = self.major > _ROUNDING * self.major.max(axis=1, keepdims=True)
+        moves = self.major >= _ROUNDING * self.major.max(axis=1, keepdims=True)
         size = np.where(moves, self.major, 0.0)
         places = [
             (i, node - 1)

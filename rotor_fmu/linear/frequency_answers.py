@@ -82,7 +82,9 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
                 size = np.abs(values) * d.small / d.force
                 above.plot(frequency, size, color=color, lw=1.3, ls=dashes, label=label)
                 if i == j:
-                    phase = np.degrees(np.unwrap(np.angle(values)))
+                    phase = np.angle(values)
+                    known = np.isfinite(phase)
+                    phase[known] = np.degrees(np.unwrap(phase[known]))
                     below.plot(frequency, phase, color=color, lw=1.2, ls=dashes)
         above.set_yscale("log")
         plain_ticks(above.yaxis)

@@ -1,0 +1,114 @@
+"""Resonances without damping: infinite there, and the closed form of one mass beside them."""
+
+import math
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import critical_peaks, response_with_peaks, unbalance_check
+from rotor_fmu.model.linear.frequency_response import frequency_response
+from rotor_fmu.model.machine.toml import parse_rotor
+
+MASS, KX, KY, E = 2.0, 2.01e4, 2.01e4 * (1 + 2e-4), 1e-5
+ENDS = 2e-3  # of the bearings that keep the shaft from tilting, together
+MACHINE = """
+gravity = 0.0
+[material]
+young = 2.1e11
+density = 1e-6
+[shaft]
+nodes = [0.0, 0.2, 0.4]
+diameters = [0.05, 0.05]
+[[point_mass]]
+node = 2
+mass = {mass}
+[[unbalance]]
+node = 2
+amount = {unbalance}
+[[linear_bearing]]
+node = 2
+kxx = {kx}
+kyy = {ky}
+cxx = {c}
+cyy = {c}
+[[linear_bearing]]
+node = 1
+kxx = 1e-3
+kyy = 1e-3
+cxx = 0.0
+cyy = 0.0
+[[linear_bearing]]
+node = 3
+kxx = 1e-3
+kyy = 1e-3
+cxx = 0.0
+cyy = 0.0
+"""
+SPEEDS = np.linspace(10.0, 200.0, 191)
+
+
+def machine(ky=KY, c=0.0):
+    text = MACHINE.format(mass=MASS, unbalance=MASS * E, kx=KX, ky=ky, c=c)
+    return parse_rotor(text)
+
+
+def critical(k):
+    return math.sqrt((k + ENDS) / MASS)
+
+
+def test_an_orbit_is_infinite_at_its_resonance_and_the_closed_form_elsewhere():
+    found = response_with_peaks(machine(), SPEEDS, nodes=[2])
+    for values, k in ((found.x, KX), (found.y, KY)):
+        size = np.abs(values[:, 1])
+        poles = found.speeds[np.isinf(size)]
+        assert len(poles) == 1
+        assert poles[0] == pytest.approx(critical(k), rel=1e-8)
+        at = found.speeds[np.isfinite(size)]
+        expected = E * at**2 / (critical(k) ** 2 - at**2)
+        assert size[np.isfinite(size)] == pytest.approx(np.abs(expected), rel=1e-4)
+    assert np.isinf(found.major[:, 1]).sum() == len(found.peaks[2]) == 2
+    assert found.nodes() == [1, 2, 3]
+
+
+def test_a_curve_does_not_climb_the_pole_further_than_a_thousandth_beside_it():
+    found = response_with_peaks(machine(ky=KX), SPEEDS, nodes=[2])
+    finite = found.major[np.isfinite(found.major[:, 1]), 1]
+    assert finite.max() == pytest.approx(E / 2e-3, rel=1e-2)
+    assert set(SPEEDS) <= set(found.speeds)
+
+
+def test_the_amplification_factor_is_infinite_and_no_clearance_is_kept():
+    (x, y) = critical_peaks(machine(ky=KX), 200.0, [2])
+    for found in (x, y):
+        assert found.peak.amplitude == found.peak.amplification == math.inf
+        assert found.peak.speed == pytest.approx(critical(KX), rel=1e-8)
+    check = unbalance_check(machine(ky=KX), 110.0, 200.0, [2], clearances={2: 1.0})
+    (clearance,) = check.clearances
+    assert clearance.scaled == math.inf
+    assert not clearance.is_met
+
+
+@pytest.mark.parametrize("zeta", [1e-4, 1e-6])
+def test_a_little_damping_leaves_a_finite_peak(zeta):
+    damped = machine(ky=KX, c=2 * zeta * math.sqrt(KX * MASS))
+    (x, _) = critical_peaks(damped, 200.0, [2])
+    assert x.peak.amplification == pytest.approx(1 / (2 * zeta), rel=1e-3)
+    found = response_with_peaks(damped, SPEEDS, nodes=[2])
+    assert found.major[:, 1].max() == pytest.approx(E / (2 * zeta), rel=1e-3)
+
+
+def test_a_receptance_is_infinite_in_the_direction_that_resonates():
+    found = frequency_response(machine(), SPEEDS, 2, [2], peaks=True)
+    for i, k in enumerate((KX, KY)):
+        values = np.abs(found.receptance[:, 0, i, i])
+        (pole,) = found.frequencies[np.isinf(values)]
+        assert pole == pytest.approx(critical(k), rel=1e-8)
+    assert np.isfinite(found.receptance[:, 0, 0, 1]).all()
+
+
+def test_the_command_says_that_the_response_is_infinite(tmp_path, command):
+    path = tmp_path / "undamped.toml"
+    path.write_text(MACHINE.format(mass=MASS, unbalance=MASS * E, kx=KX, ky=KX, c=0.0))
+    said = command("unbalance", "--rotor", str(path), "--speed", "10:200", "--out", str(tmp_path))
+    rows = [line.split() for line in said.splitlines()]
+    assert [row for row in rows if row[:1] == ["2"] and row[3:6] == ["inf"] * 3]
+    assert [row for row in rows if row[:2] == ["2", "x"] and row[3] == row[-1] == "inf"]
