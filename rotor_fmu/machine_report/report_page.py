@@ -33,7 +33,8 @@ _ONE_PEAK = 0.03
 
 
 class Conclusion(NamedTuple):
-    """What the report says of a check, and whether it is met; None where nothing was checked."""
+    """What the report says of a check, and whether it is met; None where nothing was checked, or
+    what it is checked by is not reached."""
 
     text: str
     is_met: bool | None
@@ -286,9 +287,8 @@ def _conclusions(
     speeds = ", ".join(as_ranges(c.peak.speed for c in near))
     limit = f"{check.limit * d.small:.3g} {d.small_word}"
     messages = dict.fromkeys(message for run in rub.runs for message in run.messages)
-    return (
-        *_unstable(diagram, check.high),
-        *(Conclusion(f"{sentence[0].upper()}{sentence[1:]}.", False) for sentence in left),
+    unstable = tuple(_unstable(diagram, check.high))
+    steady = (
         Conclusion(
             f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
             if near
@@ -305,8 +305,16 @@ def _conclusions(
             not loud,
         ),
         *_clearances(check, left),
+        Conclusion(rub.conclusion, not rub.closings),
+    )
+    if unstable:  # what is kept by a response that is not reached says nothing
+        steady = tuple(c._replace(is_met=None) if c.is_met else c for c in steady)
+    return (
+        *unstable,
+        *(Conclusion(f"{sentence[0].upper()}{sentence[1:]}.", False) for sentence in left),
+        *steady[:-1],
         _stability(level_1, level_2),
         *_slower(whirl),
-        Conclusion(rub.conclusion, not rub.closings),
+        steady[-1],  # of contact
         *(Conclusion(message, False) for message in messages),
     )
