@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 from rotor_fmu.examples import script_arguments
-from rotor_fmu.model.linear import bearing_curves, campbell
+from rotor_fmu.model.bearing_curves import bearing_curves
+from rotor_fmu.model.linear import campbell
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose

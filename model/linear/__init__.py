@@ -3,13 +3,9 @@ checks of API 617 and 684."""
 
 from .campbell import Campbell, CriticalSpeed, campbell
 from .critical_map import CriticalMap, critical_map, mean_stiffness
-from .damper_curves import DamperCurves, damper_curves
-from .floating_ring_curves import RingCurves, ring_curves
-from .journal_bearing_curves import BearingCurves, bearing_curves, bearings
 from .linear_machine import LinearError, LinearMachine
 from .linearization import CONTACTS
 from .modes import Modes, modes
-from .rolling_bearing_curves import RollingCurves, rolling_curves
 from .stability_levels import StabilityLevel1, StabilityLevel2, Stage, level_1, level_2
 from .static import Static, lowest_speed, needs_to_turn, static
 from .unbalance import UnbalanceResponse, unbalance_response

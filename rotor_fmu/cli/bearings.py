@@ -82,7 +82,7 @@ def _result(
 ) -> "BearingCurves | DamperCurves | RingCurves | RollingCurves":
     """Return the curves of the bearing of that name, by default the first."""
     from ..linear import bearing_answers as answers
-    from ..model.linear import bearings
+    from ..model.bearing_curves import bearings
     from ..model.parts.floating_ring_bearing import FloatingRingBearing
     from ..model.parts.rolling_bearing import RollingBearing
     from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
@@ -121,7 +121,7 @@ def _linear_bearing(
 ) -> str:
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""
     from ..linear.bearing_answers import BearingCurves, RingCurves
-    from ..model.linear import bearings
+    from ..model.bearing_curves import bearings
     from ..model.machine.toml_text import toml_text
     from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
 

@@ -1,5 +1,5 @@
-"""Bearings by themselves, for Python: the curves of `model.linear`, which a notebook shows as a
-table and a picture."""
+"""Bearings by themselves, for Python: the curves of `model.bearing_curves`, which a notebook
+shows as a table and a picture."""
 
 from collections.abc import Sequence
 
@@ -10,8 +10,8 @@ from matplotlib.ticker import MaxNLocator
 
 from ..cells import five_digits
 from ..display import current, speed_with_unit
-from ..model import linear
-from ..model.linear.journal_bearing_curves import ANGLES
+from ..model import bearing_curves
+from ..model.bearing_curves.journal_bearing import ANGLES
 from ..plotting.figure_style import BLUE, ORANGE, PURPLE, empty_figure, entitle, new_panels, style
 from .bearing_columns import (
     coefficient_columns,
@@ -31,8 +31,8 @@ from .linear_plots import plain_ticks
 from .linear_tables import Table
 
 
-class BearingCurves(Displayed, linear.BearingCurves):
-    """`model.linear.BearingCurves`, shown."""
+class BearingCurves(Displayed, bearing_curves.BearingCurves):
+    """`model.bearing_curves.BearingCurves`, shown."""
 
     def table(self) -> Table:
         """Return a table with one row for each speed; the threshold of stability in the heading."""
@@ -148,8 +148,8 @@ class BearingCurves(Displayed, linear.BearingCurves):
             axes.set_ylabel(name)
 
 
-class DamperCurves(Displayed, linear.DamperCurves):
-    """`model.linear.DamperCurves`, shown."""
+class DamperCurves(Displayed, bearing_curves.DamperCurves):
+    """`model.bearing_curves.DamperCurves`, shown."""
 
     def table(self) -> Table:
         """Return a table with one row for each orbit; in the heading where the ring rests."""
@@ -206,8 +206,8 @@ class DamperCurves(Displayed, linear.DamperCurves):
         return figure
 
 
-class RingCurves(Displayed, linear.RingCurves):
-    """`model.linear.RingCurves`, shown."""
+class RingCurves(Displayed, bearing_curves.RingCurves):
+    """`model.bearing_curves.RingCurves`, shown."""
 
     def table(self) -> Table:
         """Return a table with one row for each speed or load."""
@@ -255,8 +255,8 @@ class RingCurves(Displayed, linear.RingCurves):
         return figure
 
 
-class RollingCurves(Displayed, linear.RollingCurves):
-    """`model.linear.RollingCurves`, shown."""
+class RollingCurves(Displayed, bearing_curves.RollingCurves):
+    """`model.bearing_curves.RollingCurves`, shown."""
 
     def table(self) -> Table:
         """Return a table with one row for each load; in the heading the cage's speed."""
@@ -322,7 +322,7 @@ class RollingCurves(Displayed, linear.RollingCurves):
         return figure
 
 
-bearing = answer_of(BearingCurves, linear.bearing_curves)
-damper = answer_of(DamperCurves, linear.damper_curves)
-floating_ring = answer_of(RingCurves, linear.ring_curves)
-rolling = answer_of(RollingCurves, linear.rolling_curves)
+bearing = answer_of(BearingCurves, bearing_curves.bearing_curves)
+damper = answer_of(DamperCurves, bearing_curves.damper_curves)
+floating_ring = answer_of(RingCurves, bearing_curves.ring_curves)
+rolling = answer_of(RollingCurves, bearing_curves.rolling_curves)

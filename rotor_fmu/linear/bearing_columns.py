@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..display import current, speed_with_unit
-from ..model import linear
+from ..model import bearing_curves
 from ..plotting.figure_style import COLORS, entitle
 from .linear_tables import without_rounding
 
-Curves = linear.BearingCurves | linear.RingCurves | linear.RollingCurves
+Curves = bearing_curves.BearingCurves | bearing_curves.RingCurves | bearing_curves.RollingCurves
 
 
 def varies_load(result: Curves) -> bool:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import LinearError, bearing_curves, bearings, modes, static
+from rotor_fmu.model.bearing_curves import bearing_curves, bearings
+from rotor_fmu.model.linear import LinearError, modes, static
 from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing

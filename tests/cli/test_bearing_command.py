@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.bearing_curves import bearing_curves
 from rotor_fmu.model.linear import (
     LinearError,
-    bearing_curves,
 )
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing

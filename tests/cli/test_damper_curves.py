@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import LinearError, damper_curves, static
+from rotor_fmu.model.bearing_curves import damper_curves
+from rotor_fmu.model.linear import LinearError, static
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.housing import Housing
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper

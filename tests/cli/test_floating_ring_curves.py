@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import LinearError, ring_curves
+from rotor_fmu.model.bearing_curves import ring_curves
+from rotor_fmu.model.linear import LinearError
 from rotor_fmu.model.linear.bearing_equilibrium import RingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.bearing_curves import rolling_curves
+from rotor_fmu.model.bearing_curves.rolling_bearing import RollingAlone
 from rotor_fmu.model.linear import (
-    rolling_curves,
     static,
 )
-from rotor_fmu.model.linear.rolling_bearing_curves import RollingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 

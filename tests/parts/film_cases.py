@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.parts.base_and_start import Start
 from rotor_fmu.model.parts.journal_bearing import JournalBearing

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.parts.law import Weights
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import bearing_curves, modes
-from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
+from rotor_fmu.model.bearing_curves import bearing_curves
+from rotor_fmu.model.linear import modes
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.settings import choose

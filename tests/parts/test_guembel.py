@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
-from rotor_fmu.model.linear.reynolds_2d import film_in_plane
+from rotor_fmu.model.bearing_curves.reynolds_2d import film_in_plane
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights

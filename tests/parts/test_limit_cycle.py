@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import bearing_curves
+from rotor_fmu.model.bearing_curves import bearing_curves
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.laws_at_rest.potential_rest import rest_in_potential
-from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 
 _PI = math.pi

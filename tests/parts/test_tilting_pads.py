@@ -7,7 +7,7 @@ import pytest
 from rotor_fmu.model.film.bearing_film import bearing_of
 from rotor_fmu.model.film.tilting_pads import pad_balance
 from rotor_fmu.model.kernels.kernel import interpreted
-from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights
 from rotor_fmu.model.quantities import QuantityError

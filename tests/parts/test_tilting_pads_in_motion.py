@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.bearing_curves import bearing_curves
 from rotor_fmu.model.linear import (
     LinearError,
-    bearing_curves,
     modes,
     static,
     unbalance_response,
 )
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
 from rotor_fmu.model.linear.frequency_response import frequency_response
-from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.periodic.laws import LawsAlongMotion
 from rotor_fmu.model.settings import choose

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import bearing_curves
+from rotor_fmu.model.bearing_curves import bearing_curves
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.periodic.arclength import with_tangent
 from rotor_fmu.model.periodic.floquet import multipliers

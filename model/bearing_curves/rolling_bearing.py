@@ -9,12 +9,12 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ..kernels.kernel import interpreted
+from ..linear.static import speeds_and_loads
+from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
 from ..parts.law import BY_D
 from ..parts.law_probe import LawProbe, cleared
 from ..parts.rolling_bearing import RollingBearing, cage_ratio
-from .static import speeds_and_loads
-from .system_at_speed import LinearError
 
 _ITERATIONS, _LEFT, _OPEN = 1000, 1e-10, 1e-6  # forces over the load
 _ROUNDING = 1e-14

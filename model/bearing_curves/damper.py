@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import check_positive
+from ..linear.bearing_equilibrium import NO_CAGE, BearingAlone, cage_of
+from ..linear.static import speeds_and_loads, static
+from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, MountElement
 from ..parts.law_probe import cleared
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
-from .bearing_equilibrium import NO_CAGE, BearingAlone, cage_of
-from .static import speeds_and_loads, static
-from .system_at_speed import LinearError
 
 _ORBITS = np.linspace(0.05, 0.95, 19)
 

@@ -11,6 +11,9 @@ import numpy as np
 
 from ..film.bearing_film import PAD
 from ..laws_at_rest.oil import oil_of_both, with_oil
+from ..linear.bearing_equilibrium import BearingAlone, critical_mass
+from ..linear.static import speeds_and_loads, without_rounding
+from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
@@ -18,10 +21,7 @@ from ..parts.rolling_bearing import RollingBearing
 from ..parts.speed_table import interpolant
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..quantities import GRAVITY
-from .bearing_equilibrium import BearingAlone, critical_mass
 from .reynolds_2d import film_in_plane
-from .static import speeds_and_loads, without_rounding
-from .system_at_speed import LinearError
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
 _HALVINGS = 30

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..linear.bearing_equilibrium import RingAlone
+from ..linear.static import speeds_and_loads
+from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
 from ..parts.floating_ring_bearing import FloatingRingBearing
-from .bearing_equilibrium import RingAlone
-from .static import speeds_and_loads
-from .system_at_speed import LinearError
 
 
 @dataclass(frozen=True)
