@@ -1,7 +1,6 @@
 """Frequency responses and the sensitivity of control loops, for Python and the command line."""
 
 import math
-import tomllib
 from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, fields
 from functools import partial
@@ -12,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..display import current
-from ..errors import InputError, nearest, read_text
+from ..errors import InputError, nearest, read_text, toml_tables
 from ..model.linear import frequency_response as model
 from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
@@ -180,10 +179,7 @@ def place_of(rotor: Rotor, text: str, option: str) -> model.Place:
 def read_loops(option: str, path: Path, rotor: Rotor) -> list[model.ControlLoop]:
     """Return the control loops of a file, tables `[[loop]]` with the quantities of `ControlLoop`,
     sensor and magnet as nodes or as names of parts; `InputError` for anything else."""
-    try:
-        tables = tomllib.loads(read_text(option, path))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{option} {path}: {error}") from error
+    tables = toml_tables(f"{option} {path}", read_text(option, path))
     for key in tables.keys() - {"loop"}:
         raise InputError(f"{option} {path}: {key}: unknown; only [[loop]] may be there")
     listed = tables.get("loop")
