@@ -12,7 +12,8 @@ import numpy as np
 from ..display import Shown, current
 from ..files import write_text
 from ..run_status import OK
-from ..saved_results import RUN, read_run, read_summary
+from ..runs.recording import RECORDING
+from ..saved_results import read_run, read_summary
 from .packed import COARSE, packed
 from .report_tables import notices_html, table
 from .run_page import page, runs_page, template
@@ -145,7 +146,7 @@ def pages_of_runs(study: Path, beside: Path) -> dict[str, str]:
     """Return the addresses of their pages by id, relative to the folder `beside`; a page older than
     its recording, or not there, is written."""
     result = {}
-    for recording in sorted(study.glob(f"runs/*/{RUN}")):
+    for recording in sorted(study.glob(f"runs/*/{RECORDING}")):
         folder = recording.parent
         page = folder / "report.html"
         if not page.exists() or page.stat().st_mtime < recording.stat().st_mtime:
