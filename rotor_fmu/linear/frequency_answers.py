@@ -28,7 +28,7 @@ from ..plotting.figure_style import (
 )
 from .displayed import Displayed, Machine, answer_of, displayed
 from .linear_plots import plain_ticks
-from .linear_tables import Table, is_rounding, peaks, turns
+from .linear_tables import Table, is_rounding, peaks, state_in_words
 
 ZONES = "ABCD"
 
@@ -63,7 +63,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
             for values in (self.receptance[:, k, i, i],)
             for at in peaks(np.abs(values))
         ]
-        state = turns(self.speed, self.contacts)
+        state = state_in_words(self.speed, self.contacts)
         title = f"Frequency response to {self.shown_force} where it peaks, {state}"
         return Table(title, heads, rows)
 
@@ -88,7 +88,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         above.set_ylabel(f"Displacement by force [{d.small_word}/{d.force_unit}]")
         below.set(ylabel="Phase [deg]", xlabel=d.frequency_label)
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
-        state = turns(self.speed, self.contacts)
+        state = state_in_words(self.speed, self.contacts)
         entitle(figure, self.titled(f"Response to {self.shown_force}, {state}"))
         return figure
 
@@ -108,7 +108,7 @@ class Sensitivity(model.Sensitivity, Displayed):
         """Return a table with one row for each loop and axis."""
         size = np.abs(self.sensitivity)
         largest, d = size.max(axis=0), current()
-        title = f"Sensitivity of the control loops at {turns(self.speed, 'open')}"
+        title = f"Sensitivity of the control loops at {state_in_words(self.speed, 'open')}"
         if not self.is_stable:
             title += "; THE CLOSED LOOP IS UNSTABLE, so that these numbers mean nothing"
         columns = (
@@ -136,7 +136,7 @@ class Sensitivity(model.Sensitivity, Displayed):
         plain_ticks(axes.yaxis)
         axes.set(xlabel=current().frequency_label, ylabel="Sensitivity [1]")
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
-        title = f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}"
+        title = f"Sensitivity (ISO 14839-3) at {state_in_words(self.speed, 'open')}"
         entitle(axes, self.titled(title))
         return figure
 
