@@ -259,6 +259,26 @@ def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
         yield " to ".join(dict.fromkeys(shown_speed(end) for end in (group[0], group[-1])))
 
 
+def _critical_speeds(check: acceptance.UnbalanceCheck) -> Conclusion:
+    near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
+    if near:
+        speeds = f"{', '.join(as_ranges(c.peak.speed for c in near))} {current().speed_unit}"
+        return Conclusion(f"Critical speeds too near to the operating range: {speeds}.", False)
+    if check.criticals:
+        return Conclusion("All critical speeds have their separation margins.", True)
+    highest = speed_with_unit(LOOKED_AT * check.high)
+    share = f"{100 * LOOKED_AT:g} % of the highest one of the operating range"
+    return Conclusion(f"No critical speed up to {highest}, {share}.", True)
+
+
+def _probes(check: acceptance.UnbalanceCheck) -> Conclusion:
+    limit = f"{check.limit * current().small:.3g} {current().small_word}"
+    loud = ", ".join(str(p.node) for p in check.probes if p.peak_to_peak > check.limit)
+    if loud:
+        return Conclusion(f"Probes above {limit}: node {loud}.", False)
+    return Conclusion(f"All probes stay below {limit} peak-to-peak.", True)
+
+
 def _clearances(check: acceptance.UnbalanceCheck, left: Sequence[str]) -> Iterator[Conclusion]:
     """Yield what is said of clearances; left: sentences on those of films."""
     if tight := ", ".join(c.name for c in check.clearances if not c.is_met):
@@ -280,30 +300,12 @@ def _conclusions(
     whirl: OwnWhirl | None,
     rub: RubCheck,
 ) -> tuple[Conclusion, ...]:
-    near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
-    loud = [p for p in check.probes if p.peak_to_peak > check.limit]
-    d = current()
-    speeds = ", ".join(as_ranges(c.peak.speed for c in near))
-    limit = f"{check.limit * d.small:.3g} {d.small_word}"
     messages = dict.fromkeys(message for run in rub.runs for message in run.messages)
     return (
         *_unstable(diagram, check.high),
         *(Conclusion(f"{sentence[0].upper()}{sentence[1:]}.", False) for sentence in left),
-        Conclusion(
-            f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
-            if near
-            else "All critical speeds have their separation margins."
-            if check.criticals
-            else f"No critical speed up to {speed_with_unit(LOOKED_AT * check.high)}, "
-            f"{100 * LOOKED_AT:g} % of the highest one of the operating range.",
-            not near,
-        ),
-        Conclusion(
-            f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."
-            if loud
-            else f"All probes stay below {limit} peak-to-peak.",
-            not loud,
-        ),
+        _critical_speeds(check),
+        _probes(check),
         *_clearances(check, left),
         _stability(level_1, level_2),
         *_slower(whirl),
