@@ -47,7 +47,7 @@ def study_page(
         for axis in about["design"]["axes"]
     ]
     columns = [_head(column) for column in (*varied, *retained)]
-    scales = {column["name"]: _shown_in(column["unit"])[0] for column in (*varied, *retained)}
+    scales = {column["name"]: _shown_in(column["unit"]).factor for column in (*varied, *retained)}
     values = {n: scale * np.asarray(rows[n].to_numpy(), float) for n, scale in scales.items()}
     status = rows["status"].to_pylist()
     data = {
@@ -79,7 +79,7 @@ def _shown_in(unit: str) -> Shown:
 
 
 def _head(column: Mapping[str, Any]) -> dict[str, str]:
-    unit = _shown_in(column["unit"])[1]
+    unit = _shown_in(column["unit"]).unit
     return {"name": column["name"], "unit": unit, "text": column["text"]}
 
 
@@ -103,7 +103,7 @@ def _curves(
         head["coordinate"] = [
             across * at for at in column["coordinate"] or range(1, values.shape[1] + 1)
         ]
-        scale, _ = _shown_in(column["unit"])
+        scale = _shown_in(column["unit"]).factor
         result.append(head | {"values": packed(scale * values, COARSE)})
     return result
 
