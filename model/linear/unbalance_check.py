@@ -20,9 +20,9 @@ from .unbalance_peaks import Gap, gaps, major_axis, with_criticals
 from .unbalance_placement import vibration_limit
 
 SPEEDS = 301  # of a grid, that critical speeds are looked for from
-# Of the maximum continuous speed, how far critical speeds are looked for: beyond the largest margin
-# that may be required, 26 %, with their points of half the power.
-LOOKED_AT = 1.5
+# Of the maximum continuous speed, the end of the range of interest: critical speeds are looked for
+# beyond the largest margin that may be required, 26 %, with their points of half the power.
+OF_INTEREST = 1.5
 _ROUNDING = 1e-10  # of the largest displacement: a smaller one has no peaks
 _CLEARANCE = 0.75  # of a clearance, which the motion may take
 
@@ -121,7 +121,7 @@ def unbalance_check(
     whirl = _driven_whirl(rotor, contacts, unbalances)
     checked = _gaps(rotor, whirl, mapped("clearances", clearances))
     trip = max(high, rotor.operation.trip_speed or high)
-    speeds = close_speeds(rotor, highest_looked_at(rotor, high), contacts)
+    speeds = close_speeds(rotor, highest_of_interest(rotor, high), contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
         for critical in _criticals(whirl, probes, speeds)
@@ -145,10 +145,10 @@ def unbalance_check(
     )
 
 
-def highest_looked_at(rotor: Rotor, high: float) -> float:
-    """Return the highest speed that a check looks at [rad/s], for critical speeds or clearances;
-    high: the maximum continuous one."""
-    return max(LOOKED_AT * high, rotor.operation.trip_speed or high)
+def highest_of_interest(rotor: Rotor, high: float) -> float:
+    """Return the highest speed of interest [rad/s], for critical speeds or clearances; high: the
+    maximum continuous one."""
+    return max(OF_INTEREST * high, rotor.operation.trip_speed or high)
 
 
 def critical_peaks(
