@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import sys
+import tomllib
 from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from importlib import import_module
@@ -225,3 +226,12 @@ def read_text(option: str, path: Path) -> str:
             raise
         reason = str(error)
     raise InputError(f"{given}: cannot be read: {reason}")
+
+
+def toml_tables(where: str, text: str) -> dict[str, Any]:
+    """Return the tables of a TOML text that a user wrote; `InputError`, which begins with `where`,
+    for anything else."""
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # also a number of thousands of digits
+        raise InputError(f"{where}: is not valid TOML: {error}") from error

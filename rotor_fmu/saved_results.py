@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import InputError, optional
-from .runs.recording import Recording, load_recording
+from .runs.recording import RECORDING, Recording, load_recording
+from .studies.study import STUDY
 
 if TYPE_CHECKING:
     import pyarrow
-
-RUN, STUDY = "recording.npz", "study.json"
 
 
 def is_study(path: Path) -> bool:
@@ -23,9 +22,9 @@ def is_study(path: Path) -> bool:
 
 def refuse_other(out: Path, other: str) -> None:
     """Raise `InputError` for a folder of results that holds what the other kind of result leaves,
-    `RUN` or `STUDY`: of a folder with both, pages would show the study alone."""
+    `RECORDING` or `STUDY`: of a folder with both, pages would show the study alone."""
     if (out / other).is_file():
-        there, new = ("run", "study") if other == RUN else ("study", "run")
+        there, new = ("run", "study") if other == RECORDING else ("study", "run")
         raise InputError(
             f"--out {out}: holds a {there}, beside which no {new} can lie; name another folder"
         )
@@ -33,9 +32,9 @@ def refuse_other(out: Path, other: str) -> None:
 
 def read_run(path: Path) -> Recording:
     """Return the recording of a run's folder or file, in which the shaft's turns can be counted."""
-    file = path / RUN if path.is_dir() else path
+    file = path / RECORDING if path.is_dir() else path
     if not file.exists():
-        what = f"holds no {RUN}" if path.is_dir() else "is not there"
+        what = f"holds no {RECORDING}" if path.is_dir() else "is not there"
         raise InputError(f"{path}: {what}; give the folder of a run")
     recording = load_recording(file)
     recording.check_rotation()

@@ -19,15 +19,13 @@ def film_in_plane(
     part: JournalBearing,
     speed: float,
     d: complex,
+    *,
+    viscosity: float,
     tilts: Sequence[complex] | np.ndarray = (),
-    viscosity: float | None = None,
 ) -> complex:
     """Return the film's force on a journal that rests at d [m] at a speed [rad/s], with its rupture
-    at grid points [N]; tilts: of pads that tilt, their imaginary part how far the pivot gives [m];
-    viscosity [Pa.s], by default that of the part, a constant."""
-    if viscosity is None:
-        assert not isinstance(part.viscosity, tuple)
-        viscosity = part.viscosity
+    at grid points [N]; viscosity [Pa.s]; tilts: of pads that tilt, their imaginary part how far the
+    pivot gives [m]."""
     force = 0j
     for i, row in enumerate(part.pad_rows()):
         at = np.array(row)

@@ -5,7 +5,7 @@ bearings, all alike and isotropic, and the stiffness that the bearings have them
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -98,19 +98,31 @@ def critical_map(
             raise LinearError(
                 f"stiffness = {value:g} N/m: must be from {low:.2g} to {high:.2g} N/m"
             )
-    lines = _Lines(machine, synchronous, values, count)
+    solve: Callable[[float], np.ndarray] = machine.natural_frequencies
+    branches = None
+    if synchronous and machine.is_circular:
+        solve = partial(machine.forward_criticals, count=count)
+    elif synchronous:
+        solve = branches = ForwardBranches(machine, values, count)
+
+    @cache
+    def lines(k: float) -> np.ndarray:
+        """Return the lowest critical speeds, shape (count,) [rad/s], NaN where there are fewer."""
+        found = solve(k)[:count]
+        return np.append(found, np.full(count - len(found), np.nan))
+
     speeds = np.array([lines(k) for k in values])
-    if lines.branches is not None:
-        speeds[:, : lines.branches.is_backward.shape[1]][lines.branches.is_backward] = np.nan
-    own = _own_stiffness(lines.machine, _speeds_beside(speeds))
+    if branches is not None:
+        speeds[:, : branches.is_backward.shape[1]][branches.is_backward] = np.nan
+    own = _own_stiffness(machine, _speeds_beside(speeds))
     return CriticalMap(
         stiffness=values,
         speeds=speeds,
         synchronous=synchronous,
-        bearings=tuple(lines.machine.bearings),
+        bearings=tuple(machine.bearings),
         own=own,
-        crossings=tuple(_crossings(lines, own, values, speeds)),
-        rigid=first_rigid_critical(rotor, lines.machine.contacts),
+        crossings=tuple(_crossings(machine, lines, own, values, speeds)),
+        rigid=first_rigid_critical(rotor, machine.contacts),
     )
 
 
@@ -120,31 +132,6 @@ def first_rigid_critical(rotor: Rotor, contacts: str | None = None) -> float:
     machine = UndampedMachine(rotor, contacts, rigid_pedestals=True)
     speeds = machine.forward_criticals(machine.rigid_stiffness, 1)
     return float(speeds[0]) if len(speeds) else math.nan
-
-
-class _Lines:
-    """The `count` lowest critical speeds over the stiffness, each solved for once."""
-
-    def __init__(
-        self, machine: UndampedMachine, is_synchronous: bool, stiffness: np.ndarray, count: int
-    ) -> None:
-        self.machine = machine
-        self._count = count
-        self._known: dict[float, np.ndarray] = {}
-        self.branches: ForwardBranches | None = None
-        self._solve: Callable[[float], np.ndarray] = machine.natural_frequencies
-        if is_synchronous and machine.is_circular:
-            self._solve = partial(machine.forward_criticals, count=count)
-        elif is_synchronous:
-            self._solve = self.branches = ForwardBranches(machine, stiffness, count)
-
-    def __call__(self, stiffness: float) -> np.ndarray:
-        """Return the lowest ones, shape (count,) [rad/s], NaN where there are fewer."""
-        if stiffness not in self._known:
-            speeds = self._solve(stiffness)[: self._count]
-            missing = np.full(self._count - len(speeds), np.nan)
-            self._known[stiffness] = np.append(speeds, missing)
-        return self._known[stiffness]
 
 
 def mean_stiffness(rotor: Rotor, contacts: str | None = None) -> float:
@@ -183,27 +170,28 @@ def _own_stiffness(machine: UndampedMachine, speeds: np.ndarray) -> tuple[Bearin
 
 
 def _crossings(
-    lines: _Lines, own: Sequence[BearingStiffness], stiffness: np.ndarray, speeds: np.ndarray
+    machine: UndampedMachine,
+    lines: Callable[[float], np.ndarray],
+    own: Sequence[BearingStiffness],
+    stiffness: np.ndarray,
+    speeds: np.ndarray,
 ) -> list[Crossing]:
     """Return where each bearing's own stiffness meets the lines."""
-    places = {name: i for i, name in enumerate(lines.machine.bearings)}
+    places = {name: i for i, name in enumerate(machine.bearings)}
+
+    def excess(of: BearingStiffness, mode: int, k: float) -> float:
+        """Return the logarithm of the bearing's own stiffness, at the critical speed with a
+        stiffness k [N/m], over it; NaN where it has none."""
+        at = machine.own_stiffness(float(lines(k)[mode]))
+        there = at[places[of.bearing], "xy".index(of.axis)]
+        return math.log(there / k) if there > 0 else math.nan
+
     return [
         Crossing(of.bearing, of.axis, mode, k, float(lines(k)[mode]))
         for of in own
         for mode in range(speeds.shape[1])
-        for k in _meetings(
-            stiffness,
-            speeds[:, mode],
-            partial(_excess, lines, places[of.bearing], "xy".index(of.axis), mode),
-        )
+        for k in _meetings(stiffness, speeds[:, mode], partial(excess, of, mode))
     ]
-
-
-def _excess(lines: _Lines, place: int, axis: int, mode: int, k: float) -> float:
-    """Return the logarithm of the bearing's own stiffness, at the critical speed with a stiffness
-    k [N/m], over it; NaN where it has none."""
-    own = lines.machine.own_stiffness(float(lines(k)[mode]))[place, axis]
-    return math.log(own / k) if own > 0 else math.nan
 
 
 def _meetings(

@@ -15,14 +15,14 @@ from .linear_machine import LinearError
 from .linearization import OPEN
 from .static import check_node, lowest_speed
 from .supports import walls
-from .unbalance import steady_whirl
+from .unbalance import SteadyWhirl, steady_whirl
 from .unbalance_peaks import Gap, gaps, major_axis, with_criticals
 from .unbalance_placement import vibration_limit
 
 SPEEDS = 301  # of a grid, that critical speeds are looked for from
-# Of the maximum continuous speed, how far critical speeds are looked for: beyond the largest margin
-# that may be required, 26 %, with their points of half the power.
-LOOKED_AT = 1.5
+# Of the maximum continuous speed, the end of the range of interest: critical speeds are looked for
+# beyond the largest margin that may be required, 26 %, with their points of half the power.
+OF_INTEREST = 1.5
 _ROUNDING = 1e-10  # of the largest displacement: a smaller one has no peaks
 _CLEARANCE = 0.75  # of a clearance, which the motion may take
 
@@ -118,20 +118,22 @@ def unbalance_check(
     if not (0 < low <= high < math.inf):
         raise LinearError(f"operating range = {low:g} to {high:g} rad/s: must ascend from above 0")
     probes = listed("probes", probes, "nodes")
-    response = _Response(rotor, contacts, unbalances, mapped("clearances", clearances))
+    whirl = _driven_whirl(rotor, contacts, unbalances)
+    checked = _gaps(rotor, whirl, mapped("clearances", clearances))
     trip = max(high, rotor.operation.trip_speed or high)
-    speeds = close_speeds(rotor, highest_looked_at(rotor, high), contacts)
+    speeds = close_speeds(rotor, highest_of_interest(rotor, high), contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
-        for critical in _criticals(response, probes, speeds)
+        for critical in _criticals(whirl, probes, speeds)
     ]
     limit = vibration_limit(high)
     within = np.unique(np.append(speeds[(speeds > low) & (speeds < high)], [low, high]))
-    levels = [_level(response, node, within) for node in probes]
+    levels = [_level(whirl, node, within) for node in probes]
     largest = max((level.peak_to_peak for level in levels), default=0.0)
     scale = limit / largest if largest > 0 else math.inf
+    to_trip = np.append(speeds[speeds < trip], trip)
     return UnbalanceCheck(
-        contacts=response.machine.contacts,
+        contacts=whirl.machine.contacts,
         low=low,
         high=high,
         unbalances=None if unbalances is None else tuple(unbalances),
@@ -139,14 +141,14 @@ def unbalance_check(
         probes=tuple(levels),
         limit=limit,
         scale=scale,
-        clearances=tuple(response.clearance_levels(np.append(speeds[speeds < trip], trip), scale)),
+        clearances=tuple(_clearance_level(whirl, gap, to_trip, scale) for gap in checked),
     )
 
 
-def highest_looked_at(rotor: Rotor, high: float) -> float:
-    """Return the highest speed that a check looks at [rad/s], for critical speeds or clearances;
-    high: the maximum continuous one."""
-    return max(LOOKED_AT * high, rotor.operation.trip_speed or high)
+def highest_of_interest(rotor: Rotor, high: float) -> float:
+    """Return the highest speed of interest [rad/s], for critical speeds or clearances; high: the
+    maximum continuous one."""
+    return max(OF_INTEREST * high, rotor.operation.trip_speed or high)
 
 
 def critical_peaks(
@@ -161,19 +163,30 @@ def critical_peaks(
     the shaft turns backward, by ascending speed, with their amplification factors; see
     `unbalance_check` for the rest."""
     check_positive("highest speed", abs(number("highest speed", top)), "rad/s", LinearError)
-    response = _Response(rotor, contacts, unbalances, {})
+    whirl = _driven_whirl(rotor, contacts, unbalances)
     nodes = listed("nodes", nodes, "nodes")
-    return tuple(_criticals(response, nodes, close_speeds(rotor, top, contacts)))
+    return tuple(_criticals(whirl, nodes, close_speeds(rotor, top, contacts)))
 
 
-def _criticals(
-    response: "_Response", nodes: Sequence[int], speeds: np.ndarray
-) -> list[ProbeCritical]:
+def _driven_whirl(
+    rotor: Rotor, contacts: str | None, unbalances: Sequence[tuple[int, float, float]] | None
+) -> SteadyWhirl:
+    """Return `steady_whirl`; raises `LinearError` where no unbalance drives it."""
+    whirl = steady_whirl(rotor, contacts, unbalances)
+    if not whirl.is_driven:
+        raise LinearError(
+            "no unbalance acts, so that there is no response to check: give the machine one, "
+            "or place those of API 617 for a mode"
+        )
+    return whirl
+
+
+def _criticals(whirl: SteadyWhirl, nodes: Sequence[int], speeds: np.ndarray) -> list[ProbeCritical]:
     result = []
     for node in nodes:
-        check_node(response.machine, node)
+        check_node(whirl.machine, node)
         for axis in (0, 1):
-            seen = peaks(partial(response.axis, node, axis), speeds)
+            seen = peaks(partial(_amplitude, whirl, node, axis), speeds)
             result += [ProbeCritical(node, "xy"[axis], peak, None) for peak in seen]
     return sorted(result, key=lambda c: (float(f"{c.peak.speed:.6g}"), c.node, c.axis))
 
@@ -186,48 +199,34 @@ def close_speeds(rotor: Rotor, top: float, contacts: str | None = None) -> np.nd
     return close[close != 0.0]
 
 
-def _level(response: "_Response", node: int, speeds: np.ndarray) -> ProbeLevel:
-    speed, major = largest(partial(major_axis, response.whirl, 2 * (node - 1), -1, 0.0), speeds)
+def _amplitude(whirl: SteadyWhirl, node: int, axis: int, speed: float) -> float:
+    """Return the amplitude of a node in x or y [m]."""
+    motion = np.abs(whirl.at(speed))
+    result = float(motion[2 * (node - 1), axis])
+    return result if result > _ROUNDING * motion[::2].max() else 0.0
+
+
+def _level(whirl: SteadyWhirl, node: int, speeds: np.ndarray) -> ProbeLevel:
+    speed, major = largest(partial(major_axis, whirl, 2 * (node - 1), -1, 0.0), speeds)
     return ProbeLevel(node, 2 * major, speed)
 
 
-class _Response:
-    """The steady motion at any speed, solved for once."""
+def _gaps(rotor: Rotor, whirl: SteadyWhirl, clearances: Mapping[int, float]) -> list[Gap]:
+    """Return the clearances [m] of seals, given by their nodes (from 1), and of open contacts."""
+    result = []
+    for node, clearance in clearances.items():
+        if not (0 < number(f"clearances: {node}", clearance) < math.inf):
+            raise LinearError(f"clearance of node {node} = {clearance:g} m: must be > 0")
+        dof = 2 * (check_node(whirl.machine, node) - 1)
+        result.append(Gap(f"node {node}", clearance, dof, -1))
+    if whirl.machine.contacts == OPEN:
+        result += gaps(whirl.machine, walls(rotor))
+    return result
 
-    def __init__(
-        self,
-        rotor: Rotor,
-        contacts: str | None,
-        unbalances: Sequence[tuple[int, float, float]] | None,
-        clearances: Mapping[int, float],
-    ) -> None:
-        self.whirl = steady_whirl(rotor, contacts, unbalances)
-        if not self.whirl.is_driven:
-            raise LinearError(
-                "no unbalance acts, so that there is no response to check: give the machine one, "
-                "or place those of API 617 for a mode"
-            )
-        self.machine = self.whirl.machine
-        self._gaps = []
-        for node, clearance in clearances.items():
-            if not (0 < number(f"clearances: {node}", clearance) < math.inf):
-                raise LinearError(f"clearance of node {node} = {clearance:g} m: must be > 0")
-            dof = 2 * (check_node(self.machine, node) - 1)
-            self._gaps.append(Gap(f"node {node}", clearance, dof, -1))
-        if self.machine.contacts == OPEN:
-            self._gaps += gaps(self.machine, walls(rotor))
 
-    def axis(self, node: int, axis: int, speed: float) -> float:
-        """Return the amplitude of a node in x or y [m]."""
-        motion = np.abs(self.whirl.at(speed))
-        result = float(motion[2 * (node - 1), axis])
-        return result if result > _ROUNDING * motion[::2].max() else 0.0
-
-    def clearance_levels(self, speeds: np.ndarray, scale: float) -> list[ClearanceLevel]:
-        """Return how much of each clearance is taken."""
-        result = []
-        for gap in self._gaps:
-            speed, major = largest(gap.size(self.whirl), speeds)
-            scaled = max(scale, 1.0) * major if major else 0.0
-            result.append(ClearanceLevel(gap.name, gap.clearance, major, speed, scaled))
-        return result
+def _clearance_level(
+    whirl: SteadyWhirl, gap: Gap, speeds: np.ndarray, scale: float
+) -> ClearanceLevel:
+    speed, major = largest(gap.size(whirl), speeds)
+    scaled = max(scale, 1.0) * major if major else 0.0
+    return ClearanceLevel(gap.name, gap.clearance, major, speed, scaled)

@@ -10,6 +10,7 @@ without G it gives the natural frequencies at standstill.
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -73,7 +74,7 @@ class UndampedMachine:
             raise LinearError("the machine has no bearing: add one that holds the shaft")
         self.bearings = {names[i]: named[names[i]] for i in held}
         self._held = np.array(held)
-        self._own: dict[float, np.ndarray] = {}
+        self.own_stiffness = cache(self._own_stiffness)
         self._set_matrices(machine, rigid_pedestals)
         mass = total_mass(machine.structure)
         self.rigid_stiffness = _RIGID * mass * float(machine.structure.numbers[0].lowest_omega) ** 2
@@ -174,26 +175,24 @@ class UndampedMachine:
             return across
         return np.sort(np.concatenate([across, up]))
 
-    def own_stiffness(self, speed: float) -> np.ndarray:
+    def _own_stiffness(self, speed: float) -> np.ndarray:
         """Return the direct stiffness in x and y of each bearing [N/m] where gravity holds the
         machine at a speed [rad/s], shape (bearings, 2); of a pinned contact that of the wall under
         its load there. NaN where nothing is found that holds it."""
-        if speed not in self._own:
-            try:
-                by_d = self._loaded.at(speed).laws.by_d
-                interfaces = -np.diagonal(by_d, axis1=1, axis2=2)
-                # of a film that nothing loads the cross coupling alone is more than rounding
-                least = _APART * np.abs(by_d).max(axis=(1, 2), initial=0.0)[:, None]
-                interfaces = np.where(np.abs(interfaces) > least, interfaces, 0.0)
-            except LinearError:
-                interfaces = np.full((len(self._loaded.supports.interfaces), 2), np.nan)
-            springs = self._loaded.structure.springs.stiffness
-            result = np.concatenate([np.column_stack([springs, springs]), interfaces])[self._held]
-            for i, part in enumerate(self.bearings.values()):
-                if isinstance(part, ContactQuantities):
-                    result[i] = part.k if part.exponent == 1.0 else self._wall(i, part, speed)
-            self._own[speed] = result
-        return self._own[speed]
+        try:
+            by_d = self._loaded.at(speed).laws.by_d
+            interfaces = -np.diagonal(by_d, axis1=1, axis2=2)
+            # of a film that nothing loads the cross coupling alone is more than rounding
+            least = _APART * np.abs(by_d).max(axis=(1, 2), initial=0.0)[:, None]
+            interfaces = np.where(np.abs(interfaces) > least, interfaces, 0.0)
+        except LinearError:
+            interfaces = np.full((len(self._loaded.supports.interfaces), 2), np.nan)
+        springs = self._loaded.structure.springs.stiffness
+        result = np.concatenate([np.column_stack([springs, springs]), interfaces])[self._held]
+        for i, part in enumerate(self.bearings.values()):
+            if isinstance(part, ContactQuantities):
+                result[i] = part.k if part.exponent == 1.0 else self._wall(i, part, speed)
+        return result
 
     def _wall(self, i: int, part: ContactQuantities, speed: float) -> float:
         """Return the slope of the elastic force of bearing i, a wall, under its load [N/m]."""

@@ -165,13 +165,17 @@ class HarmonicBalance(ContinuationEquations):
 
     def split(self, x: np.ndarray, value: float) -> Orbit:
         """Return the orbit that a vector of unknowns describes."""
-        rows = 2 * self.H + 1
-        b = x[: rows * self.b].reshape(rows, self.b) * self.length_scale
-        states = (
-            x[rows * self.b : rows * (self.b + self.s)].reshape(rows, self.s) * self.state_scale
-        )
+        b, states, _ = self._series(x)
         omega = x[-1] * self.omega_scale if self.is_autonomous else self.omega_at(value)
-        return Orbit(b, states, float(omega), self.turns, self.speed_at(value), value)
+        own = b * self.length_scale, states * self.state_scale
+        return Orbit(*own, float(omega), self.turns, self.speed_at(value), value)
+
+    def _series(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the coefficients of b and of the internal states among unknowns, a row each, and
+        the unknowns behind them."""
+        rows = 2 * self.H + 1
+        b, states, tail = np.split(x, [rows * self.b, rows * (self.b + self.s)])
+        return b.reshape(rows, self.b), states.reshape(rows, self.s), tail
 
     def join(self, orbit: Orbit) -> np.ndarray:
         """Return the unknowns of an orbit with any number of harmonics."""
@@ -183,10 +187,8 @@ class HarmonicBalance(ContinuationEquations):
     def converted(self, x: np.ndarray, other: "HarmonicBalance") -> np.ndarray:
         """Return unknowns, or a change of them, as those of equations with another number of
         harmonics."""
-        rows = 2 * self.H + 1
-        b = resized(x[: rows * self.b].reshape(rows, -1), other.H)
-        states = resized(x[rows * self.b : rows * (self.b + self.s)].reshape(rows, self.s), other.H)
-        return np.concatenate([b.ravel(), states.ravel(), x[rows * (self.b + self.s) :]])
+        *series, tail = self._series(x)
+        return np.concatenate([*(resized(each, other.H).ravel() for each in series), tail])
 
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
         """Return the residual of the equations, shape (size,), each scaled to about 1."""
@@ -225,8 +227,7 @@ class HarmonicBalance(ContinuationEquations):
         self-excited."""
         if not self.is_autonomous:
             return
-        rows = 2 * self.H + 1
-        self.phase_reference = x[: rows * self.b].reshape(rows, self.b).copy()
+        self.phase_reference = self._series(x)[0].copy()
         self.phase_reference /= max(np.linalg.norm(derivative(self.phase_reference)), 1e-300)
 
     def of_motion(self, way: np.ndarray) -> np.ndarray:

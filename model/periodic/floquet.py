@@ -23,7 +23,7 @@ from .force_corners import crossings
 from .fourier import basis
 from .laws import ForcesAndTangents
 from .linear_structure import CondensedMachine
-from .mesh import POINTS
+from .mesh import POINTS, WEIGHTS
 
 _SAMPLED = np.array([*POINTS[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
 _LEAST, _MOST = 96, 1024  # steps a turn
@@ -146,8 +146,8 @@ def modes_along(
     machine: CondensedMachine, path: MotionPath, parts: Sequence[PathSegment]
 ) -> tuple[ModalBasis, np.ndarray]:
     """Return the modal basis with the mean tangents of segments of a path, and these tangents."""
-    of_points, length = quadrature_weights(), sum(float(part.h.sum()) for part in parts)
-    each = [np.einsum("t,i,tiao->ao", part.h, of_points, part.tangent) for part in parts]
+    length = sum(float(part.h.sum()) for part in parts)
+    each = [np.einsum("t,i,tiao->ao", part.h, WEIGHTS, part.tangent) for part in parts]
     mean = with_weak_springs(machine, path.frequencies, sum(each) / length)
     return modal_basis(machine, path.frequencies, mean), mean
 
@@ -155,12 +155,6 @@ def modes_along(
 def _sorted(values: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     order = np.argsort(-np.abs(values), kind="stable")
     return values[order], shapes[:, order]
-
-
-def quadrature_weights() -> np.ndarray:
-    """Return the weights of the three points of a step in its mean."""
-    powers = np.array([POINTS**p for p in range(3)])
-    return np.linalg.solve(powers, 1.0 / np.arange(1, 4))
 
 
 def _step_ends(machine: CondensedMachine, path: MotionPath, times: np.ndarray) -> np.ndarray:

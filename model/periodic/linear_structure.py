@@ -10,6 +10,7 @@ the shaft is supported while its interfaces are fixed.
 
 import math
 from copy import copy
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -124,7 +125,7 @@ class CondensedMachine:
         linear = s.interfaces[self._linear]
         tables = [s.laws[i.law][i.row] for i in linear]
         self._follows_speed = any(record.rows > 0 for record in tables)
-        self._of_laws: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+        self._linear_laws = lru_cache(1)(self._tangents_of_linear_laws)
 
     def _set_forces(self, loads: np.ndarray | None) -> None:
         s, T = self.structure, self._T
@@ -160,23 +161,18 @@ class CondensedMachine:
         """Return M, D, K in the reduced coordinates at a speed [rad/s]."""
         kappa_v, kappa_h = self._kappa
         kappa = kappa_v * speed + math.copysign(kappa_h * (speed != 0), speed)
-        by_d, by_v = self._linear_laws(speed)
+        by_d, by_v = self._linear_laws(speed if self._follows_speed else 0.0)
         D = self._D + speed * self._gyroscopic - by_v
         return ReducedMatrices(self._M, D, self._K - kappa * self._circulatory - by_d)
 
-    def _linear_laws(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    def _tangents_of_linear_laws(self, speed: float) -> tuple[np.ndarray, ...]:
         """Return the tangents of the linear laws with respect to displacements and velocities."""
-        key = speed if self._follows_speed else 0.0
-        if key not in self._of_laws:
-            middle = np.zeros(len(self.structure.interfaces), complex)
-            result = self.machine.laws.tangents(middle, key)
-            rows = self._linear_rows
-            self._of_laws.clear()
-            self._of_laws[key] = tuple(
-                np.einsum("jaN,jab,jbM->NM", rows, by[self._linear], rows)
-                for by in (result.by_d, result.by_v)
-            )
-        return self._of_laws[key]
+        middle = np.zeros(len(self.structure.interfaces), complex)
+        result, rows = self.machine.laws.tangents(middle, speed), self._linear_rows
+        return tuple(
+            np.einsum("jaN,jab,jbM->NM", rows, by[self._linear], rows)
+            for by in (result.by_d, result.by_v)
+        )
 
     def dynamic_stiffness(self, omega: float, speed: float, H: int, order: int) -> DynamicStiffness:
         """Return the condensed equations at harmonics 0 to H of omega [rad/s]; order: harmonic at

@@ -14,6 +14,8 @@ from .force_corners import crossings
 from .linear_structure import CondensedMachine
 
 POINTS = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
+# of the values at the points in the mean over a step
+WEIGHTS = np.linalg.solve([POINTS**p for p in range(3)], 1.0 / np.arange(1, 4))
 _COARSEST, _UNIFORM, _FINEST = 6, 9, 13  # halvings of the period
 _MISSED_IMPULSE = 3e-6  # that a parabola may miss in a step, as a share of the period's
 _FINER, _COARSER = 3, 1  # halvings at once

@@ -27,7 +27,6 @@ from .floquet import (
     modal_basis,
     orbit_path,
     propagators,
-    quadrature_weights,
     real_amplitudes,
     real_transition_matrix,
     tangents_by_y,
@@ -131,7 +130,7 @@ class Shooting(ContinuationEquations):
         self._ends = ends
         tangent = self._tangents(self.reference, ends, self._motion_of_mesh)
         h = np.diff(self._ends)
-        self._mean = np.einsum("t,i,tiao->ao", h, quadrature_weights(), tangent)
+        self._mean = np.einsum("t,i,tiao->ao", h, mesh.WEIGHTS, tangent)
         none = np.zeros(0)
         self._last_period = IntegratedPeriod(
             none, self.reference, self._ends, self._motion_of_mesh, none, none

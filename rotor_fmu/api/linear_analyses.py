@@ -156,10 +156,10 @@ class LinearAnalyses:
             If the range, a node or a clearance cannot be.
         """
         from ..linear.acceptance import unbalance_check
-        from ..model.linear.unbalance_check import highest_looked_at
+        from ..model.linear.unbalance_check import highest_of_interest
 
         result = unbalance_check(self.rotor, low, high, probes, **options)
-        return _said(result, self.rotor, [low, highest_looked_at(self.rotor, high)])
+        return _said(result, self.rotor, [low, highest_of_interest(self.rotor, high)])
 
     def critical_map(
         self, stiffness: Sequence[float] | np.ndarray | None = None, **options: Any

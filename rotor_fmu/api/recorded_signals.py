@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import nearest, optional, path_of
-from ..runs.recording import Recording
+from ..runs.recording import RECORDING, Recording
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -166,7 +166,7 @@ class RecordedSignals:
         Path
             The file written.
         """
-        path = path_of("folder", folder) / "recording.npz"
+        path = path_of("folder", folder) / RECORDING
         path.parent.mkdir(parents=True, exist_ok=True)
         self.recording.save(path)
         return path

@@ -15,7 +15,7 @@ from ..errors import InputError, check_one_of, path_of
 from ..plotting.notebook import png, shown
 from ..runs import PLOTS_CHANGED
 from ..runs.measuring_points import probe_that_moves_most
-from ..runs.recording import load_recording
+from ..runs.recording import RECORDING, load_recording
 from ..runs.run_down import Run
 from .machine import Machine
 from .peaks import Peaks, peaks_of
@@ -214,7 +214,7 @@ class Result(RecordedSignals):
     @property
     def shown_units(self) -> str:
         """The units that pictures show, of the machine's file if the recording holds it."""
-        return self.recording.rotor.units if self.recording.rotor else ""
+        return self.recording.shown_units
 
     def _or_last(self, speed: float | None) -> float:
         return float(self.speed[-1]) if speed is None else speed
@@ -282,7 +282,7 @@ def read_run(folder: Path | str) -> Result:
     'zigulic2003'
     """
     file = path_of("folder", folder)
-    recording = load_recording(file / "recording.npz" if file.is_dir() else file)
+    recording = load_recording(file / RECORDING if file.is_dir() else file)
     rotor = recording.rotor
     return Result(
         recording, machine=None if rotor is None else Machine(rotor, str(recording.about["toml"]))

@@ -16,7 +16,7 @@ from ..model.time_loop.recorder import Record
 from ..runs.input_signals import Signals
 from ..runs.job import Job, make_job
 from ..runs.recording import Recording
-from ..runs.run_down import Run, run_recorded, usual
+from ..runs.run_down import RECORDER_ROWS, Run, run_recorded, usual
 from ..runs.settings_text import parse_settings
 from ..runs.verify_run import finer_job, verified
 from .machine import Machine, check_machine
@@ -24,7 +24,6 @@ from .result import Result
 
 Signal = float | tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray]
 _PER_TURN = 64
-_ROWS = 16384
 
 
 def simulate(
@@ -118,7 +117,7 @@ def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | Non
         raise InputError(f"per_turn = {per_turn:g}: must be > 0 and finite, or None for every step")
     chosen = usual(machine.rotor) if names is None else listed("record", names, "names")
     angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
-    return Record(tuple(chosen), angle, _ROWS)
+    return Record(tuple(chosen), angle, RECORDER_ROWS)
 
 
 def _recorded(job: Job, record: Record) -> tuple[Run, Recording]:

@@ -14,10 +14,10 @@ from ..display import speed_with_unit
 from ..errors import InputError, RunFailed, check_positive, listed, numbers
 from ..linear.answers import modes
 from ..linear.displayed import of_machine
-from ..linear.where_linearized import whirl_in_pads
 from ..model.linear.modes import LEAST_GROWTH
 from ..model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
 from ..model.linear.static import check_node
+from ..model.linear.subsynchronous import subsynchronous_whirl
 from ..model.linear.supports import touching
 from ..model.linear.unbalance_placement import residual_unbalance
 from ..model.machine.rotor import Rotor
@@ -189,7 +189,7 @@ class _Bench:
 
 def _settling(rotor: Rotor, speed: float) -> float:
     """Return in how many turns a machine settles at a speed [rad/s], infinite without damping."""
-    found, in_pads = modes(rotor, speed), whirl_in_pads(rotor, speed, None, {})
+    found, in_pads = modes(rotor, speed), subsynchronous_whirl(rotor, speed)
     of_pads = [in_pads.growth] if in_pads else []
     roots = [*found.eigenvalues.real[found.is_held], *found.decays, *of_pads]
     growth = float(np.max(roots, initial=-math.inf))

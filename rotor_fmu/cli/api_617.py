@@ -213,12 +213,12 @@ def _say_where_it_holds(
         where_linearized,
         where_not_reached,
     )
-    from ..model.linear.unbalance_check import highest_looked_at
+    from ..model.linear.unbalance_check import highest_of_interest
 
     looked_at = [*response.speeds]
     highest = [max(looked_at, key=abs)]
     if ends is not None:
-        looked_at += [ends[0], highest_looked_at(machine, ends[1])]
+        looked_at += [ends[0], highest_of_interest(machine, ends[1])]
         highest.append(ends[1])
     say(
         where_linearized(machine, looked_at, contacts),

@@ -117,10 +117,10 @@ def _computed(
 
     request = response_request(machine, **options)
     writable_folder(out)
-    from ..periodic.saved_events import saved_journal
+    from ..periodic.saved_events import saved_log
 
     length = request.task.high - request.task.low
-    with saved_journal(out, toml, options) as saved, _progress(length, saved.before, axis) as add:
+    with saved_log(out, toml, options) as saved, _progress(length, saved.before, axis) as add:
 
         def report_point(label: str, point: "Solution") -> None:
             add(label, point.value, f", {point.orbit.H} harmonics")
@@ -129,7 +129,7 @@ def _computed(
             print(
                 "response: compiling the laws of all parts, once on this machine", file=sys.stderr
             )
-        return compute_response(request, report_point, saved.journal)
+        return compute_response(request, report_point, saved.log)
 
 
 def _show(result: "ResponseResult", out: Path) -> None:

@@ -63,7 +63,7 @@ def plot(
     from ..vibration import TooFewTurns
 
     recorded = read_run(run)
-    choose(units, recorded.rotor.units if recorded.rotor else "")
+    choose(units, recorded.shown_units)
     folder = writable_folder(out or (run if run.is_dir() else run.parent))
     view = View(recorded, place, at, pp)
     try:
@@ -214,7 +214,7 @@ def _runs_page(paths: list[Path], units: str | None) -> str:
     from ..saved_results import read_run, read_summary, with_unique_names
 
     runs = with_unique_names([read_run(path) for path in paths], paths)
-    choose(units, runs[0].rotor.units if runs[0].rotor else "")
+    choose(units, runs[0].shown_units)
     return runs_page(runs, [read_summary(path) for path in paths])
 
 

@@ -70,7 +70,8 @@ def _run(
     from ..runs.input_signals import RampGiven
     from ..runs.run_files import clear
     from ..runs.verify_run import finer_job
-    from ..saved_results import STUDY, refuse_other
+    from ..saved_results import refuse_other
+    from ..studies.study import STUDY
 
     begun = time.perf_counter()
     kind = "run-up" if is_up else "run-down"
@@ -147,6 +148,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
     """Write CSV file, recording, pictures and page, and return the figures of the run."""
     from ..report.run_page import write_report
     from ..run_pictures.run_folder import write_run_pictures
+    from ..runs.recording import RECORDING
     from ..runs.run_files import write_points
     from ..runs.summary import summary
 
@@ -157,7 +159,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
         "verification": recording.about.get("verification"),
     }
     write_points(result, {v.name: v.unit for v in job.table}, out / f"{name}.csv")
-    recording.save(out / "recording.npz")
+    recording.save(out / RECORDING)
     title = f"{job.rotor.name}, preset {preset}" if preset else job.rotor.name
     is_adaptive = job.settings.mode == "adaptive"
     write_run_pictures(result, recording, report, title, is_adaptive, out, name)

@@ -155,10 +155,10 @@ def usual_speeds(
     above the operating range, or, where there is none, to a quarter above the lowest critical
     speeds."""
     from ..model import linear
-    from ..model.linear.unbalance_check import LOOKED_AT
+    from ..model.linear.unbalance_check import OF_INTEREST
 
     if ends is not None:
-        top = LOOKED_AT * ends[1]
+        top = OF_INTEREST * ends[1]
     else:
         damped = linear.modes(machine, count=4, contacts=contacts).damped
         top = 1.25 * float(damped[-1]) if len(damped) else 1000.0

@@ -23,7 +23,8 @@ from ..machine_studies.machine_tables import read_study
 from ..machine_studies.response_runs import ResponseRuns
 from ..output_options import with_output_options
 from ..run_status import FAILED
-from ..saved_results import RUN, refuse_other
+from ..runs.recording import RECORDING
+from ..saved_results import refuse_other
 from ..screen import progress_of, text_table
 from ..studies.executors import ExecutorConfig, engine
 from ..studies.runner import Progress, run_study
@@ -66,7 +67,7 @@ def study(
         optional(module, "study", "study")
     definition = read_study(file, is_quick=is_quick)
     choose(units, definition.units)
-    refuse_other(out, RUN)
+    refuse_other(out, RECORDING)
     where = _where(jobs, scheduler, cluster)
     if is_drawn:
         from ..machine_studies.diagram import sections_of
@@ -291,7 +292,7 @@ def _select(definition: Study, select: str, out: Path) -> dict[str, Any]:
         typer.echo(result.table().text())
     else:
         recording = model.record(values)
-        recording.save(writable_folder(folder) / "recording.npz")
+        recording.save(writable_folder(folder) / RECORDING)
         status, messages = recording.about["status"], recording.about["messages"]
         about |= {"status": status, "values": values, "messages": messages}
         write_json(about, folder / "summary.json")

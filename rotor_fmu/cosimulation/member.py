@@ -4,6 +4,7 @@ import shutil
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ class Member:
             raise InputError(f"{fmu}: must be an FMU for co-simulation")
         self._description = description
         self._variables = {v.name: v for v in description.modelVariables}
-        self._groups: dict[tuple[str, ...], _Groups] = {}
+        self._grouped = cache(self._in_groups)
         for name, value in parameters.items():
             self._typed(name, value)
         self._parameters = parameters
@@ -161,17 +162,15 @@ class Member:
             return str(variable.type)
         return "Int64" if self._is_fmi3 else "Integer"
 
-    def _grouped(self, names: tuple[str, ...]) -> _Groups:
+    def _in_groups(self, names: tuple[str, ...]) -> _Groups:
         """Return variables by their kinds: kind, names and value references."""
-        if names not in self._groups:
-            groups: dict[str, list[str]] = {}
-            for name in names:
-                groups.setdefault(self._kind(self.variable(name)), []).append(name)
-            self._groups[names] = [
-                (kind, group, [self._variables[name].valueReference for name in group])
-                for kind, group in groups.items()
-            ]
-        return self._groups[names]
+        groups: dict[str, list[str]] = {}
+        for name in names:
+            groups.setdefault(self._kind(self.variable(name)), []).append(name)
+        return [
+            (kind, group, [self._variables[name].valueReference for name in group])
+            for kind, group in groups.items()
+        ]
 
     def _typed(self, name: str, value: Any) -> Any:
         """Return the value of a variable as FMPy takes it; `InputError` for one of another type."""

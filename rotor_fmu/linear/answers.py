@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..cells import five_digits
-from ..display import current, shown_speed, speed_with_unit
+from ..display import current, shown_speed
 from ..model import linear
 from ..model.linear.modes import FORWARD
 from ..model.one_thread import on_one_thread
@@ -39,7 +39,14 @@ from ..plotting.figure_style import (
 from ..plotting.labels import write_labels
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
 from .linear_plots import FAINT, WHIRL_COLORS, curve, dotted, draw_whirling, shade
-from .linear_tables import Table, clean_damping, peaks, turns, without_rounding
+from .linear_tables import (
+    Table,
+    clean_damping,
+    peaks,
+    shown_either_way,
+    state_in_words,
+    without_rounding,
+)
 from .mode_answers import Modes
 
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
@@ -71,8 +78,7 @@ class Campbell(Displayed, linear.Campbell):
         if self.threshold is None:
             return "stable at all these speeds"
         already = "already at" if self.threshold in self.speeds else "above"
-        at = abs(self.threshold)  # of either sense of rotation
-        return f"unstable {already} {speed_with_unit(at)} ({at:.6g} rad/s)"
+        return f"unstable {already} {shown_either_way(self.threshold)}"
 
     @property
     def _orders(self) -> str:
@@ -242,7 +248,7 @@ class Static(Displayed, linear.Static):
                 for name, *of in zip(self.supports, load_x, load_y, strict=True)
             ),
         ]
-        return Table(f"At rest, {turns(self.speed, self.contacts)}", heads, rows)
+        return Table(f"At rest, {state_in_words(self.speed, self.contacts)}", heads, rows)
 
     def figure(self) -> Figure:
         """Draw the deflection along the shaft, with the loads on the named supports."""
@@ -273,7 +279,7 @@ class Static(Displayed, linear.Static):
             labels.append((*tail, words, load < 0))
         axes.set_xlabel(f"Along the shaft z [{d.length_unit}]")
         axes.set_ylabel(f"Deflection [{d.small_unit}]")
-        state = turns(self.speed, self.contacts)
+        state = state_in_words(self.speed, self.contacts)
         entitle(axes, self.titled(f"At rest under gravity, {state}"))
         write_labels(axes, labels, marks, curves)
         return figure

@@ -19,7 +19,6 @@ from .bearing_columns import (
     draw_lines,
     in_clearance,
     parted,
-    shown_either_way,
     shown_span,
     speed_and_load,
     varies_load,
@@ -28,7 +27,7 @@ from .bearing_columns import (
 )
 from .displayed import Displayed, answer_of
 from .linear_plots import plain_ticks
-from .linear_tables import Table
+from .linear_tables import Table, shown_either_way
 
 
 class BearingCurves(Displayed, bearing_curves.BearingCurves):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..display import current, speed_with_unit
+from ..display import current
 from ..model import bearing_curves
 from ..plotting.figure_style import COLORS, entitle
 from .linear_tables import without_rounding
@@ -17,11 +17,6 @@ Curves = bearing_curves.BearingCurves | bearing_curves.RingCurves | bearing_curv
 def varies_load(result: Curves) -> bool:
     """Return whether the loads vary at one speed, and not the speed."""
     return len(result.speeds) > 1 and bool(result.speeds[0] == result.speeds[-1])
-
-
-def shown_either_way(speed: float) -> str:
-    """Return a speed [rad/s] of either sense of rotation as it is shown, and in rad/s."""
-    return f"{speed_with_unit(abs(speed))} ({abs(speed):.6g} rad/s)"
 
 
 def whirls_where(is_first: bool, turns: Sequence[str], whirls: str) -> str:

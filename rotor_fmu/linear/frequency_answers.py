@@ -1,7 +1,6 @@
 """Frequency responses and the sensitivity of control loops, for Python and the command line."""
 
 import math
-import tomllib
 from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, fields
 from functools import partial
@@ -12,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..display import current
-from ..errors import InputError, nearest, read_text
+from ..errors import InputError, nearest, read_text, toml_tables
 from ..model.linear import frequency_response as model
 from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
@@ -29,7 +28,7 @@ from ..plotting.figure_style import (
 )
 from .displayed import Displayed, Machine, answer_of, displayed
 from .linear_plots import plain_ticks
-from .linear_tables import Table, is_rounding, peaks, turns
+from .linear_tables import Table, is_rounding, peaks, state_in_words
 
 ZONES = "ABCD"
 
@@ -64,7 +63,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
             for values in (self.receptance[:, k, i, i],)
             for at in peaks(np.abs(values))
         ]
-        state = turns(self.speed, self.contacts)
+        state = state_in_words(self.speed, self.contacts)
         title = f"Frequency response to {self.shown_force} where it peaks, {state}"
         return Table(title, heads, rows)
 
@@ -91,7 +90,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         above.set_ylabel(f"Displacement by force [{d.small_word}/{d.force_unit}]")
         below.set(ylabel="Phase [deg]", xlabel=d.frequency_label)
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
-        state = turns(self.speed, self.contacts)
+        state = state_in_words(self.speed, self.contacts)
         entitle(figure, self.titled(f"Response to {self.shown_force}, {state}"))
         return figure
 
@@ -111,7 +110,7 @@ class Sensitivity(model.Sensitivity, Displayed):
         """Return a table with one row for each loop and axis."""
         size = np.abs(self.sensitivity)
         largest, d = size.max(axis=0), current()
-        title = f"Sensitivity of the control loops at {turns(self.speed, 'open')}"
+        title = f"Sensitivity of the control loops at {state_in_words(self.speed, 'open')}"
         if not self.is_stable:
             title += "; THE CLOSED LOOP IS UNSTABLE, so that these numbers mean nothing"
         columns = (
@@ -139,7 +138,7 @@ class Sensitivity(model.Sensitivity, Displayed):
         plain_ticks(axes.yaxis)
         axes.set(xlabel=current().frequency_label, ylabel="Sensitivity [1]")
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
-        title = f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}"
+        title = f"Sensitivity (ISO 14839-3) at {state_in_words(self.speed, 'open')}"
         entitle(axes, self.titled(title))
         return figure
 
@@ -182,10 +181,7 @@ def place_of(rotor: Rotor, text: str, option: str) -> model.Place:
 def read_loops(option: str, path: Path, rotor: Rotor) -> list[model.ControlLoop]:
     """Return the control loops of a file, tables `[[loop]]` with the quantities of `ControlLoop`,
     sensor and magnet as nodes or as names of parts; `InputError` for anything else."""
-    try:
-        tables = tomllib.loads(read_text(option, path))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{option} {path}: {error}") from error
+    tables = toml_tables(f"{option} {path}", read_text(option, path))
     for key in tables.keys() - {"loop"}:
         raise InputError(f"{option} {path}: {key}: unknown; only [[loop]] may be there")
     listed = tables.get("loop")

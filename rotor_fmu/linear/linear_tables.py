@@ -50,8 +50,13 @@ class Table(NamedTuple):
         return html_table(self.title, self.heads, self.rows)
 
 
-def turns(speed: float, contacts: str) -> str:
-    """Return the state of a machine in a heading."""
+def shown_either_way(speed: float) -> str:
+    """Return a speed [rad/s] of either sense of rotation as it is shown, and in rad/s."""
+    return f"{speed_with_unit(abs(speed))} ({abs(speed):.6g} rad/s)"
+
+
+def state_in_words(speed: float, contacts: str) -> str:
+    """Return the speed of rotation [rad/s] and the state of the contacts for a heading."""
     return f"{speed_with_unit(speed)} ({five_digits(speed)} rad/s), contacts {contacts}"
 
 

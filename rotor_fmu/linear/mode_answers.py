@@ -18,7 +18,7 @@ from ..plotting.figure_style import (
 )
 from .displayed import Displayed
 from .linear_plots import WHIRL_COLORS, curve, dotted, shapes_in_grid
-from .linear_tables import Table, clean_damping, turns
+from .linear_tables import Table, clean_damping, state_in_words
 
 _ANGLES = np.linspace(0.0, 2 * math.pi, 49)
 _GAP = 0.93  # of a turn: an orbit ends before it closes, so that its sense can be seen
@@ -30,7 +30,7 @@ class Modes(Displayed, linear.Modes):
     def table(self) -> Table:
         """Return a table with one row for each mode."""
         d = current()
-        title = f"Modes at {turns(self.speed, self.contacts)}"
+        title = f"Modes at {state_in_words(self.speed, self.contacts)}"
         if len(self.growing):
             title += f"; UNSTABLE: a motion grows without oscillating, {self.growing[0]:.4g} 1/s"
         is_doubtful = ~self.is_sound & self.is_held
@@ -97,7 +97,7 @@ class Modes(Displayed, linear.Modes):
             figure.legend(
                 *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2
             )
-        title = f"Modes at {turns(self.speed, self.contacts)}"
+        title = f"Modes at {state_in_words(self.speed, self.contacts)}"
         entitle(figure, self.titled(title))
         return figure
 
@@ -140,7 +140,7 @@ def mode_shapes_figure(result: Modes) -> Figure:
         axes.tick_params(labelsize=7, pad=-2)
         axes.set_xlabel(f"z [{current().length_unit}]", fontsize=7, labelpad=-4)
         axes.set_title(result.caption(i), fontsize=9, y=0.98)
-    state = turns(result.speed, result.contacts)
+    state = state_in_words(result.speed, result.contacts)
     entitle(figure, result.titled(f"Mode shapes at {state}; x across, y up"))
     return figure
 

@@ -11,7 +11,7 @@ from ..model.laws_at_rest.oil import machine_with_oil
 from ..model.linear.linear_machine import LinearMachine
 from ..model.linear.modes import LEAST_GROWTH, modes
 from ..model.linear.orbit import semi_axes
-from ..model.linear.own_frequency import CRITICALLY_DAMPED, OwnWhirl, own_whirl
+from ..model.linear.subsynchronous import CRITICALLY_DAMPED, subsynchronous_whirl
 from ..model.linear.unbalance import UnbalanceResponse
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
@@ -54,7 +54,7 @@ def where_linearized(
             f"have another damping, which a run shows: {', '.join(pads)}"
         )
     fastest = max(speeds, key=abs)
-    whirl = whirl_in_pads(machine, fastest, contacts, coupling or {})
+    whirl = subsynchronous_whirl(machine, fastest, contacts, tuple((coupling or {}).items()))
     if whirl and not whirl.is_critically_damped:
         here = "all are critically damped"
         if whirl.synchronous < CRITICALLY_DAMPED:
@@ -89,7 +89,7 @@ def where_not_reached(
     for speed in speeds:
         why = "`rotor-fmu campbell` has the threshold"
         if modes(machine, speed, contacts=contacts).growth <= LEAST_GROWTH:
-            whirl = whirl_in_pads(machine, speed, contacts, {})
+            whirl = subsynchronous_whirl(machine, speed, contacts, ())
             if not (whirl and whirl.is_growing):
                 continue
             why = f"a whirl of {speed_with_unit(whirl.frequency)} grows, which its pads follow"
@@ -126,16 +126,6 @@ def _films(machine: Rotor) -> dict[str, InterfaceElement]:
     """Return the interfaces of oil films by the parts' names: the laws of films alone may break."""
     elements = machine.elements_of_kind(InterfaceElement)
     return {name: e for name, e in elements if e.law.breaks is not never_breaks}
-
-
-def whirl_in_pads(
-    machine: Rotor, speed: float, contacts: str | None, coupling: Mapping[int, float]
-) -> OwnWhirl | None:
-    """Return the least damped slower whirl of a machine on tilting pads at a speed [rad/s]; None
-    of others."""
-    if speed == 0.0:
-        return None
-    return own_whirl(machine, speed, contacts, tuple(coupling.items()))
 
 
 def where_not_at_rest(machine: Rotor, speed: float, contacts: str | None = None) -> list[str]:

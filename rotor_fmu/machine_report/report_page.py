@@ -16,11 +16,11 @@ from ..linear.inventory import inventory
 from ..linear.linear_plots import grouped
 from ..linear.linear_tables import Table, clean_damping, numbers
 from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
-from ..linear.where_linearized import where_films_are_left, where_linearized, whirl_in_pads
+from ..linear.where_linearized import where_films_are_left, where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
-from ..model.linear.own_frequency import OwnWhirl
+from ..model.linear.subsynchronous import SubsynchronousWhirl, subsynchronous_whirl
 from ..model.linear.unbalance import steady_whirl
-from ..model.linear.unbalance_check import LOOKED_AT, SPEEDS, highest_looked_at
+from ..model.linear.unbalance_check import OF_INTEREST, SPEEDS, highest_of_interest
 from ..model.machine.rotor import Rotor
 from ..report.report_tables import notice_html, table
 from ..report.run_page import figure_html, machine_html, page, template
@@ -74,7 +74,7 @@ def machine_report(
     impossible options."""
     low, high = options.low, options.high
     at_rest = answers.static(rotor, afloat=high)  # first, since it refuses what is not held
-    top = LOOKED_AT * high
+    top = OF_INTEREST * high
     first = lowest_speed(rotor, top)
     speeds = np.linspace(first, top, _SPEEDS)
     listed = inventory(rotor)
@@ -99,9 +99,10 @@ def machine_report(
     level_1 = stability_answers.level_1(rotor, high, anticipated=options.couplings or 0.0)
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
-    whirl = whirl_in_pads(rotor, high, None, options.couplings or {})
+    couplings = tuple((options.couplings or {}).items())
+    whirl = subsynchronous_whirl(rotor, high, None, couplings)
     left = where_films_are_left(rotor, response)
-    looked_at = [*speeds, highest_looked_at(rotor, high)]
+    looked_at = [*speeds, highest_of_interest(rotor, high)]
     conclusions = _conclusions(diagram, left, check, level_1, level_2, whirl, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
@@ -242,7 +243,7 @@ def _stability(
     return Conclusion(text + asks, level_2.is_met)
 
 
-def _slower(whirl: OwnWhirl | None) -> Iterator[Conclusion]:
+def _slower(whirl: SubsynchronousWhirl | None) -> Iterator[Conclusion]:
     """Yield what it means that pads follow a whirl at its own frequency, not that of rotation;
     nothing of whirls that are critically damped."""
     if whirl and not whirl.is_critically_damped:
@@ -258,6 +259,26 @@ def as_ranges(speeds: Iterable[float]) -> Iterator[str]:
     probes and directions have the peak of one critical speed at slightly different ones."""
     for group in grouped(sorted(speeds), lambda speed, first: speed < (1 + _ONE_PEAK) * first):
         yield " to ".join(dict.fromkeys(shown_speed(end) for end in (group[0], group[-1])))
+
+
+def _critical_speeds(check: acceptance.UnbalanceCheck) -> Conclusion:
+    near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
+    if near:
+        speeds = f"{', '.join(as_ranges(c.peak.speed for c in near))} {current().speed_unit}"
+        return Conclusion(f"Critical speeds too near to the operating range: {speeds}.", False)
+    if check.criticals:
+        return Conclusion("All critical speeds have their separation margins.", True)
+    highest = speed_with_unit(OF_INTEREST * check.high)
+    share = f"{100 * OF_INTEREST:g} % of the highest one of the operating range"
+    return Conclusion(f"No critical speed up to {highest}, {share}.", True)
+
+
+def _probes(check: acceptance.UnbalanceCheck) -> Conclusion:
+    limit = f"{check.limit * current().small:.3g} {current().small_word}"
+    loud = ", ".join(str(p.node) for p in check.probes if p.peak_to_peak > check.limit)
+    if loud:
+        return Conclusion(f"Probes above {limit}: node {loud}.", False)
+    return Conclusion(f"All probes stay below {limit} peak-to-peak.", True)
 
 
 def _clearances(check: acceptance.UnbalanceCheck, left: Sequence[str]) -> Iterator[Conclusion]:
@@ -278,43 +299,21 @@ def _conclusions(
     check: acceptance.UnbalanceCheck,
     level_1: stability_answers.StabilityLevel1,
     level_2: stability_answers.StabilityLevel2,
-    whirl: OwnWhirl | None,
+    whirl: SubsynchronousWhirl | None,
     rub: RubCheck,
 ) -> tuple[Conclusion, ...]:
-    near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
-    loud = [p for p in check.probes if p.peak_to_peak > check.limit]
-    d = current()
-    speeds = ", ".join(as_ranges(c.peak.speed for c in near))
-    limit = f"{check.limit * d.small:.3g} {d.small_word}"
     messages = dict.fromkeys(message for run in rub.runs for message in run.messages)
     unstable = tuple(_unstable(diagram, check.high))
-    steady = (
-        Conclusion(
-            f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
-            if near
-            else "All critical speeds have their separation margins."
-            if check.criticals
-            else f"No critical speed up to {speed_with_unit(LOOKED_AT * check.high)}, "
-            f"{100 * LOOKED_AT:g} % of the highest one of the operating range.",
-            not near,
-        ),
-        Conclusion(
-            f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."
-            if loud
-            else f"All probes stay below {limit} peak-to-peak.",
-            not loud,
-        ),
-        *_clearances(check, left),
-        Conclusion(rub.conclusion, not rub.closings),
-    )
+    steady = [_critical_speeds(check), _probes(check), *_clearances(check, left)]
+    contact = Conclusion(rub.conclusion, not rub.closings)
     if unstable:  # what is kept by a response that is not reached says nothing
-        steady = tuple(c._replace(is_met=None) if c.is_met else c for c in steady)
+        *steady, contact = (c._replace(is_met=None) if c.is_met else c for c in (*steady, contact))
     return (
         *unstable,
         *(Conclusion(f"{sentence[0].upper()}{sentence[1:]}.", False) for sentence in left),
-        *steady[:-1],
+        *steady,
         _stability(level_1, level_2),
         *_slower(whirl),
-        steady[-1],  # of contact
+        contact,
         *(Conclusion(message, False) for message in messages),
     )

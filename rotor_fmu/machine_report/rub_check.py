@@ -20,7 +20,7 @@ from ..model.linear.amplification import with_tops
 from ..model.linear.linearization import OPEN
 from ..model.linear.supports import touching, walls
 from ..model.linear.unbalance import SteadyWhirl, steady_whirl
-from ..model.linear.unbalance_check import close_speeds, highest_looked_at
+from ..model.linear.unbalance_check import close_speeds, highest_of_interest
 from ..model.linear.unbalance_peaks import Gap, gaps, major_axis
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Part, ProbeElement
@@ -167,7 +167,7 @@ def rub_check(
     machine = with_unbalances(rotor, unbalances, scale)
     top = max(1.25 * high, rotor.operation.trip_speed or 0.0)
     whirl = steady_whirl(rotor, None, unbalances)
-    close = close_speeds(rotor, highest_looked_at(rotor, high))
+    close = close_speeds(rotor, highest_of_interest(rotor, high))
     first = max(_FIRST * top, close[0])
     close = np.unique([first, *close[(close > first) & (close < top)], top])
     closings = _closings(rotor, whirl, scale, close, high)

@@ -6,6 +6,7 @@ it is unstable, or there is none.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -129,21 +130,18 @@ def _response(
     names = rotor.parameters()
     given = {n: v for n, v in {**runs.values, **settings}.items() if n in names}
     low, high = float(over.min()), float(over.max())
-    n = runs.how.numbers
+    request = partial(response_request, rotor, parameters=given, branches=True)
     try:
         if axis is None or axis.targets == (_SPEED,):
             say(f"periodic motions {range_with_unit(low, high)}")
-            request = response_request(rotor, speed=(low, high), parameters=given, branches=True)
-            return compute_response(request)
+            return compute_response(request(speed=(low, high)))
         if len(axis.targets) > 1 or axis.targets[0] not in names:
             raise InputError(f"{axis.name}: sets more than one quantity, or none of the machine")
-        speed = settings.get(_SPEED, n["speed"])
+        speed = settings.get(_SPEED, runs.how.numbers["speed"])
         of = current().of_si(axis.unit)
         ends = f"{of.factor * low:.6g} to {of.text(high, digits=6)}"
         say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
-        varied = (axis.targets[0], low, high)
-        request = response_request(rotor, speed=speed, over=varied, parameters=given, branches=True)
-        return compute_response(request)
+        return compute_response(request(speed=speed, over=(axis.targets[0], low, high)))
     except InputError as error:
         say(f"without periodic motions: {error}")
         return None

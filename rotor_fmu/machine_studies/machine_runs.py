@@ -21,11 +21,12 @@ from ..model.simulation import Simulation, StepFailure
 from ..model.time_loop.recorder import Record, recordable
 from ..run_status import FAILED, messages_and_codes, not_confirmed, status_of
 from ..runs.recording import Recording
+from ..runs.run_down import RECORDER_ROWS, usual
 from ..runs.verify_run import STILL, allowed, finer
 from ..studies.study import Cell, Column, Result
 from . import run_metrics
 from .metric import Metric, MetricKind
-from .run_excitation import RECORDER_ROWS, Excitation, Monitor, Window, excite
+from .run_excitation import Excitation, Monitor, Window, excite
 
 RUN = "run."
 VERIFICATION = "verification"  # the column of a study whose runs are verified
@@ -192,8 +193,6 @@ class MachineRuns:
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """Record one run at its own steps, up to its end or failure; the same run as its row's."""
-        from ..runs.run_down import usual  # with FMPy, which no worker needs
-
         rotor = self.machine.rotor
         names = ("phi", "w", *usual(rotor), *self.samples(False), *self.samples(True))
         names = tuple(dict.fromkeys(names))

@@ -16,11 +16,11 @@ import numpy as np
 from ..errors import InputError
 from ..model.simulation import Simulation, StepFailure
 from ..runs.input_signals import Driver, Signals
+from ..runs.run_down import RECORDER_ROWS
 from .run_kinds import BY_MOTOR, DROP, SIGNALS, UP_AND_DOWN, RunKind
 
 LEAST_TURNS = 16  # over which an exponent is a mean
 _INTERFACES_PER_TURN = 512  # samples of the interfaces at least, of an exponent
-RECORDER_ROWS = 16384  # steps that are recorded in a communication step
 
 
 class Samples(NamedTuple):

@@ -41,23 +41,23 @@ _KINDS: Mapping[str, Callable[..., Any]] = {
 
 
 class Saved(NamedTuple):
-    """A journal that is saved, and how many points an earlier call had come to."""
+    """An event log that is saved, and how many points an earlier call had come to."""
 
-    journal: EventLog
+    log: EventLog
     before: int
 
 
 @contextmanager
-def saved_journal(folder: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
-    """The journal of a response in a folder; one of another machine, options or version is begun
+def saved_log(folder: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
+    """The event log of a response in a folder; one of another machine, options or version is begun
     anew. A line that an earlier call did not finish is dropped. Raises `InputError` while another
     call writes one there; an `OSError`, as of a full disk, has the file's name."""
-    with only_call(folder / LOCK), _journal(folder / FILE, toml, options) as saved:
+    with only_call(folder / LOCK), _log(folder / FILE, toml, options) as saved:
         yield saved
 
 
 @contextmanager
-def _journal(path: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
+def _log(path: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
     given = json.dumps([__version__, toml, options], sort_keys=True, default=str)
     head = json.dumps({"response": sha256(given.encode()).hexdigest()})
     events: list[Event] = []

@@ -12,7 +12,8 @@ import numpy as np
 from ..display import Shown, current
 from ..files import write_text
 from ..run_status import OK
-from ..saved_results import RUN, read_run, read_summary
+from ..runs.recording import RECORDING
+from ..saved_results import read_run, read_summary
 from .packed import COARSE, packed
 from .report_tables import notices_html, table
 from .run_page import page, runs_page, template
@@ -46,7 +47,7 @@ def study_page(
         for axis in about["design"]["axes"]
     ]
     columns = [_head(column) for column in (*varied, *retained)]
-    scales = {column["name"]: _shown_in(column["unit"])[0] for column in (*varied, *retained)}
+    scales = {column["name"]: _shown_in(column["unit"]).factor for column in (*varied, *retained)}
     values = {n: scale * np.asarray(rows[n].to_numpy(), float) for n, scale in scales.items()}
     status = rows["status"].to_pylist()
     data = {
@@ -78,7 +79,7 @@ def _shown_in(unit: str) -> Shown:
 
 
 def _head(column: Mapping[str, Any]) -> dict[str, str]:
-    unit = _shown_in(column["unit"])[1]
+    unit = _shown_in(column["unit"]).unit
     return {"name": column["name"], "unit": unit, "text": column["text"]}
 
 
@@ -102,7 +103,7 @@ def _curves(
         head["coordinate"] = [
             across * at for at in column["coordinate"] or range(1, values.shape[1] + 1)
         ]
-        scale, _ = _shown_in(column["unit"])
+        scale = _shown_in(column["unit"]).factor
         result.append(head | {"values": packed(scale * values, COARSE)})
     return result
 
@@ -145,7 +146,7 @@ def pages_of_runs(study: Path, beside: Path) -> dict[str, str]:
     """Return the addresses of their pages by id, relative to the folder `beside`; a page older than
     its recording, or not there, is written."""
     result = {}
-    for recording in sorted(study.glob(f"runs/*/{RUN}")):
+    for recording in sorted(study.glob(f"runs/*/{RECORDING}")):
         folder = recording.parent
         page = folder / "report.html"
         if not page.exists() or page.stat().st_mtime < recording.stat().st_mtime:

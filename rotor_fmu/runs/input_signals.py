@@ -44,10 +44,7 @@ class Signals:
     def as_structured(self) -> np.ndarray:
         """Return the structured array that FMPy takes."""
         columns = {"time": self.t, **self.values}
-        table = np.zeros(len(self.t), dtype=[(name, float) for name in columns])
-        for name, column in columns.items():
-            table[name] = column
-        return table
+        return np.rec.fromarrays([*columns.values()], [(name, float) for name in columns])
 
     @cached_property
     def bends(self) -> np.ndarray:

@@ -27,6 +27,8 @@ from .measuring_points import (
     probe_that_moves_most,
 )
 
+RECORDING = "recording.npz"  # in the folder of a run
+
 
 @dataclass(frozen=True, repr=False)
 class Recording(ShortRepr):
@@ -94,6 +96,11 @@ class Recording(ShortRepr):
             return parse_rotor(str(self.about["toml"]))
         except (KeyError, QuantityError):
             return None
+
+    @property
+    def shown_units(self) -> str:
+        """The units that the machine's file asks to be shown, empty for the usual ones."""
+        return self.rotor.units if self.rotor else ""
 
     @cached_property
     def places(self) -> tuple[MeasuringPoint, ...]:

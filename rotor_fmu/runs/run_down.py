@@ -28,7 +28,7 @@ from .input_signals import Driver, Signals
 from .progress import ReportProgress, silent
 from .recording import Recording
 
-_RECORDER_ROWS = 16384  # of one communication interval, some 250 turns
+RECORDER_ROWS = 16384  # that a communication step may have: some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
 _NO_PARTS = ("", "solver", "energy")
 _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
@@ -182,7 +182,7 @@ def run_recorded(
     record: names of `recordable`; by default `usual`. phi and w are always recorded. is_silent:
     warnings go to the run's messages alone. Raises `ValueError` for what cannot be recorded.
     """
-    taped = record or Record(usual(job.rotor), rows=_RECORDER_ROWS)
+    taped = record or Record(usual(job.rotor), rows=RECORDER_ROWS)
     taped = taped._replace(names=tuple(dict.fromkeys(("phi", "w", *taped.names))))
     run, rows = _time_loop(job, taped, progress, is_silent)
     units = {str(entry.name): entry.output.unit for entry in recordable(job.rotor)}

@@ -5,11 +5,12 @@ from pathlib import Path
 
 from ..files import write_csv
 from . import PLOTS
+from .recording import RECORDING
 from .run_down import Run
 
 # What a run leaves in its folder.
 RESULTS = (
-    *("summary.json", "recording.npz", "report.html"),
+    *("summary.json", RECORDING, "report.html"),
     *(f"run_{way}{rest}" for way in ("down", "up") for rest in (".csv", "_*.png")),
 )
 
@@ -17,7 +18,7 @@ RESULTS = (
 def clear(out: Path, results: Sequence[str] = RESULTS) -> None:
     """Remove what an earlier run left in its folder, its own files alone; results: patterns of
     their names. Pictures are of the recording that lies beside them."""
-    if (out / "recording.npz").exists():
+    if (out / RECORDING).exists():
         results = (*results, *(f"{kind}.png" for kind in PLOTS))
     for pattern in results:
         for path in out.glob(pattern):

@@ -18,7 +18,7 @@ import numpy as np
 from ..errors import InputError, RunFailed, writable_folder
 from ..files import only_call
 from ..output_options import write_json
-from .study import Result, Study, read_about
+from .study import STUDY, Result, Study, read_about
 
 if TYPE_CHECKING:
     import pyarrow
@@ -82,7 +82,7 @@ class Store:
     def _begin(self) -> None:
         self._refuse_another()
         try:
-            write_json(self._study.about, self._folder / "study.json")
+            write_json(self._study.about, self._folder / STUDY)
         except OSError as error:
             raise self._full(error) from error
         for left in (self._folder / "rows").glob("*.unfinished"):

@@ -13,6 +13,7 @@ from .design import Design
 
 Cell = float | list[float]
 Tables = Mapping[str, Any]  # of a study's file
+STUDY = "study.json"  # in the folder of a study
 
 
 def table_of(tables: Tables, key: str) -> dict[str, Any]:
@@ -115,7 +116,7 @@ def read_about(folder: Path, option: str = "") -> dict[str, Any] | None:
     """Return the description of a folder's study, None if it holds none. Raises `InputError` where
     it cannot be read; option: in which the folder was given, for the message."""
     try:
-        about = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+        about = json.loads((folder / STUDY).read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError) as error:

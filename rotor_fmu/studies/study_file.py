@@ -5,13 +5,12 @@ or that of the module that the file names.
 """
 
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..errors import InputError, check_one_of, known_name, meant, read_text
+from ..errors import InputError, check_one_of, known_name, meant, read_text, toml_tables
 from ..units import number
 from .design import DESIGNS, GRID, Axis, Design, axis_of, whole
 from .study import Column, Model, Study, Tables, table_of
@@ -51,10 +50,7 @@ def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = F
     entries of the table [quick] replace the same ones elsewhere.
     """
     text = read_text("study", path)
-    try:
-        given = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: is not valid TOML: {error}") from error
+    given = toml_tables(str(path), text)
     try:
         tables = _chosen(given, is_quick)
         if "module" in tables:

@@ -9,7 +9,7 @@ from rotor_fmu.model.linear import linear_machine
 from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.linear.unbalance_check import (
     close_speeds,
-    highest_looked_at,
+    highest_of_interest,
     unbalance_check,
 )
 from rotor_fmu.model.linear.unbalance_peaks import response_with_peaks
@@ -84,7 +84,7 @@ def test_a_response_and_its_check_look_for_a_place_of_rest_once_at_each_speed(mo
     monkeypatch.setattr(import_module("rotor_fmu.model.linear.unbalance_check"), "SPEEDS", 13)
     asked, at = Counter(), LinearMachine.at
     rotor, low, high = on_films("pads"), 300.0, 400.0
-    top = highest_looked_at(rotor, high)
+    top = highest_of_interest(rotor, high)
     speeds = close_speeds(rotor, top)
 
     def counted(self, speed):

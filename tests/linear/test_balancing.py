@@ -22,7 +22,7 @@ from rotor_fmu.linear.answers import unbalance_response
 from rotor_fmu.vibration.influence_coefficients import correction
 from tests.linear.api_617 import RPM, SHAFT, example, support
 from tests.linear.test_growth_without_oscillation import pulled
-from tests.linear.test_own_frequency import on_pads
+from tests.linear.test_subsynchronous import on_pads
 from tests.physics.test_symmetries import image_of_machine, turned
 
 

@@ -24,7 +24,7 @@ from ..machines import jeffcott, jeffcott_stiffness
 from ..toml_text import table
 from ..validation.whip import OVERHUNG, overhung_machine, run_down
 from ..validation.windows import rig
-from .test_own_frequency import on_pads
+from .test_subsynchronous import on_pads
 
 resolving_step, seen_growth = (
     interpreted(resolution.resolving_step),

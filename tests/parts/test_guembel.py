@@ -78,7 +78,7 @@ def test_its_tangent_and_its_load_in_two_dimensions(shape, supply, count):
                 for share in (1.0, 0.1, 0.01)
             )
             assert error < 2e-6 * np.abs(tangent).max()
-        in_plane = film_in_plane(part, _SPEED, d)
+        in_plane = film_in_plane(part, _SPEED, d, viscosity=part.viscosity)
         assert abs(alone.force(d) - in_plane) < 0.03 * abs(in_plane)
         seen = alone.outputs(d, v)
         assert seen["power"] > 0.0

@@ -179,7 +179,8 @@ def test_grooves_and_lobes_against_a_grid(shape, length):
 
     # the load and the stiffness of another grid, of finite differences, there
     def in_plane(moved=0.0):
-        return film_in_plane(bearing, 100 * _PI, 1e-4 * complex(*position) + moved)
+        at = 1e-4 * complex(*position) + moved
+        return film_in_plane(bearing, 100 * _PI, at, viscosity=bearing.viscosity)
 
     assert abs(in_plane() - 2500j) < 0.003 * 2500
     by_d = [(in_plane(-2e-7 * way) - in_plane(2e-7 * way)) / 4e-7 for way in (1.0, 1j)]

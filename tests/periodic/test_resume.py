@@ -14,7 +14,7 @@ import pytest
 
 import rotor_fmu as rf
 from rotor_fmu.periodic.request import compute_response, response_request
-from rotor_fmu.periodic.saved_events import FILE, saved_journal
+from rotor_fmu.periodic.saved_events import FILE, saved_log
 
 from .machines import FAINT_RUB, jeffcott, sagging
 from .test_command import COMMAND, JEFFCOTT
@@ -38,9 +38,9 @@ class Stopping:
 
 def called(folder, machine, stop_at=0, **options):
     asked = OPTIONS | options
-    with saved_journal(folder, machine.toml, asked) as saved:
+    with saved_log(folder, machine.toml, asked) as saved:
         request = response_request(machine.rotor, **asked)
-        return compute_response(request, Stopping(stop_at), saved.journal)
+        return compute_response(request, Stopping(stop_at), saved.log)
 
 
 def equal(one, other):
@@ -120,7 +120,7 @@ def test_what_was_saved_of_another_response_is_not_taken_over(tmp_path):
 
 def test_a_full_disk_is_an_error_of_the_file_with_the_points(tmp_path):
     error = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # as of a write: without a name
-    with pytest.raises(OSError, match="No space") as full, saved_journal(tmp_path, "", {}):
+    with pytest.raises(OSError, match="No space") as full, saved_log(tmp_path, "", {}):
         raise error
     assert full.value.filename == str(tmp_path / FILE)
 

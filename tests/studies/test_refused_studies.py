@@ -106,6 +106,8 @@ from .test_reading import HELD, STUDY, VALUES, read
         ),
         ("[limits]", '[design]\nkind = "sobol"\n[limits]', "design sobol: needs size"),
         ("[limits]", "[limits", "is not valid TOML"),
+        (VALUES, f"values = {'[' * 5000}", "is not valid TOML"),
+        (VALUES, f"values = [{'9' * 5000}]", "is not valid TOML"),
         ('peak = "disc[3].x_amp"', 'poincare = "disc[3].x"', "at constant speed in whole turns"),
         ('peak = "disc[3].x_amp"', 'value = "disc[3].x_amp"', "keep X: value needs speed"),
     ],

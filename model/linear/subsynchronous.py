@@ -1,4 +1,4 @@
-"""Whirls slower than the rotation of a machine on tilting pads, which follow each mode.
+"""Subsynchronous whirls, slower than the rotation, of a machine on tilting pads that follow each.
 
 `modes` has pads follow at the frequency of rotation, as API 617 has those of its analyses. A slower
 whirl moves in a film that is mostly stiffer then, and has less damping.
@@ -20,10 +20,10 @@ from .modes import DEFAULT_COUNT, LEAST_GROWTH, modes_of
 CRITICALLY_DAMPED = 2 * math.pi / math.sqrt((2 * DAMPED) ** 2 - 1)
 
 
-class OwnWhirl(NamedTuple):
-    """The slower whirl with the least logarithmic decrement [1], and its frequency [rad/s]; the
-    least one of slower whirls where pads follow at the frequency of rotation, infinite where there
-    is none [1]."""
+class SubsynchronousWhirl(NamedTuple):
+    """The least logarithmic decrement of subsynchronous whirls [1], and the frequency of its whirl
+    [rad/s]; the least one where pads follow at the frequency of rotation, infinite where there is
+    none [1]."""
 
     log_dec: float
     frequency: float
@@ -46,19 +46,21 @@ class OwnWhirl(NamedTuple):
 
 
 @lru_cache(maxsize=4)  # several sentences about an answer ask for it
-def own_whirl(
+def subsynchronous_whirl(
     rotor: Rotor,
     speed: float,
     contacts: str | None = None,
     coupling: tuple[tuple[int, float], ...] = (),
-) -> OwnWhirl | None:
+) -> SubsynchronousWhirl | None:
     """Return the least damped whirl slower than a speed [rad/s], of the lowest modes, which pads
-    follow; None where no pads tilt, or there is no such whirl.
+    follow; None at standstill, where no pads tilt, or where there is no such whirl.
 
     contacts: `open` or `pinned`; None: open where the machine is held without them; coupling: nodes
     (from 1), each with a cross-coupled stiffness [N/m], about the equilibrium without it. Raises
     `LinearError` where the machine does not rest at that speed.
     """
+    if speed == 0.0:
+        return None
     machine = LinearMachine(rotor, contacts)
     linear, added = machine.at(speed), machine.cross_coupling(dict(coupling))
     if not machine.laws.follows.any():
@@ -73,7 +75,7 @@ def own_whirl(
     if not of_own.any():
         return None
     least = np.flatnonzero(of_own)[own.log_dec[of_own].argmin()]
-    return OwnWhirl(
+    return SubsynchronousWhirl(
         float(own.log_dec[least]),
         float(own.damped[least]),
         float(synchronous.log_dec[of_synchronous].min(initial=math.inf)),

@@ -11,7 +11,7 @@ from rotor_fmu.model.linear.frequency_response import (
     sensitivity,
 )
 from rotor_fmu.model.linear.linear_machine import LinearMachine
-from rotor_fmu.model.linear.own_frequency import OwnWhirl, own_whirl
+from rotor_fmu.model.linear.subsynchronous import SubsynchronousWhirl, subsynchronous_whirl
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear.where_linearized import where_linearized, where_not_reached
@@ -42,7 +42,7 @@ def test_its_decrement_is_the_width_of_the_peak_of_the_frequency_response():
     """In which pads follow the force: it is several times as narrow as with pads that follow the
     rotation."""
     rotor = parse_rotor(on_pads(5.5e5))
-    whirl = own_whirl(rotor, SPEED)
+    whirl = subsynchronous_whirl(rotor, SPEED)
     half = whirl.log_dec / (2 * math.pi)
     at = [whirl.frequency * (1 + share * half) for share in (-1, 0, 1)]
     found = frequency_response(rotor, at, 2, [2], speed=SPEED)
@@ -75,7 +75,7 @@ def test_what_is_critically_damped_has_no_number(speed, is_said):
     """By API 684 with an amplification factor below 2.5, a damping ratio above 0.2. Here whirls
     are so on a thick shaft with synchronous coefficients, with which at 200 rad/s none is left."""
     rotor = parse_rotor(on_pads(0.0).replace("0.08, 0.08", "0.2, 0.2"))
-    whirl, found = own_whirl(rotor, speed), modes(rotor, speed)
+    whirl, found = subsynchronous_whirl(rotor, speed), modes(rotor, speed)
     slower = found.damping_ratio[found.damped < speed]
     assert (slower > 0.2).all()
     assert (whirl.synchronous == math.inf) == (len(slower) == 0)
@@ -88,7 +88,7 @@ def test_what_is_critically_damped_has_no_number(speed, is_said):
 
 @pytest.mark.parametrize(("log_dec", "is_met"), [(-0.02, False), (0.02, True)])
 def test_the_report_concludes_whether_slower_whirls_decay(log_dec, is_met):
-    (found,) = report_page._slower(OwnWhirl(log_dec, 300.0, 0.2))
+    (found,) = report_page._slower(SubsynchronousWhirl(log_dec, 300.0, 0.2))
     assert found.text.endswith(f"least log dec {log_dec}, of 47.746 Hz.")
     assert found.is_met == is_met
     assert not list(report_page._slower(None))
@@ -96,15 +96,16 @@ def test_the_report_concludes_whether_slower_whirls_decay(log_dec, is_met):
 
 def test_cross_coupling_does_the_same_as_in_a_seal_that_carries_nothing():
     without, sealed = (replace(parse_rotor(on_pads(q)), gravity=0.0) for q in (0.0, 3e5))
-    found = own_whirl(without, SPEED, coupling=((2, 3e5),))
-    assert found == pytest.approx(own_whirl(sealed, SPEED), rel=1e-6)
+    found = subsynchronous_whirl(without, SPEED, coupling=((2, 3e5),))
+    assert found == pytest.approx(subsynchronous_whirl(sealed, SPEED), rel=1e-6)
 
 
 def test_there_is_none_of_a_machine_slower_than_its_modes_or_without_pads():
     """Beside the modes of the shaft there is a whirl in the films, which is critically damped."""
     rotor = parse_rotor(on_pads(0.0))
-    assert own_whirl(rotor, 100.0).is_critically_damped
-    assert own_whirl(parse_rotor(on_pads(0.0).replace("tilting = true", "")), SPEED) is None
+    assert subsynchronous_whirl(rotor, 100.0).is_critically_damped
+    fixed = parse_rotor(on_pads(0.0).replace("tilting = true", ""))
+    assert subsynchronous_whirl(fixed, SPEED) is None
 
 
 def test_an_answer_does_not_depend_on_what_was_asked_before():
@@ -126,7 +127,7 @@ def is_stable(rotor, speed):
 def test_control_loops_are_as_stable_as_whirls_which_pads_follow(q):
     rotor = parse_rotor(on_pads(q))
     assert modes(rotor, SPEED).growth < 0.0
-    assert is_stable(rotor, SPEED) == (own_whirl(rotor, SPEED).log_dec > 0.0)
+    assert is_stable(rotor, SPEED) == (subsynchronous_whirl(rotor, SPEED).log_dec > 0.0)
 
 
 @pytest.mark.parametrize("speed", [440.0, 460.0])
