@@ -163,9 +163,9 @@ class Balancing(Displayed):
             spare.remove()
         for axes, speed in zip(panels, speeds, strict=False):
             self._draw(axes, [v for v in self.vibrations if v.speed == speed])
-            title = self.titled("1x vibration, its angle from the mark")
-            at = f"; at {speed_with_unit(speed)}" if len(speeds) > 1 else ""
-            entitle(axes, title + at)
+            if len(speeds) > 1:
+                entitle(axes, f"at {speed_with_unit(speed)}", 9)
+        entitle(figure, self.titled("1x vibration, its angle from the mark"))
         return figure
 
     def _draw(self, axes: Axes, vibrations: list[Vibration]) -> None:

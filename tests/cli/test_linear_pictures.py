@@ -31,11 +31,15 @@ def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
     assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
 
 
-def test_the_legend_of_a_campbell_diagram_covers_no_line():
-    figure = answers.campbell(load_rotor(TURBOCHARGER)[1], [100.0, 1000.0]).figure()
+@pytest.mark.parametrize("orders", [(1.0,), tuple(np.arange(1.0, 11.0))])
+def test_the_legend_of_a_campbell_diagram_lies_within_it_and_covers_no_line(orders):
+    rotor = load_rotor(TURBOCHARGER)[1]
+    figure = answers.campbell(rotor, [100.0, 1000.0], harmonic=orders).figure()
     figure.draw_without_rendering()
     (legend,) = figure.legends
-    assert not legend.get_window_extent().count_overlaps([axes.bbox for axes in figure.axes])
+    box = legend.get_window_extent()
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+    assert not box.count_overlaps([axes.bbox for axes in figure.axes])
 
 
 def test_modes_too_damped_to_peak_are_faint_in_a_campbell_diagram():
@@ -124,7 +128,7 @@ def test_a_balancing_at_several_speeds_has_a_picture_of_each():
     found = Balancing((), tuple(seen), (), service_speed=300.0, messages=(), **numbers)
     slow, fast = found.figure().axes
     assert [text.get_text() for text in slow.texts] == ["2x", "2y"]
-    assert (slow.get_title(loc="left") or slow.get_title()).endswith("; at 4.7746 Hz")
+    assert [axes.get_title(loc="left") for axes in (slow, fast)] == ["at 4.7746 Hz", "at 47.746 Hz"]
     assert fast.viewLim.width == pytest.approx(100.0 * slow.viewLim.width)
 
 
