@@ -132,6 +132,18 @@ def test_a_balancing_at_several_speeds_has_a_picture_of_each():
     assert fast.viewLim.width == pytest.approx(100.0 * slow.viewLim.width)
 
 
+def test_places_that_vibrate_alike_have_labels_beside_each_other_in_a_balancing():
+    seen = tuple(Vibration(n, "x", 30.0, 1e-6 + n * 1e-9j, 0.0, 0.0) for n in (2, 3, 4, 5))
+    numbers = {"influence": np.zeros((4, 1)), "rank": 1, "touches": False, "settles": True}
+    figure = Balancing((), seen, (), service_speed=30.0, messages=(), **numbers).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    boxes = [Text.get_window_extent(text) for text in axes.texts]
+    assert [text.get_text() for text in axes.texts] == ["2x", "3x", "4x", "5x"]
+    assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
+    assert axes.get_xlabel() == "In phase with the mark [µm 0-p]"  # as in every picture
+
+
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_a_lag_is_negative_in_a_balancing_whichever_way_the_shaft_turns(sense):
     """Of a vibration that is 0.3 rad behind the mark."""
