@@ -8,7 +8,7 @@ from rotor_fmu.model.linear.stability_levels import LEAST_LOG_DEC, StabilityCase
 from rotor_fmu.model.linear.unbalance_check import ProbeCritical
 
 from rotor_fmu.balancing.result import Balancing, Vibration
-from rotor_fmu.linear import answers
+from rotor_fmu.linear import answers, bearing_answers, frequency_answers
 from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.linear.stability_answers import StabilityLevel2
@@ -105,6 +105,15 @@ def test_the_decrements_of_stability_level_2_are_written_beside_the_required_one
     boxes = [Text.get_window_extent(text) for text in axes.texts]
     assert len(boxes) == len(values)
     assert all(box.x0 > required for box in boxes)
+
+
+def test_pictures_write_the_sign_of_micrometres_where_tables_write_letters():
+    rotor = load_rotor(TURBOCHARGER)[1]
+    name = "floating_ring_bearing[1]"
+    ring = bearing_answers.floating_ring(rotor, [2000.0, 3000.0], bearing=name).figure()
+    assert ring.axes[0].get_xlabel() == "x [µm]"
+    swing = frequency_answers.frequency_response(rotor, [100.0, 200.0], 1, [1], speed=2000.0)
+    assert swing.figure().axes[0].get_ylabel() == "Displacement by force [µm/N]"
 
 
 @pytest.mark.parametrize("factor", [0.5, 3.0, 3e4])
