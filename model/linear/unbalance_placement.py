@@ -15,6 +15,7 @@ edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -24,6 +25,7 @@ from ..arguments import check_integer, check_positive
 from ..machine.rotor import Rotor
 from ..quantities import STANDARD_GRAVITY
 from ..structure.assembly import assemble
+from ..structure.beam import shaft_element
 from .linear_machine import LinearError
 from .static import static
 from .undamped import UndampedMachine, without_seals
@@ -100,11 +102,11 @@ def _places(
     energy = mass * shape**2
     between = energy[first - 1 : last].sum()
     if energy.sum() > 2 * between:
-        ends = [end for end in (range(1, first), range(last + 1, len(shape) + 1)) if end]
-        moved = [max(end, key=lambda node: abs(shape[node - 1])) for end in ends]
+        ends = list(_ends(rotor, mass, first, last))
+        moved = [max(nodes, key=lambda node: abs(shape[node - 1])) for nodes, _ in ends]
         return [
-            (node, 0.0 if shape[node - 1] > 0 else math.pi, float(sum(mass[n - 1] for n in end)))
-            for node, end in zip(moved, ends, strict=True)
+            (node, 0.0 if shape[node - 1] > 0 else math.pi, beyond)
+            for node, (_, beyond) in zip(moved, ends, strict=True)
             if abs(shape[node - 1]) > _LOBE
         ]
     lobes = _lobes(shape, first, last)
@@ -116,6 +118,18 @@ def _places(
         nearest = min(bearings, key=lambda bearing: abs(z[bearing - 1] - z[node - 1]))
         result.append((node, math.pi if is_against else 0.0, abs(bearings[nearest])))
     return result
+
+
+def _ends(rotor: Rotor, mass: np.ndarray, first: int, last: int) -> Iterator[tuple[range, float]]:
+    """Yield the nodes (from 1) of each end beyond the bearings, with its mass [kg]: that of its
+    nodes, and what the element next to the bearing adds to the mass of the bearing's node."""
+    left = range(1, first), first - 2, 2
+    right = range(last + 1, len(mass) + 1), last - 1, 0
+    for nodes, beside, at_bearing in (left, right):
+        if nodes:
+            element = shaft_element(rotor.sections[beside])
+            share = element.translation[at_bearing, ::2].sum()
+            yield nodes, float(share + sum(mass[node - 1] for node in nodes))
 
 
 def _lobes(shape: np.ndarray, first: int, last: int) -> list[int]:

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from rotor_fmu.plotting.figure_style import ORANGE, new_figure, save
+from rotor_fmu.plotting.figure_style import ORANGE, legend_below, new_figure, save
 from rotor_fmu.run_pictures import run_folder
 from rotor_fmu.run_pictures.signal_plots import orbit
-from rotor_fmu.run_pictures.view import View, legend_below
+from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.run_down import Run
 
 from .reproduce import PLACE, Result

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from ..display import current, speed_with_unit
 from ..linear.displayed import Displayed
 from ..linear.linear_tables import Table
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, annotate, entitle, new_panels
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, entitle, new_panels
+from ..plotting.labels import write_labels
 
 _COLUMNS = 3  # of pictures beside each other
 _LINEAR = 0.1  # of the initial vibration: what a linear machine's differs by from the expected one
@@ -161,11 +162,16 @@ class Balancing(Displayed):
         figure, panels = new_panels(5.4 * columns, 5.2 * rows, rows, columns)
         for spare in panels[len(speeds) :]:
             spare.remove()
-        for axes, speed in zip(panels, speeds, strict=False):
-            self._draw(axes, [v for v in self.vibrations if v.speed == speed])
-            title = self.titled("1x vibration, its angle from the mark")
-            at = f"; at {speed_with_unit(speed)}" if len(speeds) > 1 else ""
-            entitle(axes, title + at)
+        measured = [[v for v in self.vibrations if v.speed == speed] for speed in speeds]
+        for axes, speed, seen in zip(panels, speeds, measured, strict=False):
+            self._draw(axes, seen)
+            if len(speeds) > 1:
+                entitle(axes, f"at {speed_with_unit(speed)}", 9)
+        entitle(figure, self.titled("1x vibration, its angle from the mark"))
+        for axes, seen in zip(panels, measured, strict=False):
+            places = [v.lead(v.initial) * current().amplitude for v in seen]
+            named = zip(places, seen, strict=True)
+            write_labels(axes, [(p.real, p.imag, f"{v.node}{v.axis}", True) for p, v in named])
         return figure
 
     def _draw(self, axes: Axes, vibrations: list[Vibration]) -> None:
@@ -179,13 +185,10 @@ class Balancing(Displayed):
         ):
             values = np.array([v.lead(getattr(v, kind)) for v in vibrations]) * d.amplitude
             axes.plot(values.real, values.imag, mark, color=color, ms=6, mfc="none", label=label)
-        for v in vibrations:
-            at = v.lead(v.initial) * d.amplitude
-            annotate(axes, f"{v.node}{v.axis}", (at.real, at.imag), (5, 4))
         axes.set_aspect("equal", adjustable="datalim")
         axes.margins(0.15)
-        axes.set_xlabel(f"In phase with the mark [{d.amplitude_words}]")
-        axes.set_ylabel(f"A quarter of a turn ahead of it [{d.amplitude_words}]")
+        axes.set_xlabel(f"In phase with the mark [{d.amplitude_unit}]")
+        axes.set_ylabel(f"A quarter of a turn ahead of it [{d.amplitude_unit}]")
         axes.legend(frameon=False, fontsize=8)
 
 

@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain, cycle
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from ..plotting.figure_style import (
     ORANGE,
     annotate,
     entitle,
+    legend_below,
     new_figure,
 )
 from .displayed import Displayed, Machine, answer_of, displayed, of_machine, rotor_of
@@ -37,7 +39,7 @@ from .linear_tables import Table
 _MET = {True: "yes", False: "NO"}
 _PRINTED, _SEEN = 1e-6, 1e-2  # shares by which stiffnesses differ in a table, and in a picture
 _ROOM = 0.06  # of the height of a picture, for the words below the line of critical damping
-_NARROW = 30  # characters of a label, of which three stand beside each other
+_WIDEST = 80  # characters in a line of a label, as wide as the picture
 _DASHES: tuple[Any, ...] = ("-", DASHED, DOTTED, (0, (6, 2, 1, 2)), (0, (9, 3)))
 
 
@@ -92,7 +94,7 @@ class CriticalMap(Displayed, linear.CriticalMap):
                 continue
             color = ORANGE if own.axis == "x" else GREEN
             over = np.where(inside, own.stiffness, np.nan) * d.stiffness
-            ls, label = next(dashes[own.axis]), _label_of(lines)
+            ls, label = next(dashes[own.axis]), fill(_label_of(lines), _WIDEST)
             axes.plot(over, own.speed * d.speed, color=color, ls=ls, lw=1.4, label=label)
         for c in self.crossings:
             at = c.stiffness * d.stiffness, c.speed * d.speed
@@ -107,10 +109,7 @@ class CriticalMap(Displayed, linear.CriticalMap):
         if self.synchronous:
             what, unit = "critical speed", d.speed_unit
         axes.set_ylabel(f"Undamped {what} [{unit}]")
-        _, labels = axes.get_legend_handles_labels()
-        if labels:
-            columns = 3 if max(map(len, labels)) < _NARROW else 1
-            figure.legend(loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
+        legend_below(figure)
         entitle(axes, self.titled("Undamped critical speed map"))
         return figure
 

@@ -33,6 +33,7 @@ from ..plotting.figure_style import (
     annotate,
     broken_at_turns,
     entitle,
+    legend_below,
     new_figure,
     new_panels,
 )
@@ -118,11 +119,8 @@ class Campbell(Displayed, linear.Campbell):
             handles.append(Line2D([], [], color=GREY, lw=1.6, alpha=FAINT, label=label))
         label = "1x, the speed" if self.harmonics == (1.0,) else f"{self._orders} times the speed"
         handles.append(Line2D([], [], color="black", lw=1.0, ls=LIMIT, label=label))
-        columns = 5 if len(handles) < 6 else 3
         # lines run all over the axes
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=columns, fontsize=8, frameon=False
-        )
+        legend_below(figure, 5 if len(handles) < 6 else 3, handles)
         highest = 1.05 * np.nanmax(frequency, initial=0.0)
         # not so far that the line of the speed, and what it meets, becomes flat
         reach = max(_REACH * max(self.harmonics) * np.abs(speed).max(), 1.3 * np.nanmin(frequency))

@@ -241,7 +241,7 @@ class RingCurves(Displayed, bearing_curves.RingCurves):
         circle = self.outer_clearance * d.small * np.exp(1j * ANGLES)
         locus.plot(circle.real, circle.imag, color="black", lw=1.2, label="outer clearance")
         locus.set_aspect("equal")
-        locus.set(xlabel=f"x [{d.small_word}]", ylabel=f"y [{d.small_word}]")
+        locus.set(xlabel=f"x [{d.small_unit}]", ylabel=f"y [{d.small_unit}]")
         entitle(locus, f"Journal and ring at rest; dots at {five_digits(varied[0])} {unit}", 9)
         locus.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 0.92))
         ratio.plot(*parted(varied, self.ratio), mark, ms=4, color=BLUE, lw=1.4)

@@ -87,7 +87,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
                     below.plot(frequency, phase, color=color, lw=1.2, ls=dashes)
         above.set_yscale("log")
         plain_ticks(above.yaxis)
-        above.set_ylabel(f"Displacement by force [{d.small_word}/{d.force_unit}]")
+        above.set_ylabel(f"Displacement by force [{d.small_unit}/{d.force_unit}]")
         below.set(ylabel="Phase [deg]", xlabel=d.frequency_label)
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         state = state_in_words(self.speed, self.contacts)

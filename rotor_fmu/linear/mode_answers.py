@@ -14,6 +14,7 @@ from ..plotting.figure_style import (
     ORANGE,
     empty_figure,
     entitle,
+    legend_below,
     new_panels,
 )
 from .displayed import Displayed
@@ -94,9 +95,7 @@ class Modes(Displayed, linear.Modes):
             if i % columns == 0:
                 axes.set_ylabel("Shape [1]")
         if shown:
-            figure.legend(
-                *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2
-            )
+            legend_below(figure, 2, panels[0].get_legend_handles_labels()[0])
         title = f"Modes at {state_in_words(self.speed, self.contacts)}"
         entitle(figure, self.titled(title))
         return figure

@@ -63,7 +63,7 @@ def runs_table(rub: RubCheck) -> Table:
 def rub_figure(rub: RubCheck) -> Figure:
     """Draw the linear amplitude over the speed beside those of the runs with contacts."""
     figure, axes = new_figure(6.8, 4.4)
-    small, unit, speed = current().small, current().small_word, current().speed
+    small, unit, speed = current().small, current().small_unit, current().speed
     shade([axes], (rub.low, rub.high))
     axes.plot(rub.speed * speed, rub.linear * small, color=GREY, lw=1.4, label="linear")
     for run, color, dashes in zip(rub.runs, (BLUE, ORANGE), ("-", DASHED), strict=False):

@@ -3,9 +3,11 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import fill
 from typing import Any, BinaryIO
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
@@ -23,6 +25,7 @@ PURPLE, SKY, BLACK = "#cc79a7", "#56b4e9", "#000000"
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", SKY, BLACK, GREY)
 # Widths of a number at an axis, of its digits and of the gap to the next, in sizes of its letters.
 _ASSUMED, _DIGIT, _BETWEEN = 3.0, 0.64, 0.6  # the first one is Matplotlib's
+_WRITTEN = 0.85  # of the width of a picture, in the lines of a title
 DASHED, DOTTED, LIMIT = (0, (4, 2)), (0, (1, 1.5)), (0, (4, 3))  # of lines
 
 
@@ -110,10 +113,28 @@ def entitle(where: Axes | Figure, text: str, size: float = 10, pad: float | None
     """Write a title at the left above axes or a figure, a long one in several lines; pad: between
     it and the axes [pt]."""
     is_wrapped = not is_math_text(text)  # Matplotlib would measure it as a formula
+    if not is_wrapped:
+        figure = where if isinstance(where, Figure) else where.figure
+        across = 72.0 * figure.bbox.width / figure.dpi / size  # sizes of its letters
+        text = fill(text, int(_WRITTEN * across / _DIGIT))
     if isinstance(where, Figure):
         where.suptitle(text, fontsize=size, x=0.01, ha="left", wrap=is_wrapped)
     else:
         where.set_title(text, loc="left", fontsize=size, pad=pad, wrap=is_wrapped)
+
+
+def legend_below(
+    figure: Figure, columns: int = 3, handles: Sequence[Artist] = (), **options: Any
+) -> None:
+    """Write the names of the lines below a picture, if any has one: in so many columns, or in as
+    many as there is room for; handles: the lines, by default all with a name."""
+    handles = handles or [one for of in figure.axes for one in of.get_legend_handles_labels()[0]]
+    for ncols in range(min(columns, len(handles)), 0, -1):
+        style = {"frameon": False, "fontsize": 8, "ncols": ncols, **options}
+        legend = figure.legend(handles=handles, loc="outside lower center", **style)
+        if ncols == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def annotate(

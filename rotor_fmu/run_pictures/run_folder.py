@@ -12,7 +12,16 @@ from matplotlib.figure import Figure
 
 from .. import vibration
 from ..display import current, shown_speed, speed_with_unit
-from ..plotting.figure_style import BLUE, GREY, ORANGE, entitle, new_figure, new_panels, save
+from ..plotting.figure_style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    entitle,
+    legend_below,
+    new_figure,
+    new_panels,
+    save,
+)
 from ..plotting.thinning import extremes
 from ..runs.measuring_points import display_name
 from ..runs.peaks import is_constant, peak_index, start_up
@@ -20,7 +29,7 @@ from ..runs.recording import Recording
 from ..runs.run_down import Run
 from ..runs.summary import last_contact
 from .signal_plots import FINE, orbit
-from .view import View, angle_axis, legend_below, speed_axis
+from .view import View, angle_axis, speed_axis
 
 _STRETCHES = 1500  # of a curve over time, whose extremes are drawn
 _NOTHING = 1e-100  # of a spectrum, whose scale has no zero

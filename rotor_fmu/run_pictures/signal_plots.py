@@ -22,6 +22,7 @@ from ..plotting.figure_style import (
     annotate,
     broken_at_turns,
     empty_figure,
+    legend_below,
     new_figure,
 )
 from ..plotting.labels import write_labels
@@ -31,7 +32,6 @@ from .view import (
     angle_axis,
     broken_at_reversals,
     displacement_axes,
-    legend_below,
     two_over_speed,
     widened,
 )

@@ -167,11 +167,3 @@ def displacement_axes(axes: Axes, place: MeasuringPoint) -> None:
     axes.margins(0.08)
     axes.set_xlabel(f"Horizontal displacement of {place.label} [{unit}]")
     axes.set_ylabel(f"Vertical displacement [{unit}]")
-
-
-def legend_below(figure: Figure, columns: int = 3, **options: float) -> None:
-    """Write the names of the lines below a picture, if any has one."""
-    if any(axes.get_legend_handles_labels()[0] for axes in figure.axes):
-        figure.legend(
-            loc="outside lower center", frameon=False, fontsize=8, ncols=columns, **options
-        )

@@ -8,7 +8,7 @@ from rotor_fmu.model.linear.stability_levels import LEAST_LOG_DEC, StabilityCase
 from rotor_fmu.model.linear.unbalance_check import ProbeCritical
 
 from rotor_fmu.balancing.result import Balancing, Vibration
-from rotor_fmu.linear import answers
+from rotor_fmu.linear import answers, bearing_answers, frequency_answers
 from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.linear.stability_answers import StabilityLevel2
@@ -31,11 +31,15 @@ def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
     assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
 
 
-def test_the_legend_of_a_campbell_diagram_covers_no_line():
-    figure = answers.campbell(load_rotor(TURBOCHARGER)[1], [100.0, 1000.0]).figure()
+@pytest.mark.parametrize("orders", [(1.0,), tuple(np.arange(1.0, 11.0))])
+def test_the_legend_of_a_campbell_diagram_lies_within_it_and_covers_no_line(orders):
+    rotor = load_rotor(TURBOCHARGER)[1]
+    figure = answers.campbell(rotor, [100.0, 1000.0], harmonic=orders).figure()
     figure.draw_without_rendering()
     (legend,) = figure.legends
-    assert not legend.get_window_extent().count_overlaps([axes.bbox for axes in figure.axes])
+    box = legend.get_window_extent()
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+    assert not box.count_overlaps([axes.bbox for axes in figure.axes])
 
 
 def test_modes_too_damped_to_peak_are_faint_in_a_campbell_diagram():
@@ -103,6 +107,15 @@ def test_the_decrements_of_stability_level_2_are_written_beside_the_required_one
     assert all(box.x0 > required for box in boxes)
 
 
+def test_pictures_write_the_sign_of_micrometres_where_tables_write_letters():
+    rotor = load_rotor(TURBOCHARGER)[1]
+    name = "floating_ring_bearing[1]"
+    ring = bearing_answers.floating_ring(rotor, [2000.0, 3000.0], bearing=name).figure()
+    assert ring.axes[0].get_xlabel() == "x [µm]"
+    swing = frequency_answers.frequency_response(rotor, [100.0, 200.0], 1, [1], speed=2000.0)
+    assert swing.figure().axes[0].get_ylabel() == "Displacement by force [µm/N]"
+
+
 @pytest.mark.parametrize("factor", [0.5, 3.0, 3e4])
 def test_what_is_critically_damped_is_written_within_the_picture_of_amplification_factors(factor):
     peak = Peak(100.0, 1e-5, 100.0 - 50.0 / factor, 100.0 + 50.0 / factor)
@@ -124,8 +137,20 @@ def test_a_balancing_at_several_speeds_has_a_picture_of_each():
     found = Balancing((), tuple(seen), (), service_speed=300.0, messages=(), **numbers)
     slow, fast = found.figure().axes
     assert [text.get_text() for text in slow.texts] == ["2x", "2y"]
-    assert (slow.get_title(loc="left") or slow.get_title()).endswith("; at 4.7746 Hz")
+    assert [axes.get_title(loc="left") for axes in (slow, fast)] == ["at 4.7746 Hz", "at 47.746 Hz"]
     assert fast.viewLim.width == pytest.approx(100.0 * slow.viewLim.width)
+
+
+def test_places_that_vibrate_alike_have_labels_beside_each_other_in_a_balancing():
+    seen = tuple(Vibration(n, "x", 30.0, 1e-6 + n * 1e-9j, 0.0, 0.0) for n in (2, 3, 4, 5))
+    numbers = {"influence": np.zeros((4, 1)), "rank": 1, "touches": False, "settles": True}
+    figure = Balancing((), seen, (), service_speed=30.0, messages=(), **numbers).figure()
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    boxes = [Text.get_window_extent(text) for text in axes.texts]
+    assert [text.get_text() for text in axes.texts] == ["2x", "3x", "4x", "5x"]
+    assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
+    assert axes.get_xlabel() == "In phase with the mark [µm 0-p]"  # as in every picture
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])

@@ -178,13 +178,16 @@ def test_unbalances_of_a_vertical_rotor_stand_where_it_moves_as_one_body():
     assert whole.mass == pytest.approx(loads.sum(), rel=1e-3)
 
 
-def test_an_overhung_disc_has_the_unbalance_of_its_overhung_mass():
-    rotor = parse_rotor(SHAFT.replace("node = 4", "node = 7") + support(1, 1e9) + support(5, 1e9))
+@pytest.mark.parametrize(("end", "bearings"), [(7, (1, 5)), (7, (1, 6)), (1, (3, 7)), (1, (2, 7))])
+def test_an_overhung_disc_has_the_unbalance_of_its_overhung_mass(end, bearings):
+    """Of all that lies beyond the bearing, by however many elements that is."""
+    held = "".join(support(node, 1e9) for node in bearings)
+    rotor = parse_rotor(SHAFT.replace("node = 4", f"node = {end}") + held)
     (placed,) = placed_unbalances(rotor, 1, 5000 * RPM)
-    assert placed.node == 7
-    disc = 7800 * math.pi / 4 * 0.2**2 * 0.03
-    shaft = 7800 * math.pi / 4 * 0.03**2 * 0.2
-    assert disc + 0.5 * shaft < placed.mass < disc + shaft
+    assert placed.node == end
+    length = min(abs(rotor.nodes[end - 1] - rotor.nodes[node - 1]) for node in bearings)
+    mass = 7800 * math.pi / 4 * (0.2**2 * 0.03 + 0.03**2 * length)
+    assert placed.mass == pytest.approx(mass, rel=1e-9)
 
 
 def test_discs_overhung_at_both_ends_have_unbalances_as_the_mode_moves_them():

@@ -78,7 +78,9 @@ def test_the_figure_shows_a_sensor_rather_than_the_bearing_at_its_node():
     bearings = "".join(_BEARING.format(node=node, c=1.0, crossed=0.0) for node in (1, 2, 3))
     at_the_disc = f"{bearings}[[sensor]]\nnode = 2\nname = 'probe'"
     rotor = parse_rotor(f"{_JEFFCOTT}k = 1e4\n{at_the_disc}".replace("1e-5", "1.0"))
-    assert rub_check(rotor, 10.0, 10.0).place == "probe"
+    found = rub_check(rotor, 10.0, 10.0)
+    assert found.place == "probe"
+    assert rub_figure(found).axes[0].get_ylabel() == "Amplitude of probe 0-p [µm]"
 
 
 @pytest.mark.parametrize(("trip", "top"), [(None, 12.5), (11.0, 12.5), (17.0, 17.0)])
