@@ -23,6 +23,11 @@ def five_digits(value: float) -> str:
     return f"{value:.0f}" if 99999.5 <= abs(value) < 1e7 else f"{value:.5g}"
 
 
+def column_head(name: str, unit: str) -> str:
+    """Return the head of a column: its name, and its unit if it has one."""
+    return name if unit in ("", "1") else f"{name} [{unit}]"
+
+
 def html_table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Return a table in HTML, words flush left; empty heads, and those of no row, are left out."""
     lines = [[cell(value) for value in row] for row in rows]

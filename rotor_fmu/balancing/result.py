@@ -58,7 +58,7 @@ class ResidualUnbalance(NamedTuple):
     grade: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Balancing(Displayed):
     """A machine balanced by influence coefficients, m measurements and p planes.
 

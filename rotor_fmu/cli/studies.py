@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from ..cells import cell
+from ..cells import cell, column_head
 from ..display import choose, current
 from ..errors import InputError, optional, writable_folder
 from ..machine_studies.machine_runs import MachineRuns
@@ -101,38 +101,26 @@ def _where(jobs: int | None, scheduler: str, cluster: str) -> ExecutorConfig:
     return ExecutorConfig(cluster=int(count))
 
 
-class _RunRate:
-    """Runs a second, from the first rows on: what comes before is compiling."""
-
-    def __init__(self) -> None:
-        self._begun, self._first = math.nan, 0
-
-    def sentence(self, progress: Progress) -> str:
-        """Return how far a study is, with rate and time left."""
-        now = time.perf_counter()
-        if progress.now and math.isnan(self._begun):
-            self._begun, self._first = now, progress.now
-        done = progress.before + progress.now
-        parts = [f"{done} of {progress.runs} runs"]
-        if progress.now > self._first:
-            rate = (progress.now - self._first) / (now - self._begun)
-            parts.append(f"{rate:.3g} a second")
-            if done < progress.runs:
-                parts.append(f"{_duration((progress.runs - done) / rate)} left")
-        if progress.failed:
-            parts.append(f"{progress.failed} failed")
-        return ", ".join(parts)
-
-
 @contextmanager
 def _progress_bar(definition: Study) -> Iterator[Callable[[Progress], None]]:
-    rate = _RunRate()
+    """Show how far a study is, and at what rate; what comes before the first rows is compiling."""
+    begun, first = math.nan, 0
     with progress_of(definition.name, len(definition.design), first=0.0) as update:
 
         def report(progress: Progress) -> None:
-            done = progress.before + progress.now
-            sentence = rate.sentence(progress)
-            update(done, lambda: sentence, done == progress.runs)
+            nonlocal begun, first
+            now, done = time.perf_counter(), progress.before + progress.now
+            if progress.now and math.isnan(begun):
+                begun, first = now, progress.now
+            parts = [f"{done} of {progress.runs} runs"]
+            if progress.now > first:
+                rate = (progress.now - first) / (now - begun)
+                parts.append(f"{rate:.3g} a second")
+                if done < progress.runs:
+                    parts.append(f"{_duration((progress.runs - done) / rate)} left")
+            if progress.failed:
+                parts.append(f"{progress.failed} failed")
+            update(done, lambda: ", ".join(parts), done == progress.runs)
 
         yield report
 
@@ -181,12 +169,10 @@ def _in_units(definition: Study, row: dict[str, Any]) -> dict[str, Any]:
     result = {}
     for name, value in row.items():
         shown = current().of_si(units.get(name, ""))
-        result[_named(name, shown.word)] = value if shown.factor == 1.0 else shown.factor * value
+        result[column_head(name, shown.word)] = (
+            value if shown.factor == 1.0 else shown.factor * value
+        )
     return result
-
-
-def _named(name: str, unit: str) -> str:
-    return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
 def _print_table(rows: list[dict[str, Any]]) -> None:
@@ -213,7 +199,7 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
             factor, unit = shown[name].factor, shown[name].word
             values = result | result.get("quantiles", {})
             lengths = {k: factor * v for k, v in values.items() if k not in ("count", "quantiles")}
-            rows.append({"column": _named(name, unit), "count": result["count"], **lengths})
+            rows.append({"column": column_head(name, unit), "count": result["count"], **lengths})
     if rows:
         typer.echo("columns:")
         _print_table(rows)
@@ -231,7 +217,7 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
             is_share = definition.design.kind != "morris"
             factor, unit = (1.0, "") if is_share else (shown[name].factor, shown[name].word)
             blocks = f"{result['blocks']} of {result['of']} blocks"
-            typer.echo(f"{_named(name, unit)}, indices from {blocks}:")
+            typer.echo(f"{column_head(name, unit)}, indices from {blocks}:")
             indices = result["indices"].items()
             table = [{"parameter": a} | {k: factor * v for k, v in r.items()} for a, r in indices]
             _print_table(table)

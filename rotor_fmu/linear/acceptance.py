@@ -198,7 +198,7 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
         return figure
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CriticalPeaks(Displayed):
     """Critical speeds of nodes with their amplification factors by ascending speed, shown."""
 

@@ -33,7 +33,7 @@ from .linear_tables import Table, is_rounding, peaks, state_in_words
 ZONES = "ABCD"
 
 
-class FrequencyResponse(model.FrequencyResponse, Displayed):
+class FrequencyResponse(Displayed, model.FrequencyResponse):
     """`model.linear.frequency_response.FrequencyResponse`, shown."""
 
     @property
@@ -95,8 +95,8 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         return figure
 
 
-@dataclass(frozen=True)
-class Sensitivity(model.Sensitivity, Displayed):
+@dataclass(frozen=True, repr=False)
+class Sensitivity(Displayed, model.Sensitivity):
     """`model.linear.frequency_response.Sensitivity`, shown; zones: largest sensitivities of zones
     A, B and C [1], as the user gave them, empty without."""
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import vibration
-from ..cells import cell, html_table
+from ..cells import cell, column_head, html_table
 from ..display import current, shown_speed
 from ..run_status import FAILED, OK
 from ..runs.peaks import largest_row, start_up
@@ -91,8 +91,8 @@ def _ran(run: Recording, summary: Mapping[str, Any], of: str) -> str:
     units = run.parameter_units()
     for name, value in run.about.get("parameters", {}).items():
         shown = current().of_si(units.get(name, "1"))
-        unit = "" if shown.unit == "1" else f" [{shown.unit}]"
-        rows.append([f"{name}, as set{unit}", value if shown.factor == 1 else value * shown.factor])
+        given = value if shown.factor == 1 else value * shown.factor
+        rows.append([column_head(f"{name}, as set", shown.unit), given])
     return table(f"{of}the run", ["", ""], rows)
 
 

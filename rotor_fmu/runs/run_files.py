@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from ..cells import column_head
 from ..files import write_csv
 from . import PLOTS
 from .recording import RECORDING
@@ -29,5 +30,5 @@ def write_points(run: Run, units: Mapping[str, str], path: Path) -> None:
     """Every communication point: `time [s]`, then all that the model computes, with units."""
     columns = {"time [s]": run.t.tolist()}
     for name, column in run.columns.items():
-        columns[name if units[name] == "1" else f"{name} [{units[name]}]"] = column.tolist()
+        columns[column_head(name, units[name])] = column.tolist()
     write_csv(columns, path)

@@ -123,7 +123,7 @@ class Turns(ShortRepr):
         return int(first[np.argmin(np.abs(self.middle_of(first, turns) - t))])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Synchronous(Turns):
     """A signal at equal angles in whole turns; t, values: shape (turns, per_turn), each turn from
     its mark on in the sense in which the shaft turns."""

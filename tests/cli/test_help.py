@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 import rotor_fmu as rf
 from rotor_fmu.cli import COMMANDS, _loaded, app
+from rotor_fmu.vibration import synchronous
 
 NAMES = [name for panel in COMMANDS.values() for name in panel]
 
@@ -59,7 +60,8 @@ def test_the_shell_completes_kinds_presets_names_and_examples(words, expected):
 
 def test_what_holds_arrays_is_a_line_in_a_console():
     result = rf.simulate(rf.load(), speed=185.0, stop=0.3)
-    for shown in (result, result.points, result.recording, result.orbit(turns=2)):
+    turns = synchronous(result.t, result["phi"], result["disc[3].x"])
+    for shown in (result, result.points, result.recording, result.orbit(turns=2), turns):
         assert "\n" not in repr(shown)
         assert len(repr(shown)) < 300
     assert f"t: {len(np.asarray(result.t))} numbers" in repr(result.recording)

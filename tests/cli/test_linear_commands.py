@@ -13,11 +13,13 @@ from rotor_fmu.model.machine.ross import parse_ross
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.machine.toml_text import toml_text
 
+from rotor_fmu.balancing.result import Balancing
 from rotor_fmu.cli import app
 from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.display import speed_with_unit
 from rotor_fmu.errors import InputError
-from rotor_fmu.linear import answers
+from rotor_fmu.linear import acceptance, answers, frequency_answers
+from rotor_fmu.linear.displayed import Displayed
 from rotor_fmu.machine_file.loading import load_rotor, machine_text
 
 from ..known import EXAMPLES
@@ -261,9 +263,13 @@ def test_a_result_is_a_line_in_a_console():
         answers.static(rig()),
         answers.campbell(rig(), [0.0, 100.0]),
         answers.unbalance_response(rig(), [50.0, 100.0]),
+        acceptance.critical_peaks(rig(), 300.0, [2]),
+        frequency_answers.frequency_response(rig(), [50.0, 100.0], 2, [2]),
     ):
         assert "\n" not in repr(result)
         assert len(repr(result)) < 120
+    for kind in (frequency_answers.Sensitivity, Balancing):
+        assert kind.__repr__ is Displayed.__repr__
 
 
 @pytest.fixture(scope="module")
