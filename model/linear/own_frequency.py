@@ -12,7 +12,7 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from .amplification import DAMPED
-from .linear_machine import LinearMachine
+from .linear_machine import shared_machine
 from .modes import DEFAULT_COUNT, LEAST_GROWTH, modes_of
 
 # The logarithmic decrement at an amplification factor 1 / (2 zeta) of 2.5, below which API 684
@@ -59,7 +59,7 @@ def own_whirl(
     (from 1), each with a cross-coupled stiffness [N/m], about the equilibrium without it. Raises
     `LinearError` where the machine does not rest at that speed.
     """
-    machine = LinearMachine(rotor, contacts)
+    machine = shared_machine(rotor, contacts)
     linear, added = machine.at(speed), machine.cross_coupling(dict(coupling))
     if not machine.laws.follows.any():
         return None
