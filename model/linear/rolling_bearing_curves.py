@@ -36,7 +36,7 @@ class RollingAlone(LawProbe):
     ) -> None:
         super().__init__(part, 0.0, where)
         # Python's numbers: to read them of a record takes longer than to calculate with them
-        names = self._law.dtype.names
+        names = self._law.dtype.fields or ()
         self._record = SimpleNamespace(**dict(zip(names, self._record.item(), strict=True)))
         self.part = part
         self.ratio = float(interpreted(cage_ratio)(part))
