@@ -4,6 +4,7 @@ element carries, and how both change while the elements pass."""
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -34,6 +35,9 @@ class RollingAlone(LawProbe):
         self, part: RollingBearing, where: str = "rolling_bearing", passed: float = 0.0
     ) -> None:
         super().__init__(part, 0.0, where)
+        # Python's numbers: to read them of a record takes longer than to calculate with them
+        names = self._law.dtype.fields or ()
+        self._record = SimpleNamespace(**dict(zip(names, self._record.item(), strict=True)))
         self.part = part
         self.ratio = float(interpreted(cage_ratio)(part))
         self._states = np.array([passed, passed / self.ratio if passed else 0.0])

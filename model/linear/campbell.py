@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .following import Following
-from .linear_machine import LinearError, LinearMachine
+from .linear_machine import LinearError, LinearMachine, shared_machine
 from .modes import DEFAULT_COUNT, LEAST_GROWTH, Modes, Spectrum, check_count, machine_modes
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
@@ -79,7 +79,7 @@ def campbell(
     for order in harmonics:
         if not (np.isfinite(order) and order > 0):
             raise LinearError(f"harmonic = {order:g}: must be > 0")
-    follow = _Follower(LinearMachine(rotor, contacts), count + _MORE)
+    follow = _Follower(shared_machine(rotor, contacts), count + _MORE)
     seen, places = _lines(follow, at, count)
     critical = [
         result

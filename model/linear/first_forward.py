@@ -17,7 +17,7 @@ it. And a rotor is not stable because one of its modes is. So:
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,7 +28,7 @@ from ..parts.linear_bearing import Coefficients, LinearBearing
 from ..quantities import quantities
 from ..structure.assembly import assemble
 from ..structure.structure import total_mass
-from .linear_machine import LinearMachine
+from .linear_machine import LinearMachine, shared_machine
 from .modes import BACKWARD, FORWARD, Modes, modes_of
 from .system_at_speed import Linear, LinearError
 
@@ -101,17 +101,17 @@ class FirstForward:
 
     def __init__(
         self,
+        machine: LinearMachine,
         rotor: Rotor,
         speed: float,
-        shares: Mapping[int, float],
+        shares: Sequence[tuple[int, float]],
         expected: float,
-        contacts: str | None,
     ) -> None:
-        """Find the mode; shares: of cross coupling, by node (from 1) [1]; expected: as much of it
-        [N/m], or 0. Raises `LinearError` where no mode can be it."""
+        """Find the mode; machine: of the rotor; shares: of cross coupling [1], each with its node
+        (from 1); expected: as much of it [N/m], or 0. Raises `LinearError` where no mode can be
+        it."""
         self._rotor, self._speed, self._shares = rotor, speed, shares
-        self._machine = LinearMachine(rotor, contacts)
-        self._alone = self._machine.at(speed)
+        self._machine, self._alone = machine, machine.at(speed)
         first = modes_of(self._machine, self._alone, _COUNT)
         at = _place(first)
         self._is_double = bool(first.is_degenerate[at])
@@ -147,7 +147,7 @@ class FirstForward:
         return self._modes(self._machine, self._alone, q)
 
     def _modes(self, machine: LinearMachine, linear: Linear, q: float) -> Modes:
-        added = machine.cross_coupling({node: q * share for node, share in self._shares.items()})
+        added = machine.cross_coupling({node: q * share for node, share in self._shares})
         return modes_of(machine, linear._replace(own_K=linear.own_K + added), _COUNT)
 
     def _threshold(self, expected: float) -> tuple[_Followed, float | None]:
@@ -168,6 +168,21 @@ class FirstForward:
         for smaller in sorted((k for k in self._coupled.known if k < high), reverse=True):
             driven(smaller)
         return driven, at
+
+
+def first_forward(
+    rotor: Rotor,
+    speed: float,
+    shares: Mapping[int, float],
+    expected: float,
+    contacts: str | None,
+) -> FirstForward:
+    """Return a rotor's first forward mode; both levels of a check ask for the same one."""
+    machine = shared_machine(rotor, contacts)
+    return _first_forward(machine, rotor, float(speed), tuple(shares.items()), expected)
+
+
+_first_forward = lru_cache(maxsize=2)(FirstForward)
 
 
 def _is_other_of_pair(found: Modes, place: int, root: complex) -> bool:

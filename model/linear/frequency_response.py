@@ -21,7 +21,7 @@ import scipy.sparse as sp
 from ..arguments import listed, number, numbers, shown_value
 from ..machine.rotor import Rotor
 from .amplification import with_peaks
-from .linear_machine import LinearError, LinearMachine
+from .linear_machine import LinearError, shared_machine
 from .modes import DEFAULT_COUNT, check_speed, modes_of
 from .static import check_node
 
@@ -226,7 +226,7 @@ class _Plant:
 
     def __init__(self, rotor: Rotor, speed: float, contacts: str | None) -> None:
         check_speed(speed)
-        self.machine = LinearMachine(rotor, contacts)
+        self.machine = shared_machine(rotor, contacts)
         self.linear = self.machine.at(speed)
 
     def selection(self, places: Sequence[AnyPlace]) -> np.ndarray:

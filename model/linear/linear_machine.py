@@ -9,12 +9,15 @@ with the displacements d = X u of the interfaces (Woodbury).
 """
 
 from collections.abc import Callable, Iterator
+from functools import lru_cache
+from threading import get_ident
 
 import numpy as np
 
+from ..arguments import is_one_of
 from ..machine.rotor import Rotor
 from .bearing_equilibrium import check_films
-from .linearization import Linearization
+from .linearization import CONTACTS, Linearization
 from .real_matrices import in_plane, to_complex, x_and_y
 from .system_at_speed import Linear, LinearError
 
@@ -119,6 +122,20 @@ class LinearMachine(Linearization):
         """Return a force on the unknowns with those of the laws, complex of shape (interfaces,),
         and of what holds the machine softly at a place [N]."""
         return force + self._onto @ in_plane(of_laws) + self._held_softly @ at
+
+
+def shared_machine(rotor: Rotor, contacts: str | None = None) -> LinearMachine:
+    """Return the machine for linear analyses: the one that was made for the last of them, where it
+    is of the same rotor, as a command and a report have several. Raises as `LinearMachine`."""
+    if not is_one_of(contacts, (None, *CONTACTS)):
+        return LinearMachine(rotor, contacts)  # which refuses them
+    return _of_thread(rotor, contacts, get_ident())
+
+
+@lru_cache(maxsize=4)
+def _of_thread(rotor: Rotor, contacts: str | None, thread: int) -> LinearMachine:
+    """Each thread has machines of its own: their laws are calculated within one block of memory."""
+    return LinearMachine(rotor, contacts)
 
 
 class _Leading:

@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import check_integer, number
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
-from .linear_machine import LinearMachine
+from .linear_machine import LinearMachine, shared_machine
 from .orbit import AT_REST, backward_part, forward_part, lengths_of_nodes, semi_axes
 from .shifted_inverse import DOUBTFUL, ShiftedInverse, lowest
 from .system_at_speed import Linear, LinearError
@@ -171,7 +171,7 @@ def modes(
     eigenvalue are motions in a plane, one in x and one in y, where they can be. Raises
     `LinearError`.
     """
-    return machine_modes(LinearMachine(rotor, contacts), speed, count, in_planes=True)
+    return machine_modes(shared_machine(rotor, contacts), speed, count, in_planes=True)
 
 
 def machine_modes(

@@ -18,7 +18,7 @@ import numpy as np
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
 from ..structure.structure import total_mass
-from .linear_machine import LinearMachine
+from .linear_machine import shared_machine
 from .undamped import bearings_of, without_seals
 
 # Of what the whole rotor is permitted, the least and the most that a plane is: of a rotor with its
@@ -48,7 +48,7 @@ def balance_quality_grade(unbalance: float, mass: float, speed: float) -> float:
 def tolerance_planes(rotor: Rotor) -> tuple[TolerancePlane, ...]:
     """Return the planes of the two outermost bearings, with what a rotor, taken as rigid, has of
     mass and unbalance there; none where its bearings stand at fewer nodes."""
-    bearings = bearings_of(without_seals(rotor), LinearMachine(rotor).contacts)
+    bearings = bearings_of(without_seals(rotor), shared_machine(rotor).contacts)
     nodes = sorted({part.node for part in bearings.values()})  # type: ignore[attr-defined]
     if len(nodes) < 2:
         return ()

@@ -83,6 +83,9 @@ def lowest(
     """Return eigenvalues of modes that oscillate, by ascending frequency, their shapes and
     residuals, and the decays."""
     values, states = _eigen(inverse, count)
+    # of two that are conjugate one is looked at
+    one = values.imag >= -_REAL * np.abs(values)
+    values, states = values[one], states[:, one]
     residuals = inverse.residuals(values, states)
     is_real = (np.abs(values.imag) <= _REAL * np.abs(values)) & (residuals <= DOUBTFUL)
     result = np.flatnonzero(values.imag > _REAL * np.abs(values))

@@ -28,7 +28,7 @@ from ..machine.rotor import Rotor
 from ..parts.base import BodyElement
 from ..parts.linear_bearing import LinearBearing, Seal
 from .critical_map import first_rigid_critical
-from .first_forward import SPAN, FirstForward, Pair
+from .first_forward import SPAN, Pair, first_forward
 from .linear_machine import LinearError
 from .static import check_node
 from .undamped import UndampedMachine, without_seals
@@ -159,7 +159,7 @@ def level_1(
     bare = rotor if seals else without_seals(rotor)
     at = _stage_node(rotor, stages, contacts) if node is None else node
     _check_nodes(rotor, (at, *stages))
-    mode = FirstForward(bare, speed, {at: 1.0}, expected, contacts)
+    mode = first_forward(bare, speed, {at: 1.0}, expected, contacts)
     threshold = mode.threshold
     if stiffness is None:
         end = max(SPAN * expected, 1.2 * (threshold or 0.0)) or mode.scale
@@ -219,7 +219,7 @@ def level_2(
         variants.append(("with all", tuple(seals.values()), total))
     shares = {node: q / total for node, q in given.items() if total}
     shares = shares or {_stage_node(rotor, {}, contacts): 1.0}
-    mode = FirstForward(bare, speed, shares, total, contacts)
+    mode = first_forward(bare, speed, shares, total, contacts)
     return StabilityLevel2(
         speed, tuple(_case(name, mode.with_parts(parts, q)) for name, parts, q in variants)
     )

@@ -11,7 +11,7 @@ from ..arguments import check_integer, rows
 from ..machine.rotor import Rotor
 from ..quantities import STANDARD_GRAVITY
 from ..structure.structure import total_mass
-from .linear_machine import CHANGE, LinearError, LinearMachine
+from .linear_machine import CHANGE, LinearError, LinearMachine, shared_machine
 from .modes import check_speed
 from .support_loads import support_loads
 
@@ -58,7 +58,7 @@ def static(
     and for an unknown node.
     """
     check_speed(speed)
-    machine = LinearMachine(rotor, contacts)
+    machine = shared_machine(rotor, contacts)
     s = machine.structure
     force = np.zeros(machine.across.shape[1])
     for node, across, up in rows("loads", loads, "(node, force x, force y)"):
@@ -98,7 +98,7 @@ def without_rounding(values: np.ndarray, least: float) -> np.ndarray:
 def needs_to_turn(rotor: Rotor, contacts: str | None = None) -> bool:
     """Return whether a machine is held, but rests under gravity only as it turns: its films carry
     nothing at standstill, and what else holds it, such as seals, lets its journals down too far."""
-    machine = LinearMachine(rotor, contacts)
+    machine = shared_machine(rotor, contacts)
     try:
         machine.loaded(0.0)
     except LinearError:
@@ -119,7 +119,7 @@ def speeds_and_loads(
     """
     given = np.asarray(speeds, dtype=float)
     if load is None:
-        machine = LinearMachine(rotor)
+        machine = shared_machine(rotor)
         place = machine.supports.interfaces.index(name)
         return given, np.array([-machine.loaded(float(s)).laws.force[place] for s in given])
     loads = 0.0 + rotor.downwards * np.atleast_1d(load)
@@ -139,7 +139,7 @@ def check_node(machine: LinearMachine | Rotor, node: int) -> int:
 def lowest_speed(rotor: Rotor, top: float, contacts: str | None = None) -> float:
     """Return the lowest speed up to `top` [rad/s], of either sign, from which on the machine has
     linear answers: 0, or where its oil films begin to carry it, to some percent."""
-    machine = LinearMachine(rotor, contacts)
+    machine = shared_machine(rotor, contacts)
 
     def is_carried(speed: float) -> bool:
         try:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from .amplification import DAMPED
-from .linear_machine import LinearMachine
+from .linear_machine import shared_machine
 from .modes import DEFAULT_COUNT, LEAST_GROWTH, modes_of
 
 # The logarithmic decrement at an amplification factor 1 / (2 zeta) of 2.5, below which API 684
@@ -61,7 +61,7 @@ def subsynchronous_whirl(
     """
     if speed == 0.0:
         return None
-    machine = LinearMachine(rotor, contacts)
+    machine = shared_machine(rotor, contacts)
     linear, added = machine.at(speed), machine.cross_coupling(dict(coupling))
     if not machine.laws.follows.any():
         return None

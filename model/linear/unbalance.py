@@ -16,7 +16,7 @@ import numpy as np
 from ..arguments import numbers, rows
 from ..machine.rotor import Rotor
 from . import orbit
-from .linear_machine import LinearMachine
+from .linear_machine import shared_machine
 from .modes import check_speed
 from .real_matrices import to_complex
 from .static import check_node
@@ -149,7 +149,7 @@ class SteadyWhirl:
         contacts: str | None,
         unbalances: tuple[tuple[int, float, float], ...] | None,
     ) -> None:
-        self.machine = machine = LinearMachine(rotor, contacts)
+        self.machine = machine = shared_machine(rotor, contacts)
         if unbalances is None:
             own, whole = machine.structure.unbalances, machine.structure.unbalance
             at = np.concatenate([own.dof, own.slope])

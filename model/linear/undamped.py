@@ -24,7 +24,7 @@ from ..parts.base import GROUND, InterfaceElement, Part, SpringElement
 from ..parts.linear_bearing import Seal
 from ..structure.strain_solver import Solve, StrainedMatrices
 from ..structure.structure import total_mass
-from .linear_machine import LinearError, LinearMachine
+from .linear_machine import LinearError, LinearMachine, shared_machine
 from .linearization import OPEN, PINNED
 from .orbit import AT_REST, lengths_of_nodes
 from .real_matrices import Between, differences, x_and_y
@@ -62,11 +62,11 @@ class UndampedMachine:
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None, rigid_pedestals: bool) -> None:
-        self.contacts = contacts or LinearMachine(rotor).contacts
+        self.contacts = contacts or shared_machine(rotor).contacts
         bare = without_seals(rotor)
-        self._loaded = machine = LinearMachine(bare, self.contacts)
+        self._loaded = machine = shared_machine(bare, self.contacts)
         if self.contacts != OPEN:
-            machine = LinearMachine(bare, OPEN)
+            machine = shared_machine(bare, OPEN)
         named = bearings_of(bare, self.contacts)
         names = (*machine.supports.springs, *machine.supports.interfaces)
         held = [i for i, name in enumerate(names) if name in named]

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..laws_at_rest.oil import machine_with_oil
 from ..linear import LinearError, LinearMachine
+from ..linear.linear_machine import shared_machine
 from ..linear.linearization import OPEN
 from ..linear.real_matrices import TURN, in_plane
 from ..linear.supports import are_linear
@@ -60,7 +61,7 @@ class CondensedMachine:
     """
 
     def __init__(self, rotor: Rotor, loads: np.ndarray | None = None) -> None:
-        machine = LinearMachine(rotor, OPEN)
+        machine = shared_machine(rotor, OPEN)
         self.rotor, self.machine, s = rotor, machine, machine.structure
         self.structure = s
         linear = are_linear(rotor)

@@ -2,7 +2,7 @@
 
 from ..model import messages
 from ..model.kernels.kernel import interpreted
-from ..model.linear.linear_machine import LinearError, LinearMachine
+from ..model.linear.linear_machine import LinearError, shared_machine
 from ..model.linear.linearization import OPEN
 from ..model.linear.modes import modes
 from ..model.machine.rotor import Rotor
@@ -21,7 +21,7 @@ def machine_warnings(rotor: Rotor, is_free: bool = False) -> list[str]:
     """Return warnings about a machine that nothing holds, about one that is unstable at rest, about
     hysteresis, which a run does not know, and, if is_free, one that no torque drives."""
     result = [str(HYSTERETIC_AS_SLOWER)] if rotor.eta_h > 0.0 else []
-    machine = LinearMachine(rotor)
+    machine = shared_machine(rotor)
     is_released = bool(rotor.elements_of_kind(ReleaseElement))
     if rotor.gravity * rotor.weight_share != 0.0 and not (machine.is_held or is_released):
         result.append(f"{machine.why_not_held()}, or give a [start] in the air")

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..display import speed_with_unit
 from ..model.laws_at_rest.oil import machine_with_oil
-from ..model.linear.linear_machine import LinearMachine
+from ..model.linear.linear_machine import shared_machine
 from ..model.linear.modes import LEAST_GROWTH, modes
 from ..model.linear.orbit import semi_axes
 from ..model.linear.subsynchronous import CRITICALLY_DAMPED, subsynchronous_whirl
@@ -34,7 +34,7 @@ def where_linearized(
     coupling: further cross-coupled stiffness [N/m] by node (from 1); follows_force: whether what
     follows a vibration has the frequency of a force."""
     result = where_beyond_tables(machine, speeds)
-    linear = LinearMachine(machine)
+    linear = shared_machine(machine)
     if linear.weight.any() and not linear.is_held:
         where = "linearized in the middle of all clearances, as if it had no weight"
         result.append(f"{linear.why_not_held()}; {where}")

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..display import current
 from ..model.linear.campbell import campbell
-from ..model.linear.linear_machine import LinearError, LinearMachine
+from ..model.linear.linear_machine import LinearError, shared_machine
 from ..model.linear.linearization import OPEN, PINNED
 from ..model.linear.static import lowest_speed
 from ..model.machine.rotor import Rotor
@@ -62,7 +62,7 @@ def criticals_of(run: Recording) -> Criticals:
     ways = [way for way in (-1.0, 1.0) if (way * speeds).max() >= lowest]
     try:
         found = [speed for way in ways for speed in _within(rotor, way * lowest, way * highest)]
-        machine = LinearMachine(rotor)
+        machine = shared_machine(rotor)
     except (LinearError, np.linalg.LinAlgError):
         return NO_CRITICALS
     nearest = sorted(found, key=abs)[:_MOST]

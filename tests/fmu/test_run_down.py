@@ -62,7 +62,7 @@ def paper(fmu):
 
 @pytest.fixture(scope="module")
 def converged(fmu):
-    return through_fmu(fmu, "solver.preset=robust", "solver.h=1e-4", step=0.004)
+    return through_fmu(fmu, "solver.preset=robust", "solver.h=2e-4", step=0.004)
 
 
 def test_the_papers_run_peaks_where_the_prototypes_did(paper):

@@ -1,11 +1,12 @@
 """Answers at many speeds: each place of rest is looked for once, by a matrix factorized once."""
 
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import linear_machine
+from rotor_fmu.model.linear import first_forward, level_1, level_2, linear_machine, modes, static
 from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.linear.unbalance_check import (
     close_speeds,
@@ -95,3 +96,27 @@ def test_a_response_and_its_check_look_for_a_place_of_rest_once_at_each_speed(mo
     response_with_peaks(rotor, speeds, nodes=[3])
     unbalance_check(rotor, low, high, [3])
     assert {asked[speed] for speed in speeds.tolist()} == {1}
+
+
+def test_the_analyses_of_a_rotor_share_its_machine_within_a_thread(monkeypatch):
+    """As those of a report; both levels of stability their mode too."""
+    made, modes_of_levels, start = [], [], LinearMachine.__init__
+    monkeypatch.setattr(
+        LinearMachine, "__init__", lambda self, *of: made.append(self) or start(self, *of)
+    )
+    search = first_forward.FirstForward._threshold
+    monkeypatch.setattr(
+        *(first_forward.FirstForward, "_threshold"),
+        lambda self, expected: modes_of_levels.append(self) or search(self, expected),
+    )
+    rotor = on_films("circles")
+    first = modes(rotor, 300.0)
+    static(rotor, 300.0)
+    assert len(made) == 1
+    level_1(rotor, 300.0, node=3, anticipated=1e3, stiffness=[0.0])
+    level_2(rotor, 300.0, cross_couplings={3: 1e3})
+    assert len(modes_of_levels) == 1
+    made.clear()
+    with ThreadPoolExecutor() as another:
+        assert another.submit(modes, rotor, 300.0).result().damped == pytest.approx(first.damped)
+    assert len(made) == 1

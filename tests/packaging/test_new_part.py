@@ -21,7 +21,7 @@ PARTS = {"cubic_spring": "CubicSpring", "elastic_stop": "ElasticStop"}
 def copied(folder):
     """A copy of the package in a folder."""
     copy = folder / "rotor_fmu"
-    ignored = shutil.ignore_patterns("__pycache__", "library")
+    ignored = shutil.ignore_patterns("*.nb?", "library")
     shutil.copytree(Path(rotor_fmu.__file__).parent, copy)
     shutil.copytree(Path(rotor_fmu.model.__file__).parent, copy / "model", ignore=ignored)
     return copy

@@ -12,7 +12,7 @@ import rotor_fmu as rf
 from ..parts.machines import STEEL, sections, touchdown
 from ..toml_text import table
 
-SAMPLES, TURNS = 64, 80
+SAMPLES, TURNS = 64, 40
 FILM = {"journal_radius": 0.02, "length": 0.02, "viscosity": 0.02, "short": True}
 CONTACT = {"journal_radius": 0.02, "mu": 0.1, "k": 5e6, "c": 200.0}
 HOUSING = table(

@@ -11,13 +11,13 @@ from rotor_fmu.model.simulation import Simulation
 
 import rotor_fmu as rf
 
-TURNS, SAMPLES = 150, 200
+TURNS, SAMPLES = 75, 200
 LAST = (145.0, 160.0)  # of `curve`
 
 
 @pytest.fixture(scope="module")
 def curve():
-    return rf.response(rf.load(), speed=LAST)
+    return rf.response(rf.load(), speed=LAST, step=0.4)
 
 
 @pytest.mark.parametrize(
