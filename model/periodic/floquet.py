@@ -23,7 +23,7 @@ from .force_corners import crossings
 from .fourier import basis
 from .laws import ForcesAndTangents
 from .linear_structure import CondensedMachine
-from .mesh import POINTS, WEIGHTS
+from .mesh import POINTS, mean_weights
 
 _SAMPLED = np.array([*POINTS[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
 _LEAST, _MOST = 96, 1024  # steps a turn
@@ -147,7 +147,7 @@ def modes_along(
 ) -> tuple[ModalBasis, np.ndarray]:
     """Return the modal basis with the mean tangents of segments of a path, and these tangents."""
     length = sum(float(part.h.sum()) for part in parts)
-    each = [np.einsum("t,i,tiao->ao", part.h, WEIGHTS, part.tangent) for part in parts]
+    each = [np.einsum("t,i,tiao->ao", part.h, mean_weights(), part.tangent) for part in parts]
     mean = with_weak_springs(machine, path.frequencies, sum(each) / length)
     return modal_basis(machine, path.frequencies, mean), mean
 

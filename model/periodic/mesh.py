@@ -6,6 +6,7 @@ parabola through the forces at its three points: extrapolated to the begin of th
 force there by an impulse, which is to be a small share of the period's.
 """
 
+import functools
 import math
 
 import numpy as np
@@ -14,8 +15,6 @@ from .force_corners import crossings
 from .linear_structure import CondensedMachine
 
 POINTS = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
-# of the values at the points in the mean over a step
-WEIGHTS = np.linalg.solve([POINTS**p for p in range(3)], 1.0 / np.arange(1, 4))
 _COARSEST, _UNIFORM, _FINEST = 6, 9, 13  # halvings of the period
 _MISSED_IMPULSE = 3e-6  # that a parabola may miss in a step, as a share of the period's
 _FINER, _COARSER = 3, 1  # halvings at once
@@ -26,6 +25,12 @@ _BESIDE = 0.2  # of a step: how near a corner no other step ends, since the corn
 _BACK = np.array(
     [np.prod(np.delete(POINTS, i) / (np.delete(POINTS, i) - POINTS[i])) for i in range(3)]
 )
+
+
+@functools.cache  # not a constant: an import may not solve with threads of its own
+def mean_weights() -> np.ndarray:
+    """Return the weights of the values at the points in the mean over a step."""
+    return np.linalg.solve([POINTS**p for p in range(3)], 1.0 / np.arange(1, 4))
 
 
 def uniform_mesh() -> np.ndarray:

@@ -130,7 +130,7 @@ class Shooting(ContinuationEquations):
         self._ends = ends
         tangent = self._tangents(self.reference, ends, self._motion_of_mesh)
         h = np.diff(self._ends)
-        self._mean = np.einsum("t,i,tiao->ao", h, mesh.WEIGHTS, tangent)
+        self._mean = np.einsum("t,i,tiao->ao", h, mesh.mean_weights(), tangent)
         none = np.zeros(0)
         self._last_period = IntegratedPeriod(
             none, self.reference, self._ends, self._motion_of_mesh, none, none
