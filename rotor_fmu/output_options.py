@@ -15,7 +15,7 @@ from typing import Annotated, Any, get_origin, get_type_hints
 from .display import restored
 from .errors import RunFailed
 from .files import write_text
-from .run_status import FAILED
+from .run_status import FAILED, has_failed
 
 
 def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
@@ -35,7 +35,7 @@ def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[.
         if as_json:
             print(json_text(figures), end="")
         status = str(figures.get("status", ""))
-        if status.startswith(FAILED):
+        if has_failed(status):
             raise RunFailed(f"the run stopped before its end: {status.removeprefix(FAILED)}")
 
     options = _options()

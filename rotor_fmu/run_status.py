@@ -17,11 +17,16 @@ def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
     return f"{DOUBTFUL}{', '.join(codes)}" if codes else OK
 
 
+def has_failed(status: str) -> bool:
+    """Whether a run of this status ended early."""
+    return status.startswith(FAILED)
+
+
 def not_confirmed(status: str) -> str:
     """Return the status of a run that the same run, solved more finely, does not confirm."""
     if status == OK:
         return f"{DOUBTFUL}{_NOT_CONFIRMED}"
-    return status if status.startswith(FAILED) else f"{status}, {_NOT_CONFIRMED}"
+    return status if has_failed(status) else f"{status}, {_NOT_CONFIRMED}"
 
 
 def on_numbers(messages: Iterable[str], codes: Iterable[str]) -> list[str]:

@@ -27,7 +27,7 @@ from ..model.quantities import STANDARD_GRAVITY
 from ..model.settings.table import IN_STAGES
 from ..model.structure.assembly import assemble
 from ..model.structure.structure import total_mass
-from ..run_status import FAILED, on_numbers
+from ..run_status import has_failed, on_numbers
 from ..vibration.influence_coefficients import correction, enough_measurements, once_per_turn
 from .result import Balancing, CorrectionPlane, ResidualUnbalance, Vibration
 
@@ -172,7 +172,7 @@ class _Bench:
                 step=turn,
             )
         self.messages |= dict.fromkeys(on_numbers(result.messages, result.codes))
-        if result.status.startswith(FAILED):
+        if has_failed(result.status):
             why = "; ".join([result.status, *self.messages])
             raise RunFailed(f"the run at {speed:g} rad/s {why}")
         phi = result["phi"]

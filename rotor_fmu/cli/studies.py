@@ -22,7 +22,7 @@ from ..machine_studies.machine_runs import MachineRuns
 from ..machine_studies.machine_tables import read_study
 from ..machine_studies.response_runs import ResponseRuns
 from ..output_options import with_output_options
-from ..run_status import FAILED
+from ..run_status import has_failed
 from ..runs.recording import RECORDING
 from ..saved_results import refuse_other
 from ..screen import progress_of, text_table
@@ -137,7 +137,7 @@ def _say_result(definition: Study, out: Path, progress: Progress) -> dict[str, A
 
     data = open_dataset(out)
     states = data.status.values.astype(str)
-    counts = Counter("failed" if status.startswith(FAILED) else status for status in states)
+    counts = Counter("failed" if has_failed(status) else status for status in states)
     shown = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
     typer.echo(f"{definition.name}: {progress.runs} runs, {progress.now} of them now: {shown}")
     figures: dict[str, Any] = {

@@ -27,7 +27,7 @@ from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
 from ..model.structure.assembly import assemble
 from ..model.structure.reduction_offer import reduction_offer
-from ..run_status import FAILED, on_numbers
+from ..run_status import has_failed, on_numbers
 from ..runs.measuring_points import last_of_the_largest
 
 _TURNS = 1200.0  # of a run up or down
@@ -102,7 +102,7 @@ class RubCheck:
         if not self.closings:
             return "The linear response closes no contact; no run with contacts was needed."
         for run in self.runs:
-            if run.status.startswith(FAILED):
+            if has_failed(run.status):
                 return f"The {run.direction} with contacts {run.status}."
         touched = [c for run in self.runs for c in run.contacts if c.share > 0]
         if not touched:

@@ -19,7 +19,7 @@ from ..model.message_templates import Message
 from ..model.settings import Settings
 from ..model.simulation import Simulation, StepFailure
 from ..model.time_loop.recorder import Record, recordable
-from ..run_status import FAILED, messages_and_codes, not_confirmed, status_of
+from ..run_status import FAILED, has_failed, messages_and_codes, not_confirmed, status_of
 from ..runs.recording import Recording
 from ..runs.run_down import RECORDER_ROWS, usual
 from ..runs.verify_run import STILL, allowed, finer
@@ -156,10 +156,10 @@ class MachineRuns:
         """Make one run; a failure in it, impossible values included, is its status. A verified one
         has the largest difference of its metrics from the same run, solved more finely."""
         result, settings, least = self._run(values)
-        if not self.is_verified or settings is None or result.status.startswith(FAILED):
+        if not self.is_verified or settings is None or has_failed(result.status):
             return result
         finer_result, *_ = self._run({**values, **finer(settings)})
-        if finer_result.status.startswith(FAILED):
+        if has_failed(finer_result.status):
             return Result(not_confirmed(result.status), result.cells)
         difference = _difference(result.cells, finer_result.cells, least)
         is_near = difference <= allowed(settings)

@@ -11,7 +11,7 @@ import numpy as np
 from .. import vibration
 from ..cells import cell, column_head, html_table
 from ..display import current, shown_speed
-from ..run_status import FAILED, OK
+from ..run_status import FAILED, OK, has_failed
 from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
 from ..runs.verify_run import headline_of, rows_of
@@ -32,7 +32,7 @@ _SUMMARY = {
 def notices(run: Recording, why: str | None) -> str:
     """Return the notices at the page's head: how far a failed run came, why, and warnings."""
     said = []
-    if run.status.startswith(FAILED):
+    if has_failed(run.status):
         reason = run.status.removeprefix(FAILED)
         said.append(f"{run.name} stopped before its end. It came to {_reached(run)}: {reason}")
     elif run.status != OK:
@@ -77,7 +77,7 @@ def tables(run: Recording, summary: Mapping[str, Any], runs: int = 1) -> str:
 
 
 def _ran(run: Recording, summary: Mapping[str, Any], of: str) -> str:
-    status = "failed" if run.status.startswith(FAILED) else run.status
+    status = "failed" if has_failed(run.status) else run.status
     rows: list[Sequence[object]] = [["status", status]]
     if len(run.t):
         speeds = f"speed, from and to [{current().speed_unit}]"

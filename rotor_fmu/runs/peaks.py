@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..run_status import FAILED
+from ..run_status import has_failed
 from ..vibration.turns import TURN
 
 
@@ -74,7 +74,7 @@ def why_no_peak(t: np.ndarray, w: np.ndarray, status: str, largest: float = math
         return "the run stopped in its first communication step"
     if is_constant(w, _ROUNDING):
         return "the speed is constant"
-    if status.startswith(FAILED):
+    if has_failed(status):
         return f"the run stopped at {t[-1]:.4g} s, before its end"
     if largest < _STILL:
         return "nothing moves"

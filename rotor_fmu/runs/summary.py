@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..display import current
-from ..run_status import DOUBTFUL, FAILED, OK, messages_and_codes
+from ..run_status import DOUBTFUL, OK, has_failed, messages_and_codes
 from .measuring_points import display_name, probe_that_moves_most
 from .peaks import peak_index, start_up, why_no_peak
 from .recording import Recording
@@ -169,7 +169,7 @@ def _state(figures: Mapping[str, Any], left: Path) -> str:
     status = str(figures["status"])
     if status == OK:
         return f"Nothing makes the run doubtful; open {left}."
-    if status.startswith(FAILED):
+    if has_failed(status):
         return f"The run stopped before its end; open {left} for what came before."
     codes = status.removeprefix(DOUBTFUL).split(", ")
     logged = zip(figures.get("messages", ()), figures.get("codes", ()), strict=True)

@@ -15,7 +15,7 @@ from ..display import current
 from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..model.settings import Settings, SettingsError
-from ..run_status import FAILED, OK, not_confirmed
+from ..run_status import OK, has_failed, not_confirmed
 from .job import execute
 from .recording import Recording
 from .run_down import Job, Run
@@ -129,7 +129,7 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
     """Make a run and compare it with the same run, solved more finely; the comparison is added to
     the recording, and the run is doubtful if it is not confirmed. Raises `InputError` if there is
     no finer run."""
-    if run.status.startswith(FAILED):
+    if has_failed(run.status):
         return run, recording
     finer = finer_job(job)
     other = execute(finer, None, label, is_silent=True)

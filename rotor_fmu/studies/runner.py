@@ -11,7 +11,7 @@ from queue import SimpleQueue
 import numpy as np
 
 from ..errors import RunFailed
-from ..run_status import FAILED
+from ..run_status import FAILED, has_failed
 from .executors import Chunk, Done, Engine, interrupts_deferred, run_chunk, worker_errors
 from .store import Store
 from .study import Result, Study
@@ -167,4 +167,4 @@ def _write_rows(
     store.merge_small()
     is_done[list(results)] = True
     progress.now += len(results)
-    progress.failed += sum(result.status.startswith(FAILED) for result in results.values())
+    progress.failed += sum(has_failed(result.status) for result in results.values())
