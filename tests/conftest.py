@@ -176,5 +176,4 @@ def _undrawn(request, monkeypatch):
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr(Figure, "savefig", savefig)
         monkeypatch.setattr(figure_style, "placed", nullcontext)
-        monkeypatch.setattr(figure_style.PlainFigure, "place_axes", lambda _: None)
         monkeypatch.setattr(mode_answers, "mode_shapes_figure", lambda *_: Figure())
