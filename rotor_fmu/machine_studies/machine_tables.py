@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, check_one_of, known_name
+from ..errors import InputError, check_integer, check_one_of, known_name
 from ..fmi.binding import load_names
 from ..fmi.solver_parameters import OTHER_NAMES, PREFIX, settings_of
 from ..machine_file.loading import load_rotor
@@ -18,7 +18,7 @@ from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
 from ..runs.settings_text import value_of
-from ..studies.design import MOST, Axis, Distribution, whole
+from ..studies.design import MOST, Axis, Distribution
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
 from ..units import number
@@ -225,8 +225,8 @@ def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
         )
         if not low < high:
             raise InputError(f"{where}: bins from = {low:g}: must be below to = {high:g}")
-        count = whole(f"{where}: bins count", value["count"], most=MOST)
-        return {"from": low, "to": high, "count": count}
+        check_integer(f"{where}: bins count", value["count"], 1, MOST)
+        return {"from": low, "to": high, "count": value["count"]}
     units = {"speed": abscissa_unit, "at": abscissa_unit, "after": "s"}
     return number(f"{where}: {key}", value, units.get(key, ""))
 

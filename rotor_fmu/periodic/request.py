@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from ..display import current
-from ..errors import InputError, mapped, nearest, number, numbers, shown_value
+from ..errors import InputError, check_integer, mapped, nearest, number, numbers, shown_value
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
 from ..model.machine.rotor import Rotor
@@ -87,9 +87,8 @@ def response_request(
     if given := mapped("parameters", parameters):
         check_names(rotor.parameters(), given)
         rotor = rotor.with_values({n: number(f"parameters: {n}", v) for n, v in given.items()})
-    for of, count, most in (("period", period, 16), ("harmonics", harmonics, 500)):
-        if not (isinstance(count, (int, np.integer)) and 1 <= count <= most):
-            raise InputError(f"{of} = {count}: must be an integer from 1 to {most}")
+    check_integer("period", period, 1, 16)
+    check_integer("harmonics", harmonics, 1, 500)
     if not 0 < number("share", share) < 1:
         raise InputError(f"share = {share:g}: must be above 0 and below 1")
     if not 1e-4 <= number("step", step) <= 10:
