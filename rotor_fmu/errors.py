@@ -151,11 +151,6 @@ def check_one_of(given: str, value: object, known: Collection[str]) -> None:
         raise InputError(f"{given}: must be one of {', '.join(known)}{hint}")
 
 
-def nearest(name: str, known: Collection[str]) -> str:
-    """Return the known name that is most like a given one, `none` where there is none."""
-    return next(iter(near_names(name, known, least=0.0)), "none")
-
-
 def meant(name: str, known: Iterable[str]) -> str:
     """Return a suggestion for a misspelt name: up to three known ones that are like it, or, where
     none is, the first three and how many more there are."""
