@@ -24,12 +24,13 @@ from ..studies.study_file import read_study_file
 from ..units import number
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
 from .metric import VARIANTS, Metric
-from .response_runs import RESPONSE, ResponseRuns
+from .response_runs import RESPONSE, WHICH, ResponseRuns
 from .run_excitation import Excitation, Kick
 from .run_kinds import IN_TIME, SIGNALS, RunKind
 from .run_metrics import DIRECTIONS
 
 _SHARES = np.array([0.05, 0.5, 0.95])  # of a distribution, where its values are tried
+_CHOICES = {"way": DIRECTIONS, "which": WHICH}  # of options of metrics
 # Kinds of runs by name, with the class of their runs.
 RunKinds = Mapping[str, tuple[RunKind, type[MachineRuns]]]
 KINDS: RunKinds = {
@@ -212,10 +213,8 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
 
 def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
     """Return a checked option of a metric; abscissa_unit: of the speed or a curve's parameter."""
-    if key == "which":
-        return value
-    if key == "way":
-        check_one_of(f"{where}: way = {value!r}", value, DIRECTIONS)
+    if key in _CHOICES:
+        check_one_of(f"{where}: {key} = {value!r}", value, _CHOICES[key])
         return value
     if key == "bins":
         if not isinstance(value, dict) or set(value) != {"from", "to", "count"}:

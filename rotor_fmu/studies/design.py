@@ -315,8 +315,7 @@ def _grid(where: str, grid: object, unit: str) -> tuple[float, ...]:
     low, high = (number(f"{where}: grid {key}", grid[key], unit) for key in ("from", "to"))
     check_integer(f"{where}: grid count", grid["count"], 1, MOST)
     spacing = grid.get("spacing", "linear")
-    if spacing not in ("linear", "log"):
-        raise InputError(f"{where}: grid spacing = {spacing!r}: must be linear or log")
+    check_one_of(f"{where}: grid spacing = {spacing!r}", spacing, ("linear", "log"))
     if spacing == "log" and not (low > 0 and high > 0):
         raise InputError(f"{where}: grid from {low:g} to {high:g}: must be > 0 with spacing log")
     spread = np.geomspace if spacing == "log" else np.linspace

@@ -144,7 +144,7 @@ def test_a_study_misread_is_refused_in_one_line_and_writes_nothing(
         (VALUES, "values = 5", "vary clearance: values = 5: must be a list of numbers"),
         (VALUES, f"{VALUES}, low = 1", "vary clearance: low is unknown beside values"),
         (VALUES, "grid = 5", "vary clearance: grid = 5: must be { from, to, "),
-        ("count = 3", 'count = 3, spacing = "x"', "grid spacing = 'x': must be linear or log"),
+        ("count = 3", 'count = 3, spacing = "x"', "grid spacing = 'x': must be one of linear, log"),
         (
             "from = 10e-6, to",
             'spacing = "log", from = 0, to',
