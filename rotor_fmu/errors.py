@@ -102,11 +102,12 @@ def _typed() -> dict[str, list[str]]:
 
 def _as_typed(message: str) -> str:
     """Return an error message with the option that was typed for the argument of Python in it:
-    `--contacts x: ...` of `contacts = x: ...`, `--load: ...` of `loads: ...`."""
+    `--contacts x: ...` of `contacts = x: ...`, `--load: ...` of `loads: ...`, `--pp: ...` of
+    `is_pp: ...`."""
     if match := re.match(r"(\w+)(?: (=) |: )", message):
         name, equals = match.groups()
-        for option in (f"--{name.replace('_', '-')}", f"--{name.removesuffix('s')}"):
-            if option in _typed():
+        for word in (name.replace("_", "-"), name.removesuffix("s"), name.removeprefix("is_")):
+            if (option := f"--{word}") in _typed():
                 return f"{option}{' ' if equals else ': '}{message[match.end() :]}"
     return message
 

@@ -97,6 +97,8 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
         ("response --over grav=1:2", "--over grav: unknown name; did you mean gravity?"),
         ("response --fold-over a=1:2", "--fold-over a: unknown name; known: "),
         ("response --load a=1", "--load: 'a' is not a force on a port; known: coupling.fx, cou"),
+        ("plot orbit out --pp", "--pp: changes no plot orbit, only bode, polar, cascade"),
+        ("plot bode out --speed 3", "--speed: changes no plot bode, only orbit, spectrum"),
         ("balance --speed 10 --plane 99", "--plane 99: must be from 1 to 8"),
         ("balance --speed 10 --plane 4 --node 0", "--node 0: must be from 1 to 8"),
     ],
