@@ -17,12 +17,13 @@ import numpy as np
 from ..display import Shown
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.variables import Variable
+from ..model.quantities import POSITIVE
 from ..run_status import FAILED, status_of
 from ..studies.study import Column, Result
 from .machine_runs import RUN, MachineRuns
 from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
 from .run_excitation import Excitation
-from .run_kinds import POSITIVE, Number, RunKind
+from .run_kinds import Number, RunKind
 
 if TYPE_CHECKING:
     from ..periodic.curves import Curve

@@ -16,7 +16,7 @@ from .test_reading import HELD, STUDY, VALUES, read
         ("[keep]", "[kep]", "kep: unknown name; did you mean keep"),
         ('"run-down"', '"rundown"', "run kind = 'rundown': must be one of run-down, run-up"),
         ("rate = 40", "rat = 40", "run run-down: rat: unknown name; did you mean rate"),
-        ("rate = 40", "rate = -40", "run.rate = -40 rad/s2: must be > 0"),
+        ("rate = 40", "rate = -40", "run.rate = -40 rad/s2: must be > 0 and finite"),
         ("rate = 40", 'rate = "fast"', "run.rate = fast: must be a number, in rad/s2"),
         ("[run]", 'machine = "no.toml"\n[run]', "machine = no.toml: cannot be read"),
         ("[run]", "module = 3\n[run]", "module = 3: must be the name of a Python module"),
