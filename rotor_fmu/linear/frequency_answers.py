@@ -28,9 +28,10 @@ from ..plotting.figure_style import (
     new_figure,
     new_panels,
 )
+from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed
 from .linear_plots import plain_ticks
-from .linear_tables import Table, is_rounding, peaks, state_in_words
+from .linear_tables import is_rounding, peaks, state_in_words
 
 ZONES = "ABCD"
 

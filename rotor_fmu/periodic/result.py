@@ -8,7 +8,6 @@ import numpy as np
 
 from ..display import current, in_its_units
 from ..errors import InputError, known_name
-from ..linear.linear_tables import Table
 from ..model.message_templates import Message
 from ..model.periodic.arclength import NotConverged
 from ..model.periodic.branch import FOLD, TORUS, Bifurcation, Solution
@@ -17,6 +16,7 @@ from ..model.periodic.problem import Note
 from ..model.periodic.queries import folds_over, motions_at, persists_in_time
 from ..model.periodic.starting_points import Persistence
 from ..plotting.notebook import png
+from ..tables import Table
 from .curves import ResponseCurves
 
 if TYPE_CHECKING:
