@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
+from .near_names import suggestion
 from .quantities import POSITIVE
 
 
@@ -20,6 +21,18 @@ def shown_value(name: str, value: object) -> str:
 def is_one_of(value: object, known: Collection[object]) -> bool:
     """Return whether an argument of any type is among the known values, as no list or array is."""
     return isinstance(value, Hashable) and value in tuple(known)
+
+
+def check_one_of(
+    given: str, value: object, known: Collection[str], error: type[InputError] = InputError
+) -> None:
+    """Raise an error for a value that is not among the known ones; the message asks if one that is
+    like it was meant.
+
+    given: the value and what it is of, in the words of who gave it.
+    """
+    if not is_one_of(value, known):
+        raise error(f"{given}: must be one of {', '.join(known)}{suggestion(value, known)}")
 
 
 def number(name: str, value: Any) -> float:

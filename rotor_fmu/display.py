@@ -17,7 +17,7 @@ INCH, POUND, LBF = 0.0254, 0.45359237, 0.45359237 * 9.80665
 OUNCE = POUND / 16
 
 
-def _in_letters(unit: str) -> str:
+def in_letters(unit: str) -> str:
     """A unit in letters that every terminal has."""
     return unit.replace("µ", "u")
 
@@ -31,7 +31,7 @@ class Shown(NamedTuple):
     @property
     def word(self) -> str:
         """The unit in letters that every terminal has."""
-        return _in_letters(self.unit)
+        return in_letters(self.unit)
 
     def text(self, value: float, digits: int = 5) -> str:
         """Return a value in the SI unit as it is shown, with the unit if there is one."""
@@ -70,7 +70,7 @@ class Display:
     @property
     def small_word(self) -> str:
         """Unit of displacements in letters that every terminal has."""
-        return _in_letters(self.small_unit)
+        return in_letters(self.small_unit)
 
     @property
     def amplitude(self) -> float:
@@ -85,7 +85,7 @@ class Display:
     @property
     def amplitude_words(self) -> str:
         """Unit of amplitudes in letters that every terminal has."""
-        return _in_letters(self.amplitude_unit)
+        return in_letters(self.amplitude_unit)
 
     @property
     def speed_label(self) -> str:

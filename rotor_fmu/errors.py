@@ -5,7 +5,7 @@ import re
 import shutil
 import sys
 import tomllib
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -13,6 +13,7 @@ from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from .model.arguments import check_integer as check_integer
+from .model.arguments import check_one_of as check_one_of
 from .model.arguments import check_positive as check_positive
 from .model.arguments import is_one_of as is_one_of
 from .model.arguments import listed as listed
@@ -23,7 +24,7 @@ from .model.arguments import path_of as path_of
 from .model.arguments import shown_value as shown_value
 from .model.errors import InputError as InputError
 from .model.errors import printable as printable
-from .model.near_names import near_names, suggestion
+from .model.near_names import near_names
 
 if TYPE_CHECKING:
     import typer
@@ -101,11 +102,12 @@ def _typed() -> dict[str, list[str]]:
 
 def _as_typed(message: str) -> str:
     """Return an error message with the option that was typed for the argument of Python in it:
-    `--contacts x: ...` of `contacts = x: ...`, `--load: ...` of `loads: ...`."""
+    `--contacts x: ...` of `contacts = x: ...`, `--load: ...` of `loads: ...`, `--pp: ...` of
+    `is_pp: ...`."""
     if match := re.match(r"(\w+)(?: (=) |: )", message):
         name, equals = match.groups()
-        for option in (f"--{name.replace('_', '-')}", f"--{name.removesuffix('s')}"):
-            if option in _typed():
+        for word in (name.replace("_", "-"), name.removesuffix("s"), name.removeprefix("is_")):
+            if (option := f"--{word}") in _typed():
                 return f"{option}{' ' if equals else ': '}{message[match.end() :]}"
     return message
 
@@ -138,22 +140,6 @@ def optional(module: str, extra: str, what: str) -> Any:
         raise InputError(
             f"{what}: {package} is not installed: pip install 'rotor-fmu[{extra}]'"
         ) from None
-
-
-def check_one_of(given: str, value: object, known: Collection[str]) -> None:
-    """Raise `InputError` for a value that is not among the known ones; the message asks if one that
-    is like it was meant.
-
-    given: the value and what it is of, in the words of who gave it.
-    """
-    if not is_one_of(value, known):
-        hint = suggestion(value, known)
-        raise InputError(f"{given}: must be one of {', '.join(known)}{hint}")
-
-
-def nearest(name: str, known: Collection[str]) -> str:
-    """Return the known name that is most like a given one, `none` where there is none."""
-    return next(iter(near_names(name, known, least=0.0)), "none")
 
 
 def meant(name: str, known: Iterable[str]) -> str:

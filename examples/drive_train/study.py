@@ -22,6 +22,7 @@ from typing import ClassVar
 import numpy as np
 from rotor_fmu.model.kernels.cache import private_folder, user_cache
 from rotor_fmu.model.message_templates import Message
+from rotor_fmu.model.quantities import NOT_NEGATIVE, POSITIVE
 
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.errors import InputError, RunFailed, optional
@@ -31,7 +32,7 @@ from rotor_fmu.machine_studies.machine_runs import MachineRuns
 from rotor_fmu.machine_studies.machine_tables import KINDS, MachineSubject, read_machine
 from rotor_fmu.machine_studies.metric import Metric
 from rotor_fmu.machine_studies.run_excitation import Excitation, Samples, Window
-from rotor_fmu.machine_studies.run_kinds import MOTOR, NOT_NEGATIVE, POSITIVE, Number, RunKind
+from rotor_fmu.machine_studies.run_kinds import MOTOR, Number, RunKind
 from rotor_fmu.run_status import FAILED, status_of
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import usual

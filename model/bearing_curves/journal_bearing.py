@@ -9,6 +9,7 @@ from typing import get_args
 
 import numpy as np
 
+from ..arguments import check_one_of
 from ..film.bearing_film import PAD
 from ..laws_at_rest.oil import oil_of_both, with_oil
 from ..linear.bearing_equilibrium import BearingAlone, critical_mass
@@ -105,8 +106,7 @@ def bearing_curves(
     if not known:
         raise LinearError("the machine has no [[journal_bearing]]")
     name = bearing or next(iter(known))
-    if name not in known:
-        raise LinearError(f"bearing = {name}: must be one of {', '.join(known)}")
+    check_one_of(f"bearing = {name}", name, known, LinearError)
     is_over_load = load is not None and np.size(load) > 1
     part = with_oil(known[name], name, rotor.downwards)
     speeds, loads = speeds_and_loads(rotor, name, speeds, load)

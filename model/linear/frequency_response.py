@@ -20,6 +20,7 @@ import scipy.sparse as sp
 
 from ..arguments import listed, number, numbers, shown_value
 from ..machine.rotor import Rotor
+from ..quantities import NOT_NEGATIVE, quantity
 from .amplification import with_peaks
 from .linear_machine import LinearError, shared_machine
 from .modes import DEFAULT_COUNT, check_speed, modes_of
@@ -61,25 +62,22 @@ class FrequencyResponse:
 
 @dataclass(frozen=True)
 class ControlLoop:
-    """The control of a magnetic bearing, alike in x and y.
-
-    name; sensor, magnet: nodes (from 1) or places; kp [A/m], ki [A/(m.s)], kd [A.s/m]: gains of the
-    controller; force_per_current [N/A]; negative_stiffness: of the magnet, positive [N/m];
-    filter_frequency: corner of the first-order low pass before kp and kd [Hz], 0 without one;
-    amplifier_time: time constant of the amplifier [s]; delay: of the controller [s].
-    """
+    """The control of a magnetic bearing, alike in x and y; sensor, magnet: nodes (from 1) or
+    places."""
 
     name: str
     sensor: AnyPlace
     magnet: AnyPlace
-    kp: float
-    kd: float
-    force_per_current: float
-    ki: float = 0.0
-    negative_stiffness: float = 0.0
-    filter_frequency: float = 0.0
-    amplifier_time: float = 0.0
-    delay: float = 0.0
+    kp: float = quantity("A/m", "gain of the displacement", NOT_NEGATIVE)
+    kd: float = quantity("A.s/m", "gain of the velocity", NOT_NEGATIVE)
+    force_per_current: float = quantity("N/A", "of the magnet", NOT_NEGATIVE)
+    ki: float = quantity("A/(m.s)", "gain of the integral of the displacement", NOT_NEGATIVE, 0.0)
+    negative_stiffness: float = quantity("N/m", "of the magnet, positive", NOT_NEGATIVE, 0.0)
+    filter_frequency: float = quantity(
+        "Hz", "corner of the low pass of first order before kp and kd, 0: none", NOT_NEGATIVE, 0.0
+    )
+    amplifier_time: float = quantity("s", "time constant of the amplifier", NOT_NEGATIVE, 0.0)
+    delay: float = quantity("s", "of the controller", NOT_NEGATIVE, 0.0)
 
     def rational(self) -> tuple[np.ndarray, np.ndarray]:
         """Return numerator and denominator of the force by the displacement [N/m] without the

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 import numpy as np
 import scipy.sparse as sp
 
-from ..arguments import is_one_of
+from ..arguments import check_one_of
 from ..kernels.kernel import interpreted
 from ..laws_at_rest.oil import machine_with_oil
 from ..laws_at_rest.tangents import LawsAtRest, Tangents
@@ -63,8 +63,8 @@ class Linearization:
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
-        if not is_one_of(contacts, (None, *CONTACTS)):
-            raise LinearError(f"contacts = {contacts}: must be one of {', '.join(CONTACTS)}")
+        if contacts is not None:
+            check_one_of(f"contacts = {contacts}", contacts, CONTACTS, LinearError)
         self.rotor = rotor = machine_with_oil(rotor)
         self.structure = assemble(rotor)
         # to read them of a record takes longer than all that is done with them at a speed

@@ -16,7 +16,7 @@ from papers.integrators import members, spectral
 from papers.integrators.members import Scheme, SchemeError
 from papers.integrators.spectral import Method, Survey
 from rotor_fmu.cells import cell
-from rotor_fmu.errors import InputError, writable_folder
+from rotor_fmu.errors import InputError, check_one_of, writable_folder
 from rotor_fmu.files import unfinished
 from rotor_fmu.output_options import with_output_options
 
@@ -90,8 +90,7 @@ def parse_scheme(text: str) -> tuple[str, Method]:
     """
     label = "".join(text.lower().split())
     name, equals, given = label.partition("=")
-    if name not in KINDS:
-        raise InputError(f"--scheme {text}: unknown name {name!r}; take one of {', '.join(KINDS)}")
+    check_one_of(f"--scheme {text}: {name!r}", name, KINDS)
     kind = KINDS[name]
     values: dict[str, float] = {}
     for position, item in enumerate(given.split(",") if equals else ()):

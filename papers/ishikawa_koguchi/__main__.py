@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from rotor_fmu.errors import InputError, read_text, run
+from rotor_fmu.errors import InputError, check_one_of, read_text, run
 from rotor_fmu.output_options import with_output_options
 
 from .cases import IMPACTS, PAPER_BARS, PAPER_RATCHET, cases, positive
@@ -75,8 +75,7 @@ def bars(
     chosen = cases(scheme or PAPER_BARS, impact)
     steps = positive("--dt", dt or BARS_DT)
     positive("--stop", [stop])
-    if mass not in ("lumped", "consistent"):
-        raise InputError(f"--mass {mass}: must be lumped or consistent")
+    check_one_of(f"--mass {mass}", mass, ("lumped", "consistent"))
     options = {"is_lumped": mass == "lumped", "penalty": penalty, "density": density}
     options |= {"nx": elements[0], "ny": elements[1]}
     wants_figure_8 = scheme is None and dt is None and opening is None and penalty is None

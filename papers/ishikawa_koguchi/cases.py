@@ -12,7 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from papers.integrators import members, spectral
 from papers.integrators.members import Scheme
-from rotor_fmu.errors import InputError
+from rotor_fmu.errors import InputError, check_one_of
 
 from ..integrators.schemes_command import Row, parse_scheme, remarks
 from .impact.stepping.march import IMPACTS
@@ -52,8 +52,8 @@ def cases(names: Sequence[str], impact: str | None) -> list[ImpactCase]:
 
     Raises `InputError` for what cannot make an implicit step.
     """
-    if impact is not None and impact not in IMPACTS:
-        raise InputError(f"--impact {impact}: must be one of {', '.join(IMPACTS)}")
+    if impact is not None:
+        check_one_of(f"--impact {impact}", impact, IMPACTS)
     result = {}
     for text in names:
         name, method = parse_scheme(text)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import nearest, optional, path_of
+from ..errors import meant, optional, path_of
 from ..runs.recording import RECORDING, Recording
 
 if TYPE_CHECKING:
@@ -93,11 +93,10 @@ class RecordedSignals:
         Raises
         ------
         KeyError
-            If it was not recorded; the message gives the nearest name.
+            If it was not recorded; the message says what may be meant.
         """
         if name not in self.recording.columns:
-            near = nearest(name, self.names)
-            raise KeyError(f"{name!r} was not recorded; the nearest name is {near}")
+            raise KeyError(f"{name!r} was not recorded; {meant(name, self.names)}")
         return self.recording.columns[name]
 
     def dataframe(self) -> "pd.DataFrame":

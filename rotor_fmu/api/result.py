@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..display import in_its_units
-from ..errors import InputError, check_one_of, path_of
+from ..errors import check_one_of, path_of
 from ..plotting.notebook import png, shown
-from ..runs import PLOTS_CHANGED
+from ..runs import check_options
 from ..runs.measuring_points import probe_that_moves_most
 from ..runs.recording import RECORDING, load_recording
 from ..runs.run_down import Run
@@ -200,12 +200,7 @@ class Result(RecordedSignals):
         from ..run_pictures.view import View
 
         check_one_of(f"kind = {kind!r}", kind, KINDS)
-        given = {"place": place is not None, "speed": speed is not None, "pp": is_pp}
-        for option in (name for name, is_given in given.items() if is_given):
-            name = "is_pp" if option == "pp" else option
-            if kind not in PLOTS_CHANGED[option]:
-                kinds = ", ".join(PLOTS_CHANGED[option])
-                raise InputError(f"{name}: changes no plot {kind}, only {kinds}")
+        check_options(kind, place=place, speed=speed, is_pp=is_pp)
         return shown(KINDS[kind](View(self.recording, place, speed, is_pp)))
 
     def _signal(self, place: str | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..errors import InputError, check_one_of, check_positive, listed, mapped, nearest, number
+from ..errors import InputError, check_one_of, check_positive, known_name, listed, mapped, number
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
 from ..fmi.variables import Variable
@@ -177,9 +177,7 @@ def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float
     known = [v for v in table if v.causality == "input"]
     names = [v.name for v in known]
     for name in given:
-        if name not in names:
-            near = nearest(name, names)
-            raise InputError(f"loads: {name!r} is unknown; the nearest name is {near}")
+        known_name("loads:", name, names)
     courses = {name: _course(name, value) for name, value in given.items()}
     ends = [t[-1] for t, _ in courses.values() if len(t) > 1]
     if stop is None and not ends:

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 from ..display import current, speed_with_unit
 from ..linear.displayed import Displayed
-from ..linear.linear_tables import Table
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, entitle, new_panels
 from ..plotting.labels import write_labels
+from ..tables import Table
 
 _COLUMNS = 3  # of pictures beside each other
 _LINEAR = 0.1  # of the initial vibration: what a linear machine's differs by from the expected one

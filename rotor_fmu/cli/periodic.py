@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..display import Shown, choose, current
-from ..errors import InputError, writable_folder
+from ..errors import InputError, known_name, writable_folder
 from ..machine_file.loading import load_rotor
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
@@ -84,7 +84,7 @@ def response(
     options: dict[str, Any] = {
         "speed": at,
         "over": varied,
-        "parameters": _pairs("--set", values, lambda name: _unit_of("--set", name, of)),
+        "parameters": _pairs("--set", values, lambda name: of[known_name("--set", name, of)]),
         "loads": _pairs("--load", load, lambda _: "N"),
         "period": period,
         "harmonics": harmonics,
@@ -269,16 +269,9 @@ def _range(text: str, option: str, units: Mapping[str, str]) -> tuple[str, float
     name, equals, ends = (part.strip() for part in text.partition("="))
     if not equals or ends.count(":") != 1:
         raise InputError(f"{option} {text}: must be NAME=FROM:TO")
-    low, high = number_range(ends, None, f"{option} {name} =", _unit_of(option, name, units))
+    unit = units[known_name(option, name, units)]
+    low, high = number_range(ends, None, f"{option} {name} =", unit)
     return name, float(low), float(high)
-
-
-def _unit_of(option: str, name: str, units: Mapping[str, str]) -> str:
-    """Return the unit of a quantity of the machine that an option names; units: by name."""
-    from ..periodic.result import check_names
-
-    check_names(units, [name], option)
-    return units[name]
 
 
 def _pairs(option: str, texts: list[str] | None, unit_of: Callable[[str], str]) -> dict[str, float]:

@@ -11,7 +11,7 @@ from ..errors import InputError, check_one_of, writable_folder
 from ..files import write_text
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
-from ..runs import PLOTS, PLOTS_CHANGED
+from ..runs import PLOTS, check_options
 from ..units import in_si
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
 from .shared import Page, RotorFile, Units, check_page, one_of, places, warned
@@ -35,7 +35,7 @@ def plot(
     run: Annotated[Path, typer.Argument()],
     place: Annotated[str | None, typer.Option(autocompletion=places)] = None,
     speed: str | None = None,
-    pp: bool = False,
+    is_pp: Annotated[bool, typer.Option("--pp")] = False,
     units: Units = None,
     out: Path | None = None,
 ) -> dict[str, Any]:
@@ -45,14 +45,11 @@ def plot(
     place: Part to plot, such as disc[2]; default: the largest motion or force.
     speed: Speed of an orbit or a spectrum, such as 1800rpm or 30Hz, or in rad/s; default: the 1x
         peak after the start-up.
-    pp: Show amplitudes peak-to-peak instead of 0-p.
+    is_pp: Show amplitudes peak-to-peak instead of 0-p.
     out: Folder for the picture; default: the run's.
     """
     check_one_of(f"KIND {kind}", kind, PLOTS)
-    for option, value in {"place": place, "speed": speed, "pp": pp}.items():
-        if value and kind not in PLOTS_CHANGED[option]:
-            kinds = ", ".join(PLOTS_CHANGED[option])
-            raise InputError(f"--{option}: changes no plot {kind}, only {kinds}")
+    check_options(kind, place=place, speed=speed, is_pp=is_pp)
     at = None if speed is None else in_si("--speed", speed, "rad/s")
     if at == 0:
         raise InputError(f"--speed {speed}: must not be 0")
@@ -65,7 +62,7 @@ def plot(
     recorded = read_run(run)
     choose(units, recorded.shown_units)
     folder = writable_folder(out or (run if run.is_dir() else run.parent))
-    view = View(recorded, place, at, pp)
+    view = View(recorded, place, at, is_pp)
     try:
         figure = KINDS[kind](view)
     except TooFewTurns as error:

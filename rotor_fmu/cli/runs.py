@@ -169,7 +169,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
 
 def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
     from ..runs.summary import sentences
-    from ..runs.verify_run import text_of
+    from ..runs.verify_run import table_of
 
     if outcome.apart:
         is_held = outcome.job.signals.is_held(outcome.job.stop)
@@ -183,7 +183,7 @@ def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
     for sentence in sentences(report, outcome.recording, page if page.exists() else out):
         typer.echo(sentence)
     if report["verification"]:
-        typer.echo(text_of(report["verification"]), nl=False)
+        typer.echo(table_of(report["verification"]).text())
 
 
 @with_output_options

@@ -9,10 +9,11 @@ import typer
 
 from ..display import choose
 from ..errors import writable_folder
-from ..linear.linear_tables import Table, numbers
+from ..linear.linear_tables import numbers
 from ..machine_file.loading import load_rotor
 from ..model.machine.rotor import Rotor
 from ..output_options import write_json
+from ..tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

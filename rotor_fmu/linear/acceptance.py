@@ -32,9 +32,9 @@ from ..plotting.figure_style import (
     legend_below,
     new_figure,
 )
+from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed, of_machine, rotor_of
 from .linear_plots import grouped, plain_ticks, shade
-from .linear_tables import Table
 
 _MET = {True: "yes", False: "NO"}
 _PRINTED, _SEEN = 1e-6, 1e-2  # shares by which stiffnesses differ in a table, and in a picture

@@ -38,10 +38,10 @@ from ..plotting.figure_style import (
     new_panels,
 )
 from ..plotting.labels import write_labels
+from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
 from .linear_plots import FAINT, WHIRL_COLORS, curve, dotted, draw_whirling, shade
 from .linear_tables import (
-    Table,
     clean_damping,
     peaks,
     shown_either_way,

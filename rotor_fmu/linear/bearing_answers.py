@@ -13,6 +13,7 @@ from ..display import current, speed_with_unit
 from ..model import bearing_curves
 from ..model.bearing_curves.journal_bearing import ANGLES
 from ..plotting.figure_style import BLUE, ORANGE, PURPLE, empty_figure, entitle, new_panels, style
+from ..tables import Table
 from .bearing_columns import (
     coefficient_columns,
     draw_coefficients,
@@ -27,7 +28,7 @@ from .bearing_columns import (
 )
 from .displayed import Displayed, answer_of
 from .linear_plots import plain_ticks
-from .linear_tables import Table, shown_either_way
+from .linear_tables import shown_either_way
 
 
 class BearingCurves(Displayed, bearing_curves.BearingCurves):

@@ -16,8 +16,8 @@ from ..model.one_thread import on_one_thread
 from ..model.parts.shaft import Section
 from ..model.structure.beam import shaft_element
 from ..plotting.notebook import png
+from ..tables import Table
 from .linear_plots import titled
-from .linear_tables import Table
 
 Machine = Rotor | Path | str
 Answer = TypeVar("Answer")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,11 +11,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..display import current
-from ..errors import InputError, nearest, read_text, toml_tables
+from ..errors import InputError, meant, read_text, toml_tables
 from ..model.linear import frequency_response as model
 from ..model.machine.rotor import Rotor
+from ..model.machine.table_reader import make
 from ..model.one_thread import on_one_thread
 from ..model.parts.base import PortElement, ProbeElement
+from ..model.quantities import check_all
 from ..plotting.figure_style import (
     COLORS,
     DASHED,
@@ -26,9 +28,10 @@ from ..plotting.figure_style import (
     new_figure,
     new_panels,
 )
+from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed
 from .linear_plots import plain_ticks
-from .linear_tables import Table, is_rounding, peaks, state_in_words
+from .linear_tables import is_rounding, peaks, state_in_words
 
 ZONES = "ABCD"
 
@@ -172,9 +175,9 @@ def place_of(rotor: Rotor, text: str, option: str) -> model.Place:
         return model.Place(int(named[text]), beyond.get(text, 0.0))
     if text.isdecimal() and 1 <= int(text) <= len(rotor.nodes):
         return model.Place(int(text))
-    hint = f"; the nearest name is {nearest(text, named)}" if named else ""
     raise InputError(
-        f"{option} {text}: must be a node from 1 to {len(rotor.nodes)}, or a part's name{hint}"
+        f"{option} {text}: must be a node from 1 to {len(rotor.nodes)}, or a part's name; "
+        f"{meant(text, named)}"
     )
 
 
@@ -191,21 +194,12 @@ def read_loops(option: str, path: Path, rotor: Rotor) -> list[model.ControlLoop]
 
 
 def _loop(where: str, table: dict[str, Any], rotor: Rotor) -> model.ControlLoop:
-    known = {field.name: field for field in fields(model.ControlLoop)}
-    for key in table:
-        if key not in known:
-            raise InputError(f"{where}.{key}: unknown; the nearest is {nearest(key, known)}")
-    values: dict[str, Any] = {"name": str(table.get("name", where.rpartition(": ")[2]))}
-    for key in ("sensor", "magnet"):
-        if key not in table:
-            raise InputError(f"{where}.{key}: must be given, a node or a part's name")
-        values[key] = place_of(rotor, str(table[key]), f"{where}.{key} =")
-    for key in known.keys() - values.keys():
-        value = table.get(key, known[key].default)
-        if value is MISSING:
-            raise InputError(f"{where}.{key}: must be given")
-        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(value) or value < 0:
-            raise InputError(f"{where}.{key} = {value!r}: must be a number >= 0")
-        values[key] = float(value)
-    return model.ControlLoop(**values)
+    places = {
+        key: place_of(rotor, str(table[key]), f"{where}.{key} =")
+        for key in ("sensor", "magnet")
+        if key in table
+    }
+    name = {"name": where.rpartition(": ")[2]}
+    loop: model.ControlLoop = make(model.ControlLoop, where, name | table | places)
+    check_all(where, loop)
+    return loop

@@ -6,7 +6,7 @@ from ..cells import five_digits
 from ..display import current
 from ..model.machine.rotor import Rotor
 from ..model.structure.assembly import assemble
-from .linear_tables import Table
+from ..tables import Table
 
 
 @dataclass(frozen=True)

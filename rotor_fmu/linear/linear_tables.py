@@ -1,11 +1,11 @@
-"""Tables of linear analyses: as text, as HTML for notebooks, and as numbers for JSON."""
+"""What tables of linear analyses show, and their numbers for JSON."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Self
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from ..cells import cell, five_digits, html_table
+from ..cells import five_digits
 from ..display import speed_with_unit
 from ..model.prominent_peaks import prominent_peaks
 
@@ -17,37 +17,6 @@ _DERIVED = (
     *("amplification", "is_one_sided", "is_met", "ratio", "is_level_2_required"),
     *("depends_on_density", "residual", "conclusion"),
 )
-
-
-class Table(NamedTuple):
-    """A heading, columns with units, rows of numbers and words."""
-
-    title: str
-    heads: Sequence[str]
-    rows: Sequence[Sequence[object]]
-
-    @classmethod
-    def of(cls, title: str, columns: Sequence[tuple[str, Any]]) -> Self:
-        """Return the table of columns, each a head and its numbers or words."""
-        heads, values = zip(*columns, strict=True)
-        rows = zip(*(v.tolist() if isinstance(v, np.ndarray) else v for v in values), strict=True)
-        return cls(title, heads, list(rows))
-
-    def text(self) -> str:
-        """Return the table as text in columns, for a terminal; without rows its title says it."""
-        if not self.rows:
-            return self.title
-        shown = [list(self.heads), *([cell(value) for value in row] for row in self.rows)]
-        widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
-        lines = [
-            "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
-            for row in shown
-        ]
-        return "\n".join([self.title, *lines])
-
-    def html(self) -> str:
-        """Return the table as HTML, for a notebook."""
-        return html_table(self.title, self.heads, self.rows)
 
 
 def shown_either_way(speed: float) -> str:

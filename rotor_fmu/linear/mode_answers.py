@@ -17,9 +17,10 @@ from ..plotting.figure_style import (
     legend_below,
     new_panels,
 )
+from ..tables import Table
 from .displayed import Displayed
 from .linear_plots import WHIRL_COLORS, curve, dotted, shapes_in_grid
-from .linear_tables import Table, clean_damping, state_in_words
+from .linear_tables import clean_damping, state_in_words
 
 _ANGLES = np.linspace(0.0, 2 * math.pi, 49)
 _GAP = 0.93  # of a turn: an orbit ends before it closes, so that its sense can be seen

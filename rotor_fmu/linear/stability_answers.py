@@ -20,8 +20,9 @@ from ..plotting.figure_style import (
     entitle,
     new_figure,
 )
+from ..tables import Table
 from .displayed import Displayed, answer_of
-from .linear_tables import Table, clean_damping
+from .linear_tables import clean_damping
 
 
 def _grows(log_dec: float) -> str:

@@ -14,7 +14,7 @@ from ..linear import acceptance, answers, stability_answers
 from ..linear.displayed import Displayed
 from ..linear.inventory import inventory
 from ..linear.linear_plots import grouped
-from ..linear.linear_tables import Table, clean_damping, numbers
+from ..linear.linear_tables import clean_damping, numbers
 from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_films_are_left, where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
@@ -24,6 +24,7 @@ from ..model.linear.unbalance_check import OF_INTEREST, SPEEDS, highest_of_inter
 from ..model.machine.rotor import Rotor
 from ..report.report_tables import notice_html, table
 from ..report.run_page import figure_html, machine_html, page, template
+from ..tables import Table
 from .rub_check import RubCheck, rub_check
 from .rub_shown import closings_table, rub_figure, runs_table
 

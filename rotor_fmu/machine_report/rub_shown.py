@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 
 from ..display import current
 from ..linear.linear_plots import shade
-from ..linear.linear_tables import Table
 from ..plotting.figure_style import BLUE, DASHED, GREEN, GREY, ORANGE, entitle, new_figure
+from ..tables import Table
 from .rub_check import RubCheck
 
 _HIGHEST = 3.0  # of the largest amplitude in the runs: more of the linear one is not shown

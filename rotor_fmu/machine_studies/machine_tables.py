@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, check_one_of, known_name
+from ..errors import InputError, check_integer, check_one_of, known_name
 from ..fmi.binding import load_names
 from ..fmi.solver_parameters import OTHER_NAMES, PREFIX, settings_of
 from ..machine_file.loading import load_rotor
@@ -18,18 +18,19 @@ from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
 from ..runs.settings_text import value_of
-from ..studies.design import MOST, Axis, Distribution, whole
+from ..studies.design import MOST, Axis, Distribution
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
 from ..units import number
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
 from .metric import VARIANTS, Metric
-from .response_runs import RESPONSE, ResponseRuns
+from .response_runs import RESPONSE, WHICH, ResponseRuns
 from .run_excitation import Excitation, Kick
 from .run_kinds import IN_TIME, SIGNALS, RunKind
 from .run_metrics import DIRECTIONS
 
 _SHARES = np.array([0.05, 0.5, 0.95])  # of a distribution, where its values are tried
+_CHOICES = {"way": DIRECTIONS, "which": WHICH}  # of options of metrics
 # Kinds of runs by name, with the class of their runs.
 RunKinds = Mapping[str, tuple[RunKind, type[MachineRuns]]]
 KINDS: RunKinds = {
@@ -212,10 +213,8 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
 
 def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
     """Return a checked option of a metric; abscissa_unit: of the speed or a curve's parameter."""
-    if key == "which":
-        return value
-    if key == "way":
-        check_one_of(f"{where}: way = {value!r}", value, DIRECTIONS)
+    if key in _CHOICES:
+        check_one_of(f"{where}: {key} = {value!r}", value, _CHOICES[key])
         return value
     if key == "bins":
         if not isinstance(value, dict) or set(value) != {"from", "to", "count"}:
@@ -225,8 +224,8 @@ def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
         )
         if not low < high:
             raise InputError(f"{where}: bins from = {low:g}: must be below to = {high:g}")
-        count = whole(f"{where}: bins count", value["count"], most=MOST)
-        return {"from": low, "to": high, "count": count}
+        check_integer(f"{where}: bins count", value["count"], 1, MOST)
+        return {"from": low, "to": high, "count": value["count"]}
     units = {"speed": abscissa_unit, "at": abscissa_unit, "after": "s"}
     return number(f"{where}: {key}", value, units.get(key, ""))
 

@@ -15,14 +15,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..display import Shown
-from ..errors import InputError, known_name
+from ..errors import InputError, check_one_of, known_name
 from ..fmi.variables import Variable
+from ..model.quantities import POSITIVE
 from ..run_status import FAILED, status_of
 from ..studies.study import Column, Result
 from .machine_runs import RUN, MachineRuns
 from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
 from .run_excitation import Excitation
-from .run_kinds import POSITIVE, Number, RunKind
+from .run_kinds import Number, RunKind
 
 if TYPE_CHECKING:
     from ..periodic.curves import Curve
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 KINDS: dict[str, MetricKind] = {}
 _kind = partial(declared, KINDS)
-_WHICH = ("lowest", "highest")
+WHICH = ("lowest", "highest")
 PARAMETER, STABLE, BRANCH = "parameter", "stable", "branch"
 
 
@@ -102,14 +103,11 @@ class ResponseRuns(MachineRuns):
         from ..model.periodic.branch import BIFURCATIONS
 
         kind = metric.kind.name
-        if kind == "bifurcation" and metric.of not in BIFURCATIONS:
-            listed = ", ".join(BIFURCATIONS)
-            raise metric.error(f"bifurcation = {metric.of!r}: must be one of {listed}")
+        if kind == "bifurcation":
+            where = f"keep {metric.name}: bifurcation = {metric.of!r}"
+            check_one_of(where, metric.of, BIFURCATIONS)
         if kind != "curve" and metric.of in (PARAMETER, STABLE, BRANCH):
             raise metric.error(f"{metric.of}: only of a curve")
-        which = metric.option("which")
-        if which is not None and which not in _WHICH:
-            raise metric.error(f"which = {which!r}: must be one of {', '.join(_WHICH)}")
         low, high, at = how.numbers["from"], how.numbers["to"], metric.option("at")
         if at is not None and not low <= at <= high:
             limit = Shown(1.0, how.abscissa_unit).text(high)
@@ -191,11 +189,11 @@ def _amplitude(metric: Metric, result: "ResponseResult") -> list[float]:
     return _in_bins(result.curve(metric.of), metric.option("bins"))
 
 
-@_kind("{which} value with a {of}", optional={"which": _WHICH[0]}, outputs=None)
+@_kind("{which} value with a {of}", optional={"which": WHICH[0]}, outputs=None)
 def _bifurcation(metric: Metric, result: "ResponseResult") -> float:
     """Return the value of the parameter at a bifurcation; nan without one."""
     values = [b.value for b in result.bifurcations if b.kind == metric.of]
-    pick = min if metric.option("which") == _WHICH[0] else max
+    pick = min if metric.option("which") == WHICH[0] else max
     return float(pick(values, default=math.nan))
 
 

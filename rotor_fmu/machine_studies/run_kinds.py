@@ -7,27 +7,25 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from ..model.quantities import ANY, NOT_NEGATIVE, POSITIVE, Quantity, Rule, check
 from ..studies.design import MOST
 
-POSITIVE, NOT_NEGATIVE = "> 0", ">= 0"
 _STANDS = 1e-9  # of the highest speed, what rounding leaves of none
 
 
 class Number(NamedTuple):
     """A number of a kind of run: its unit, its default (None: must be given; a name: that of the
-    machine's `OperatingSpeeds`), what it is, its bound, and whether it must be an integer."""
+    machine's `OperatingSpeeds`), what it is, its rule, and whether it must be an integer."""
 
     unit: str
     default: float | str | None
     text: str
-    bound: str = ""
+    rule: Rule = ANY
     is_whole: bool = False
 
     def check(self, name: str, value: float) -> None:
         """Raise `InputError` for a value that the number cannot have."""
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        if (self.bound == POSITIVE and not value > 0) or (self.bound and value < 0):
-            raise InputError(f"run.{name} = {value:g}{unit}: must be {self.bound}")
+        check(f"run.{name}", Quantity(self.unit, self.text, self.rule), value)
         if self.is_whole and (value != int(value) or value > MOST):
             raise InputError(f"run.{name} = {value:g}: must be an integer, at most {MOST}")
 

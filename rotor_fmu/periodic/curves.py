@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..display import Shown, current
-from ..errors import InputError, check_one_of, nearest
+from ..errors import InputError, check_one_of, known_name
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import ProbeElement
 from ..model.periodic.branch import Bifurcation, Solution
@@ -101,8 +101,7 @@ class ResponseCurves:
         """
         if name not in self.probes and name.rpartition(".")[0] in self.probes:
             name, _, quantity = name.rpartition(".")
-        if name not in self.probes:
-            raise InputError(f"{name}: no such place; the nearest is {nearest(name, self.probes)}")
+        known_name("", name, self.probes)
         check_one_of(f"{name}.{quantity}", quantity, QUANTITIES)
         rows = [
             (p.value, self.quantities(p, name)[quantity], p.is_stable, i)

@@ -9,7 +9,16 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from ..display import current
-from ..errors import InputError, mapped, nearest, number, numbers, shown_value
+from ..errors import (
+    InputError,
+    check_integer,
+    known_name,
+    mapped,
+    meant,
+    number,
+    numbers,
+    shown_value,
+)
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
 from ..model.machine.rotor import Rotor
@@ -21,7 +30,7 @@ from ..model.periodic.continuation import ReportPoint
 from ..model.periodic.harmonic_count import Accuracy
 from ..model.periodic.problem import SPEED, Task, check
 from ..model.periodic.response import response
-from .result import ResponseResult, check_names
+from .result import ResponseResult
 
 
 def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | None:
@@ -38,8 +47,7 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
     total = np.zeros(len(ports(rotor)), complex)
     for name, value in loads.items():
         if name not in known:
-            near = f"the nearest is {nearest(name, known)}" if known else "the machine has no port"
-            raise InputError(f"loads: {name!r} is not a force on a port; {near}")
+            raise InputError(f"loads: {name!r} is not a force on a port; {meant(name, known)}")
         if not math.isfinite(number(f"loads: {name}", value)):
             raise InputError(f"loads: {name} = {value}: must be finite")
         place, factor = known[name]
@@ -85,11 +93,11 @@ def response_request(
     `InputError`."""
     rotor = rotor_of(machine)
     if given := mapped("parameters", parameters):
-        check_names(rotor.parameters(), given)
+        for n in given:
+            known_name("parameters:", n, rotor.parameters())
         rotor = rotor.with_values({n: number(f"parameters: {n}", v) for n, v in given.items()})
-    for of, count, most in (("period", period, 16), ("harmonics", harmonics, 500)):
-        if not (isinstance(count, (int, np.integer)) and 1 <= count <= most):
-            raise InputError(f"{of} = {count}: must be an integer from 1 to {most}")
+    check_integer("period", period, 1, 16)
+    check_integer("harmonics", harmonics, 1, 500)
     if not 0 < number("share", share) < 1:
         raise InputError(f"share = {share:g}: must be above 0 and below 1")
     if not 1e-4 <= number("step", step) <= 10:
@@ -102,7 +110,7 @@ def response_request(
         name = over[0]
         if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
-        check_names(rotor.parameters(), [name])
+        known_name("over:", name, rotor.parameters())
         if name in given:
             raise InputError(f"{name}: is varied; it cannot be given one value too")
         held, ends = number("speed", speed), numbers("over", over[1:])

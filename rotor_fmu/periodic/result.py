@@ -1,14 +1,13 @@
 """What `rf.response` returns: branches of periodic motions, with tables and pictures."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..display import current, in_its_units
-from ..errors import InputError, nearest
-from ..linear.linear_tables import Table
+from ..errors import InputError, known_name
 from ..model.message_templates import Message
 from ..model.periodic.arclength import NotConverged
 from ..model.periodic.branch import FOLD, TORUS, Bifurcation, Solution
@@ -17,6 +16,7 @@ from ..model.periodic.problem import Note
 from ..model.periodic.queries import folds_over, motions_at, persists_in_time
 from ..model.periodic.starting_points import Persistence
 from ..plotting.notebook import png
+from ..tables import Table
 from .curves import ResponseCurves
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class ResponseResult(ResponseCurves):
             raise InputError("the curve has no smooth fold")
         if not 0 <= i < len(folds):
             raise InputError(f"i = {i}: must be from 0 to {len(folds) - 1}, a fold of the curve")
-        check_names(self._response.rotor.parameters(), [name])
+        known_name("", name, self._response.rotor.parameters())
         try:
             return folds_over(self._response, folds[i], name, low, high, report_value)
         except NotConverged as error:
@@ -184,12 +184,3 @@ def _crossing(bifurcation: Bifurcation) -> float | str:
     if bifurcation.kind != TORUS:
         return crossing.real
     return f"{crossing.real:.4g} ± {abs(crossing.imag):.4g}i"
-
-
-def check_names(known: Collection[str], names: Iterable[str], option: str = "") -> None:
-    """Raise `InputError` for a name that is no quantity of the machine; known: the names of those;
-    option: of the command, in which the names were given."""
-    for name in names:
-        if name not in known:
-            near, given = nearest(name, known), f"{option} {name}".lstrip()
-            raise InputError(f"{given}: no quantity of the machine; the nearest is {near}")

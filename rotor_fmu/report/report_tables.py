@@ -14,7 +14,7 @@ from ..display import current, shown_speed
 from ..run_status import FAILED, OK, has_failed
 from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
-from ..runs.verify_run import headline_of, rows_of
+from ..runs.verify_run import table_of
 from ..vibration import TooFewTurns
 
 _UM = 1e-6  # [m], in which signals are recorded and resampled here
@@ -100,9 +100,8 @@ def _verification(run: Recording, of: str) -> str:
     figures = run.about.get("verification")
     if not figures:
         return ""
-    unit = current().small_unit
-    heads = ["", f"this run [{unit}]", f"finer run [{unit}]", "difference [%]"]
-    return table(f"{of}{headline_of(figures)}", heads, rows_of(figures))
+    compared = table_of(figures)
+    return table(f"{of}{compared.title}", compared.heads, compared.rows)
 
 
 def _places(run: Recording, of: str) -> str:

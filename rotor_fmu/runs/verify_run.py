@@ -16,6 +16,7 @@ from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..model.settings import Settings, SettingsError
 from ..run_status import OK, has_failed, not_confirmed
+from ..tables import Table
 from .job import execute
 from .recording import Recording
 from .run_down import Job, Run
@@ -153,30 +154,16 @@ def _last(run: Run, name: str) -> float:
     return float(run.columns[name][-1]) if len(run.t) else 0.0
 
 
-def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]:
-    """Return rows of quantity, this run and the finer one, in the unit of displacements that is
-    shown, and their difference [%]; figures: `Verification.figures`."""
-    small = current().small
-    return [
+def table_of(figures: Mapping[str, Any]) -> Table:
+    """Return the conclusion, and the run and the finer one side by side, displacements in the unit
+    that is shown; figures: `Verification.figures`."""
+    small, unit = current().small, current().small_unit
+    changed = ", ".join(f"{name} = {value:g}" for name, value in figures["finer"].items())
+    by = f"by the same run with {changed}: {figures['finer_status']}"
+    heads = ("", f"this run [{unit}]", f"finer run [{unit}]", "difference [%]")
+    rows = [
         (f"{c['name']}, {title}", small * c["value"], small * c["finer"], 100 * c["difference"])
         for title, compared in (("largest", figures["peaks"]), ("at the end", figures["final"]))
         for c in compared
     ]
-
-
-def headline_of(figures: Mapping[str, Any]) -> str:
-    """Return the conclusion and the finer run it is based on; figures:
-    `Verification.figures`."""
-    changed = ", ".join(f"{name} = {value:g}" for name, value in figures["finer"].items())
-    return f"{figures['conclusion']}, by the same run with {changed}: {figures['finer_status']}"
-
-
-def text_of(figures: Mapping[str, Any]) -> str:
-    """Return `Verification.figures` as a table of plain text."""
-    lines = [f"{'verification':20s} {headline_of(figures)}"]
-    lines.append(f"  {'':26s} {'this run':>12s} {'finer':>12s} {'difference':>12s}")
-    unit = current().small_word
-    for name, *values, difference in rows_of(figures):
-        both = " ".join(f"{f'{value:.5g} {unit}':>12s}" for value in values)
-        lines.append(f"  {name:26s} {both} {difference:10.3g} %")
-    return "\n".join(lines) + "\n"
+    return Table(f"Verification: {figures['conclusion']}, {by}", heads, rows)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, check_one_of
+from ..errors import InputError, check_integer, check_one_of
 from ..units import number
 
 GRID = "grid"
@@ -313,25 +313,16 @@ def _grid(where: str, grid: object, unit: str) -> tuple[float, ...]:
     if unknown := sorted(grid.keys() - {"from", "to", "count", "spacing"}):
         raise InputError(f"{where}: grid with {unknown[0]}: {form}")
     low, high = (number(f"{where}: grid {key}", grid[key], unit) for key in ("from", "to"))
-    count = whole(f"{where}: grid count", grid["count"], most=MOST)
+    check_integer(f"{where}: grid count", grid["count"], 1, MOST)
     spacing = grid.get("spacing", "linear")
-    if spacing not in ("linear", "log"):
-        raise InputError(f"{where}: grid spacing = {spacing!r}: must be linear or log")
+    check_one_of(f"{where}: grid spacing = {spacing!r}", spacing, ("linear", "log"))
     if spacing == "log" and not (low > 0 and high > 0):
         raise InputError(f"{where}: grid from {low:g} to {high:g}: must be > 0 with spacing log")
     spread = np.geomspace if spacing == "log" else np.linspace
-    return tuple(spread(low, high, count).tolist())
+    return tuple(spread(low, high, grid["count"]).tolist())
 
 
 def _numbers(where: str, key: str, values: object, unit: str) -> tuple[float, ...]:
     if not isinstance(values, list) or not values:
         raise InputError(f"{where}: {key} = {values!r}: must be a list of numbers")
     return tuple(number(f"{where}: {key}", value, unit) for value in values)
-
-
-def whole(where: str, value: object, least: int = 1, most: float = math.inf) -> int:
-    """Return an integer, or `InputError`."""
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        bound = f">= {least}" if most == math.inf else f"from {least} to {most}"
-        raise InputError(f"{where} = {value!r}: must be an integer {bound}")
-    return value

@@ -10,9 +10,17 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..errors import InputError, check_one_of, known_name, meant, read_text, toml_tables
+from ..errors import (
+    InputError,
+    check_integer,
+    check_one_of,
+    known_name,
+    meant,
+    read_text,
+    toml_tables,
+)
 from ..units import number
-from .design import DESIGNS, GRID, Axis, Design, axis_of, whole
+from .design import DESIGNS, GRID, Axis, Design, axis_of
 from .study import Column, Model, Study, Tables, table_of
 
 _GENERAL = ("name", "module", "vary", "design", "limits", "quick")
@@ -155,16 +163,17 @@ def _design(table: dict[str, Any], axes: tuple[Axis, ...]) -> Design:
     check_one_of(f"design kind = {kind!r}", kind, DESIGNS)
     if kind != GRID and "size" not in table:
         raise InputError(f"design {kind}: needs size")
-    size = whole("design size", table["size"]) if "size" in table else 0
+    for key, least in (("size", 1), ("seed", 0), ("levels", 2)):
+        if key in table:
+            check_integer(f"design {key}", table[key], least)
+    size, levels = table.get("size", 0), table.get("levels", 4)
     if kind == GRID and size:
         raise InputError(
             f"design size = {size}: a grid has none; kind must be one of {', '.join(DESIGNS[1:])}"
         )
-    seed = whole("design seed", table.get("seed", 0), 0)
-    levels = whole("design levels", table.get("levels", 4), 2)
     if levels % 2:
         raise InputError(f"design levels = {levels}: must be even")
-    return Design(axes, kind, size, seed, levels=levels)
+    return Design(axes, kind, size, table.get("seed", 0), levels=levels)
 
 
 def _check_names(columns: tuple[Column, ...], axes: tuple[Axis, ...]) -> None:

@@ -53,9 +53,9 @@ def test_the_place_that_moves_most_is_taken_unless_one_is_named(folder):
         (("bode", "nowhere"), "nowhere: is not there"),
         (("bode", "."), "holds no recording.npz"),
         (("orbit", ".", "--speed", "0"), "--speed 0: must not be 0"),
-        (("bode", ".", "--speed", "30Hz"), "--speed: changes no plot bode, only orbit, spectrum"),
-        (("orbit", ".", "--pp"), "--pp: changes no plot orbit, only bode, polar, cascade, sp"),
-        (("energy", ".", "--place", "disc[2]"), "--place: changes no plot energy, only bode, p"),
+        (("bode", ".", "--speed", "30Hz"), "speed: changes no plot bode, only orbit, spectrum"),
+        (("orbit", ".", "--pp"), "is_pp: changes no plot orbit, only bode, polar, cascade, sp"),
+        (("energy", ".", "--place", "disc[2]"), "place: changes no plot energy, only bode, p"),
     ],
 )
 def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, sentence, tmp_path):

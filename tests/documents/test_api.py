@@ -210,7 +210,7 @@ def test_an_array_of_no_dimension_is_a_number():
 
 
 def test_a_signal_that_was_not_recorded_is_told_its_neighbour(result):
-    with pytest.raises(KeyError, match=r"disc\[3\]\.xx.*nearest name is disc\[3\]\.v?x"):
+    with pytest.raises(KeyError, match=r"disc\[3\]\.xx.*did you mean disc\[3\]\.v?x"):
         result["disc[3].xx"]
 
 

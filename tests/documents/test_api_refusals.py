@@ -23,7 +23,10 @@ NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
             r"^solver\.tolerance = 2\.0: must be",
         ),
         ({"stop": 1.0, "preset": NAMES}, r"^preset = array\(.*\): must be one of robust"),
-        ({"stop": 1.0, "loads": {"disc[2].fz": 1.0}}, r"'disc\[2\].fz' is unknown; .* disc\[2\].f"),
+        (
+            {"stop": 1.0, "loads": {"disc[2].fz": 1.0}},
+            r"^loads: disc\[2\].fz: unknown name; .* disc\[2\].f",
+        ),
         ({"stop": 1.0, "loads": {"disc[2].fy": [1.0]}}, "must be a number, or times and values"),
         (
             {"stop": 1.0, "parameters": {"gravity": -1}},

@@ -129,7 +129,7 @@ def test_an_unstable_scheme_is_flagged_computed_and_caught(tmp_path):
         (["bars", "--scheme", "newmark=0,0.5"], "beta = 0: must be above 0"),
         (["bars", "--scheme", "wilson=1.4"], "not of the generalized-alpha family"),
         (["bars", "--impact", "maybe"], "--impact maybe: must be one of no, average-time"),
-        (["bars", "--mass", "heavy"], "--mass heavy: must be lumped or consistent"),
+        (["bars", "--mass", "heavy"], "--mass heavy: must be one of lumped, consistent"),
         (["bars", "--opening", -1], "opening = -1 m: must be >= 0"),
         (["bars", "--penalty", 0], "penalty = 0 N/m: must be > 0"),
         (["bars", "--penalty", 1e4, "--impact", "average-time"], "needs --impact no"),

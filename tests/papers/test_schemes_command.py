@@ -146,7 +146,7 @@ def test_unstable_and_inconsistent_parameters_are_computed_and_flagged(tmp_path)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--scheme", "euler"], "unknown name 'euler'; take one of newmark, hht, wbz,"),
+        (["--scheme", "euler"], "--scheme euler: 'euler': must be one of newmark, hht, wbz,"),
         (["--scheme", "hht"], "--scheme hht: needs alpha_f: hht=ALPHA_F"),
         (["--scheme", "hht=some"], "alpha_f = 'some': must be a number"),
         (["--scheme", "hht=0.1,0.2,0.6,1"], "cannot take '1'; it takes alpha_f, beta, gamma"),

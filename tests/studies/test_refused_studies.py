@@ -16,7 +16,7 @@ from .test_reading import HELD, STUDY, VALUES, read
         ("[keep]", "[kep]", "kep: unknown name; did you mean keep"),
         ('"run-down"', '"rundown"', "run kind = 'rundown': must be one of run-down, run-up"),
         ("rate = 40", "rat = 40", "run run-down: rat: unknown name; did you mean rate"),
-        ("rate = 40", "rate = -40", "run.rate = -40 rad/s2: must be > 0"),
+        ("rate = 40", "rate = -40", "run.rate = -40 rad/s2: must be > 0 and finite"),
         ("rate = 40", 'rate = "fast"', "run.rate = fast: must be a number, in rad/s2"),
         ("[run]", 'machine = "no.toml"\n[run]', "machine = no.toml: cannot be read"),
         ("[run]", "module = 3\n[run]", "module = 3: must be the name of a Python module"),
@@ -144,7 +144,7 @@ def test_a_study_misread_is_refused_in_one_line_and_writes_nothing(
         (VALUES, "values = 5", "vary clearance: values = 5: must be a list of numbers"),
         (VALUES, f"{VALUES}, low = 1", "vary clearance: low is unknown beside values"),
         (VALUES, "grid = 5", "vary clearance: grid = 5: must be { from, to, "),
-        ("count = 3", 'count = 3, spacing = "x"', "grid spacing = 'x': must be linear or log"),
+        ("count = 3", 'count = 3, spacing = "x"', "grid spacing = 'x': must be one of linear, log"),
         (
             "from = 10e-6, to",
             'spacing = "log", from = 0, to',

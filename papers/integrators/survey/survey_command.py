@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from papers.integrators.members import Scheme
-from rotor_fmu.errors import InputError, writable_folder
+from rotor_fmu.errors import InputError, check_one_of, writable_folder
 from rotor_fmu.output_options import with_output_options
 
 from ..schemes_command import parse_scheme
@@ -71,8 +71,7 @@ def chosen_experiments(
     Raises `InputError` for what is not among them.
     """
     for name in names:
-        if name not in EXPERIMENTS:
-            raise InputError(f"--experiment {name}: must be one of {', '.join(EXPERIMENTS)}")
+        check_one_of(f"--experiment {name}", name, EXPERIMENTS)
     result = [EXPERIMENTS[name] for name in dict.fromkeys(names or EXPERIMENTS)]
     if is_quick:
         result = [replace(e, steps=QUICK[e.name][0], cases=QUICK[e.name][1]) for e in result]
