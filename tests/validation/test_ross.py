@@ -1,6 +1,7 @@
 """Rotors that ROSS saved, against ROSS' own numbers (tests/reference/make_ross.py made them)."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -222,6 +223,15 @@ def test_operating_speeds_are_carried_over():
     operation = parse_rotor(toml_text(parse_ross(text).tables)).operation
     assert (operation.minimum_speed, operation.rated_speed) == (None, 200.0)
     assert operation.maximum_continuous_speed == 300.0
+
+
+def test_numbers_that_numpy_made_are_numbers():
+    """ROSS writes those as text into a TOML file; so it does the nodes of `numpy.arange`."""
+    text = text_of("under_tension.toml")
+    made = re.sub(r"(?m)^(n|axial_force) = (\d+)$", r'\1 = "np.int64(\2)"', text)
+    made = re.sub(r"(?m)^(L|m|E) = (.*)$", r'\1 = "np.float64(\2)"', made)
+    assert made.count("np.int64") > 10
+    assert parse_ross(made).tables == parse_ross(text).tables
 
 
 def test_what_exerts_no_lateral_force_is_said_to_be_left_out():
