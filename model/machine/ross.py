@@ -244,7 +244,7 @@ class _Reader:
         speeds = element.column(axis)
         if not isinstance(speeds, list):
             raise QuantityError(f"{element.where}.{axis}: must be a list, as {next(iter(tables))}")
-        if not self._is_3:
+        if not self._is_3 and len(speeds) > 2:
             self._notes.append(
                 f"{element.where}: between the points of its table PCHIP, where ROSS 2 has a spline"
             )

@@ -204,6 +204,14 @@ def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
     assert all("PCHIP" in note for note in two.notes)
 
 
+def test_between_two_points_of_a_table_ross_2_has_a_line_as_pchip_has():
+    saved = json.loads(text_of("on_pedestals.json"))
+    saved["BearingElement_Bearing 0"] |= {"kxx": [1e6, 2e6], "frequency": [0.0, 100.0]}
+    result = parse_ross(json.dumps(saved), is_json=True)
+    assert result.tables["linear_bearing"][0]["kxx"] == [1e6, 2e6]
+    assert not result.notes
+
+
 def test_damping_of_the_whole_rotor_is_in_the_place_of_the_elements():
     """ROSS 3 ignores the elements' damping where the rotor has its own."""
     text = text_of("under_tension.toml").replace("[parameters]", "[parameters]\nbeta = 2e-5")
