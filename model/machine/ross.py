@@ -57,13 +57,23 @@ def parse_ross(text: str, name: str = "rotor", *, is_json: bool = False) -> Impo
     Raises `QuantityError` naming the element, its value and what is allowed.
     """
     try:
-        data = json.loads(text) if is_json else tomllib.loads(text)
+        data = json.loads(text, object_pairs_hook=_once) if is_json else tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         kind = "JSON" if is_json else "TOML"
         raise QuantityError(f"not valid {kind}: {' '.join(str(error).split())}") from error
     if not isinstance(data, dict) or not is_ross(data):
         raise QuantityError("not a rotor that ROSS saved: no ross_version and no ShaftElement_...")
     return _Reader(data, name).read()
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a table of JSON, which would keep but the last of the elements of one name."""
+    table: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in table:
+            raise ValueError(f"{key!r} is there twice")
+        table[key] = value
+    return table
 
 
 class _Reader:

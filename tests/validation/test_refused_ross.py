@@ -121,6 +121,12 @@ def test_what_is_no_rotor_of_ross_is_said(saved, expected):
         parse_ross(json.dumps(saved), is_json=True)
 
 
+def test_elements_of_one_name_are_refused_in_json_as_in_toml():
+    text = text_of("on_pedestals.json").replace('"DiskElement_Disk 1"', '"DiskElement_Disk 0"')
+    with pytest.raises(QuantityError, match="not valid JSON: 'DiskElement_Disk 0' is there twice"):
+        parse_ross(text, is_json=True)
+
+
 def test_a_table_over_the_whirl_frequency_of_ross_3_is_refused_beside_one_over_the_speed():
     saved = json.loads(text_of("on_pedestals.json")) | {"ross_version": "3.0.0"}
     ends = {"frequency": [1.0, 2.0], "speed": [1.0, 2.0]}
