@@ -62,6 +62,8 @@ _OURS = (
     "cpm = revolution / minute",
     "inch_mil = 0.001 * inch = mil = mils",
     "lbm = pound",
+    "@alias gram = gm",
+    "@alias revolution = rev",
 )
 _ANGLES = ("radian", "degree", "revolution", "turn", "cycle", "hertz", "per_minute", "cpm", "rpm")
 

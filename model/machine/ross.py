@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..errors import printable
-from ..parts.shaft import POISSON
 from ..quantities import QuantityError
 from .ross_element import Element
+from .ross_shaft import sections_of
 from .table_reader import a_table
 
 _SHAFT, _DISC, _MASS = "ShaftElement", "DiskElement", "PointMass"
@@ -34,12 +34,12 @@ _OF_BEARINGS = ("n", "n_link", "frequency", "speed", *_COEFFICIENTS, *_MASSES, *
 _HEAD = ("ross_version", "parameters", "_note")
 _SPEEDS = {"min_w": "minimum_speed", "rated_w": "rated_speed", "max_w": "maximum_continuous_speed"}
 _MODAL = ("modal_damping_ratio", "default_damping_ratio")
-_SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
+_ORIGINS = {"operation": "parameters", "shaft.eta_v": "beta", "shaft.mass_damping": "alpha"}
 
 
 class Imported(NamedTuple):
-    """A machine from ROSS: the tables of a machine file, notes on the import, and the element that
-    each part `body[1]` was."""
+    """A machine from ROSS: the tables of a machine file, notes on the import, and what each of
+    them, such as `body[1]`, was in ROSS."""
 
     tables: dict[str, Any]
     notes: tuple[str, ...]
@@ -57,13 +57,23 @@ def parse_ross(text: str, name: str = "rotor", *, is_json: bool = False) -> Impo
     Raises `QuantityError` naming the element, its value and what is allowed.
     """
     try:
-        data = json.loads(text) if is_json else tomllib.loads(text)
+        data = json.loads(text, object_pairs_hook=_once) if is_json else tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         kind = "JSON" if is_json else "TOML"
         raise QuantityError(f"not valid {kind}: {' '.join(str(error).split())}") from error
     if not isinstance(data, dict) or not is_ross(data):
         raise QuantityError("not a rotor that ROSS saved: no ross_version and no ShaftElement_...")
     return _Reader(data, name).read()
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a table of JSON, which would keep but the last of the elements of one name."""
+    table: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in table:
+            raise ValueError(f"{key!r} is there twice")
+        table[key] = value
+    return table
 
 
 class _Reader:
@@ -73,7 +83,7 @@ class _Reader:
         self._name = name
         self._is_3 = not str(data.get("ross_version", "2")).startswith(("0.", "1.", "2"))
         self._notes: list[str] = []
-        self._origins: dict[str, str] = {}
+        self._origins = dict(_ORIGINS)
         self._elements = []
         for key, value in data.items():
             if key in _HEAD:
@@ -101,12 +111,12 @@ class _Reader:
     def read(self) -> Imported:
         """Return the tables of a machine file, with what is left out. Raises `QuantityError` for
         what a machine cannot have."""
-        tables: dict[str, Any] = {"name": self._name, "material": {}}
         shaft = self._of(_SHAFT)
-        tables["section"] = self._sections(shaft, tables["material"])
+        sections, materials = sections_of(shaft, self._origins)
+        tables: dict[str, Any] = {"name": self._name, "material": materials, "section": sections}
         tables["operation"] = self._operation()
         tables["shaft"] = self._damping(shaft)
-        last = len(tables["section"])
+        last = len(sections)
         pedestals = self._pedestals(last)
         for table, ground in pedestals.values():
             self._append(tables, "housing", table, ground)
@@ -167,81 +177,6 @@ class _Reader:
         if element.node() > last:
             raise QuantityError(f"{element.where}.n = {element.node()}: the shaft ends at {last}")
         return {"node": element.node() + 1}
-
-    def _sections(self, shaft: list[Element], materials: dict[str, Any]) -> list[dict[str, Any]]:
-        """Return the sections from left to right, the inmost layer first."""
-        if not shaft:
-            raise QuantityError("ShaftElement_... is missing")
-        at: dict[int, list[dict[str, Any]]] = {}
-        for element in shaft:
-            at.setdefault(element.node(), []).append(self._section(element, materials))
-        for n in range(max(at) + 1):
-            if n not in at:
-                raise QuantityError(
-                    f"ShaftElement with n = {n} is missing; the elements must be those of one shaft"
-                )
-        sections = []
-        for n in sorted(at):
-            core, *layers = sorted(at[n], key=lambda section: section["bore_left"])
-            for layer in layers:
-                if layer.pop("length") != core["length"]:
-                    raise QuantityError(f"ShaftElement with n = {n}: layers of different L")
-            sections.append(core | ({"layer": layers} if layers else {}))
-        return sections
-
-    def _section(self, element: Element, materials: dict[str, Any]) -> dict[str, Any]:
-        flags = ("shear_effects", "rotary_inertia", "gyroscopic")
-        sides = ("idl", "odl", "idr", "odr")
-        loads = ("axial_force", "torque", "alpha", "beta")
-        element.refuse_others("L", "n", "material", "shear_method_calc", *sides, *flags, *loads)
-        for flag in flags:
-            value = element.values.get(flag, True)
-            if not isinstance(value, bool):
-                raise QuantityError(f"{element.where}.{flag} = {value!r}: must be true or false")
-            if not value and flag != "shear_effects":
-                raise QuantityError(
-                    f"{element.where}.{flag} = false: not supported, a shaft here always has it"
-                )
-        element.refuse_nonzero("torque")
-        method = element.values.get("shear_method_calc", "cowper")
-        if method not in tuple(_SHEARS):
-            raise QuantityError(
-                f"{element.where}.shear_method_calc = {method!r}: must be cowper or hutchinson"
-            )
-        bore, outer = element.number("idl"), element.number("odl")
-        return {
-            "length": element.number("L"),
-            "material": self._material(element, materials),
-            "outer_left": outer,
-            "outer_right": element.number("odr", outer),
-            "bore_left": bore,
-            "bore_right": element.number("idr", bore),
-            "axial_force": element.number("axial_force", 0.0),
-            "shear": _SHEARS[method] if element.values.get("shear_effects", True) else "rigid",
-            "taper": "middle",
-        }
-
-    @staticmethod
-    def _material(element: Element, materials: dict[str, Any]) -> str:
-        values = element.values.get("material")
-        if not isinstance(values, dict):
-            raise QuantityError(f"{element.where}.material = {values!r}: must be a table")
-        inner = Element(f"{element.where}.material", "Material", values)
-        young, shear = inner.number("E"), inner.number("G_s")
-        if not shear > 0:
-            raise QuantityError(f"{inner.where}.G_s = {shear:g} Pa: must be > 0")
-        poisson = young / (2 * shear) - 1
-        if not POISSON.allows(poisson):
-            raise QuantityError(
-                f"{inner.where}: E / (2 G_s) - 1 = {poisson:g}, Poisson's ratio: {POISSON.words}"
-            )
-        table = {"young": young, "density": inner.number("rho"), "poisson": poisson}
-        name = base = str(values.get("name", "material"))
-        count = 1
-        while materials.setdefault(name, table) != table:
-            count += 1
-            name = f"{base} {count}"
-        return name
 
     def _masses(self, element: Element) -> tuple[float, float]:
         element.refuse_others("n", "m", "mx", "my", "mz")
@@ -319,7 +254,7 @@ class _Reader:
         speeds = element.column(axis)
         if not isinstance(speeds, list):
             raise QuantityError(f"{element.where}.{axis}: must be a list, as {next(iter(tables))}")
-        if not self._is_3:
+        if not self._is_3 and len(speeds) > 2:
             self._notes.append(
                 f"{element.where}: between the points of its table PCHIP, where ROSS 2 has a spline"
             )

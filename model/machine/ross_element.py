@@ -10,8 +10,15 @@ from .table_reader import nearest, number
 # Entries that draw, name or repeat something, those of the classes beside the coefficients, and of
 # old solvers.
 _IDLE = ("tag", "color", "scale_factor", "interpolation", "sparse", "n_eigen")
-# What ROSS 3 writes into a TOML file for a number that NumPy made.
-_OF_NUMPY = re.compile(r"np\.(?:float|int)\d+\(([-+.\deE]+)\)")
+# What ROSS writes into a TOML file for a number that NumPy made: the number, and what makes it no
+# integer.
+_OF_NUMPY = re.compile(r"np\.(?:float|u?int)\d+\((-?\d{1,19}((?:\.\d+)?(?:e[-+]?\d+)?))\)")
+
+
+def _plain(value: Any) -> Any:
+    """Return a number that NumPy made as a number, anything else as it is."""
+    made = _OF_NUMPY.fullmatch(value) if isinstance(value, str) else None
+    return (float(made[1]) if made[2] else int(made[1])) if made else value
 
 
 class Element(NamedTuple):
@@ -21,14 +28,17 @@ class Element(NamedTuple):
     kind: str
     values: dict[str, Any]
 
-    def number(self, key: str, default: float | None = None) -> float:
-        """Return a finite number."""
-        value = self.values.get(key, default)
-        value = number(default if value is None else value)
-        if isinstance(value, str) and (of_numpy := _OF_NUMPY.fullmatch(value)):
-            value = float(of_numpy[1])
+    def given(self, key: str, default: float | None = None) -> Any:
+        """Return what must be given, unless it has a default."""
+        value = self.values.get(key)
+        value = default if value is None else _plain(value)
         if value is None:
             raise QuantityError(f"{self.where}.{key} is missing")
+        return value
+
+    def number(self, key: str, default: float | None = None) -> float:
+        """Return a finite number."""
+        value = number(self.given(key, default))
         if not isinstance(value, float):
             raise QuantityError(f"{self.where}.{key} = {value!r}: must be a number")
         if not math.isfinite(value):
@@ -37,7 +47,7 @@ class Element(NamedTuple):
 
     def node(self, key: str = "n") -> int:
         """Return a node, from 0."""
-        value = self.values.get(key)
+        value = self.given(key)
         if isinstance(value, bool) or not isinstance(value, int) or value < 0:
             raise QuantityError(f"{self.where}.{key} = {value!r}: must be an integer from 0")
         return value

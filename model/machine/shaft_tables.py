@@ -37,7 +37,7 @@ class Materials:
         named = {name: item for name, item in table.items() if isinstance(item, dict)}
         own = {name: item for name, item in table.items() if name not in named}
         self.named: dict[str, Material] = {
-            name: make(Material, f"material.{name}", t) for name, t in named.items()
+            name: _material(f"material.{name}", t) for name, t in named.items()
         }
         if own or not named:
             self.own = make(Material, "material", own)
@@ -53,6 +53,15 @@ class Materials:
                 f"there is {known}"
             )
         return self.named[name]
+
+
+def _material(where: str, table: dict[str, Any]) -> Material:
+    """Return a named material, whose values are refused by its name."""
+    for name, rule in quantities(Material).items():
+        if name in table:
+            check(f"{where}.{name}", rule, table[name])
+    material: Material = make(Material, where, table)
+    return material
 
 
 def sections_between(

@@ -62,9 +62,10 @@ def import_ross(option: str, path: Path) -> Imported:
         elements = result.elements
         parse_rotor(toml_text(result.tables))
     except QuantityError as error:
-        element = elements.get(str(error).partition(".")[0])
-        of = f"{element}: " if element else ""
-        raise InputError(f"{path}: {of}{error}") from error
+        said = str(error)
+        named = [key for key in elements if said.startswith((f"{key}.", f"{key}:", f"{key} "))]
+        of = f"{elements[max(named, key=len)]}: " if named else ""
+        raise InputError(f"{path}: {of}{said}") from error
     return result
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from ..errors import InputError
 from ..model.machine.table_reader import nearest
 from ..model.quantities import EXPONENT, unit_of
-from ..units import factor, in_si
+from ..units import factor, in_si, split
 from .declared_tables import Key, own_tables, part_tables
 
 _UNITS = "units"
@@ -80,7 +80,8 @@ def _converted(where: str, table: Mapping[str, Any], keys: Mapping[str, Key]) ->
 def _value(shown: str, value: Any, unit: str, factor_of_plain: float) -> Any:
     if isinstance(value, list):
         return [_value(shown, item, unit, factor_of_plain) for item in value]
-    if isinstance(value, str):
-        return in_si(shown, value, unit)
+    if isinstance(value, str):  # a plain number too, where no unit stands behind it
+        is_plain = (split(value) or (0.0, value))[1] == ""
+        return in_si(shown, value, unit) * (factor_of_plain if is_plain else 1.0)
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return value * factor_of_plain if is_number and factor_of_plain != 1.0 else value

@@ -38,6 +38,7 @@ LBF = POUND * G
         ("5 µm", "m", 5e-6),
         ("50 g.mm", "kg.m", 5e-5),
         ("1 oz-in", "kg.m", POUND / 16 * INCH),
+        ("5 gm-in", "kg.m", 5e-3 * INCH),
         ("1 psi", "Pa", LBF / INCH**2),
         ("0.283 lb/in3", "kg/m3", 0.283 * POUND / INCH**3),
         ("7 lbf/in", "N/m", 7 * LBF / INCH),
@@ -47,6 +48,7 @@ LBF = POUND * G
         ("50Hz", "rad/s", 100 * math.pi),
         ("3 kHz", "rad/s", 6000 * math.pi),
         ("3000 cpm", "rad/s", 100 * math.pi),
+        ("50 rev/s", "rad/s", 100 * math.pi),
         ("60 rpm/s", "rad/s2", 2 * math.pi),
         ("90 deg", "rad", math.pi / 2),
         ("1 N/mm^1.5", "N/m**1.5", 1000**1.5),
@@ -192,7 +194,7 @@ TABLE = """
 node = 1
 speed = [1000, 2000]
 kxx = [20, 21]
-kyy = [20, 21]
+kyy = ["20", "21e6 N/m"]
 cxx = 2e3
 cyy = 2e3
 units = { speed = "rpm", kxx = "MN/m", kyy = "N/um" }

@@ -62,6 +62,7 @@ WRONG = [
     (r"mu = 0.05", "mu = -0.05", ["bearing[1].mu = -0.05", "must be >= 0"]),
     (r"cx = 20.0", "cx = inf", ["bearing[1].cx = inf N.s/m", "finite"]),
     (r"young = 2.1e11", "young = -inf", ["material.young = -inf Pa", "finite"]),
+    (r"\[material\]\nyoung = 2.1e11", "[material.a]\nyoung = 0", ["material.a.young = 0 Pa", ">"]),
     (r"e = 80e-6", "e = nan", ["disc[1].e = nan m", "finite"]),
     (r"e = 80e-6", "e = 80e-6\nphase = inf", ["disc[1].phase = inf rad", "finite"]),
     (r"gravity = 9.81", "gravity = -9.81", ["gravity = -9.81 m/s2", "must be >= 0"]),

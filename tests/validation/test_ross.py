@@ -1,6 +1,7 @@
 """Rotors that ROSS saved, against ROSS' own numbers (tests/reference/make_ross.py made them)."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -203,6 +204,14 @@ def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
     assert all("PCHIP" in note for note in two.notes)
 
 
+def test_between_two_points_of_a_table_ross_2_has_a_line_as_pchip_has():
+    saved = json.loads(text_of("on_pedestals.json"))
+    saved["BearingElement_Bearing 0"] |= {"kxx": [1e6, 2e6], "frequency": [0.0, 100.0]}
+    result = parse_ross(json.dumps(saved), is_json=True)
+    assert result.tables["linear_bearing"][0]["kxx"] == [1e6, 2e6]
+    assert not result.notes
+
+
 def test_damping_of_the_whole_rotor_is_in_the_place_of_the_elements():
     """ROSS 3 ignores the elements' damping where the rotor has its own."""
     text = text_of("under_tension.toml").replace("[parameters]", "[parameters]\nbeta = 2e-5")
@@ -222,6 +231,15 @@ def test_operating_speeds_are_carried_over():
     operation = parse_rotor(toml_text(parse_ross(text).tables)).operation
     assert (operation.minimum_speed, operation.rated_speed) == (None, 200.0)
     assert operation.maximum_continuous_speed == 300.0
+
+
+def test_numbers_that_numpy_made_are_numbers():
+    """ROSS writes those as text into a TOML file; so it does the nodes of `numpy.arange`."""
+    text = text_of("under_tension.toml")
+    made = re.sub(r"(?m)^(n|axial_force) = (\d+)$", r'\1 = "np.int64(\2)"', text)
+    made = re.sub(r"(?m)^(L|m|E) = (.*)$", r'\1 = "np.float64(\2)"', made)
+    assert made.count("np.int64") > 10
+    assert parse_ross(made).tables == parse_ross(text).tables
 
 
 def test_what_exerts_no_lateral_force_is_said_to_be_left_out():
