@@ -115,6 +115,7 @@ class HarmonicBalance(ContinuationEquations):
         # scales the rates of the internal states [rad/s]
         self.frequency_scale = abs(self.omega_at(reference)) or self.omega_scale
         self._samples = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES_A_HARMONIC * H)))
+        self._last_sampled: SampledOrbit | None = None
         self._last_stiffness: tuple[tuple[float, float], DynamicStiffness] | None = None
         S = self.dynamic_stiffness(reference, self.omega_at(reference) or self.omega_scale).S
         size = np.abs(S).max(axis=(1, 2), initial=0.0)
@@ -173,8 +174,8 @@ class HarmonicBalance(ContinuationEquations):
     def _series(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the coefficients of b and of the internal states among unknowns, a row each, and
         the unknowns behind them."""
-        rows = 2 * self.H + 1
-        b, states, tail = np.split(x, [rows * self.b, rows * (self.b + self.s)])
+        rows, own = 2 * self.H + 1, self._rows_of_states()
+        b, states, tail = x[: own.start], x[own], x[own.stop :]
         return b.reshape(rows, self.b), states.reshape(rows, self.s), tail
 
     def join(self, orbit: Orbit) -> np.ndarray:
@@ -194,16 +195,15 @@ class HarmonicBalance(ContinuationEquations):
         """Return the residual of the equations, shape (size,), each scaled to about 1."""
         orbit, machine = self.split(x, value), self.machine_at(value)
         samples = self._sampled(orbit, machine)
-        laws = samples.of_own_corners(
-            machine.laws.forces(samples.d, samples.v, samples.states, orbit.speed)
-        )
-        return self._residual_of(
-            orbit, self.dynamic_stiffness(value, orbit.omega), machine, samples, laws
-        )
+        laws = machine.laws.forces(samples.d, samples.v, samples.states, orbit.speed)
+        laws, stiffness = samples.of_own_corners(laws), self.dynamic_stiffness(value, orbit.omega)
+        return self._residual_of(orbit, stiffness, machine, samples, laws)
 
     def _sampled(self, orbit: Orbit, machine: CondensedMachine) -> SampledOrbit:
-        d = orbit.b @ machine.B.T
-        return SampledOrbit(machine.laws, d, orbit.states, orbit.omega, self._samples)
+        of = machine.laws, orbit.b @ machine.B.T, orbit.states, orbit.omega
+        last = self._last_sampled
+        self._last_sampled = last.at(*of) if last else SampledOrbit(*of, self._samples)
+        return self._last_sampled
 
     def _residual_of(self, orbit, stiffness, machine, samples, laws) -> np.ndarray:
         linear = coefficients(
