@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +41,7 @@ _MOVED = 0.1  # of a motion: a larger part of it comes into contact in a step ac
 _LEAST_SHARE = 1e-3  # of the stiffness at the speed: the least by which an equation is scaled
 _SAMPLES_A_HARMONIC = 16
 _LEAST_SAMPLES = 256
+_KEPT = 16  # linear parts, back to those of a curve's last point
 
 
 class Orbit(NamedTuple):
@@ -115,7 +117,8 @@ class HarmonicBalance(ContinuationEquations):
         # scales the rates of the internal states [rad/s]
         self.frequency_scale = abs(self.omega_at(reference)) or self.omega_scale
         self._samples = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES_A_HARMONIC * H)))
-        self._last_stiffness: tuple[tuple[float, float], DynamicStiffness] | None = None
+        self._last_sampled: SampledOrbit | None = None
+        self.dynamic_stiffness = lru_cache(_KEPT)(self._dynamic_stiffness)
         S = self.dynamic_stiffness(reference, self.omega_at(reference) or self.omega_scale).S
         size = np.abs(S).max(axis=(1, 2), initial=0.0)
         rows = np.concatenate([[size[0]], np.repeat(size[1:], 2)])
@@ -154,14 +157,10 @@ class HarmonicBalance(ContinuationEquations):
         """Return the frequency at a value of the parameter [rad/s]; 0 where it is unknown."""
         return 0.0 if self.is_autonomous else abs(self.speed_at(value)) / self.turns
 
-    def dynamic_stiffness(self, value: float, omega: float) -> DynamicStiffness:
+    def _dynamic_stiffness(self, value: float, omega: float) -> DynamicStiffness:
         """Return the linear part at a value of the parameter."""
-        key = value, omega
-        if self._last_stiffness is None or self._last_stiffness[0] != key:
-            order, speed = 0 if self.is_autonomous else self.turns, self.speed_at(value)
-            stiffness = self.machine_at(value).dynamic_stiffness(omega, speed, self.H, order)
-            self._last_stiffness = key, stiffness
-        return self._last_stiffness[1]
+        order, speed = 0 if self.is_autonomous else self.turns, self.speed_at(value)
+        return self.machine_at(value).dynamic_stiffness(omega, speed, self.H, order)
 
     def split(self, x: np.ndarray, value: float) -> Orbit:
         """Return the orbit that a vector of unknowns describes."""
@@ -173,8 +172,8 @@ class HarmonicBalance(ContinuationEquations):
     def _series(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the coefficients of b and of the internal states among unknowns, a row each, and
         the unknowns behind them."""
-        rows = 2 * self.H + 1
-        b, states, tail = np.split(x, [rows * self.b, rows * (self.b + self.s)])
+        rows, own = 2 * self.H + 1, self._rows_of_states()
+        b, states, tail = x[: own.start], x[own], x[own.stop :]
         return b.reshape(rows, self.b), states.reshape(rows, self.s), tail
 
     def join(self, orbit: Orbit) -> np.ndarray:
@@ -194,16 +193,15 @@ class HarmonicBalance(ContinuationEquations):
         """Return the residual of the equations, shape (size,), each scaled to about 1."""
         orbit, machine = self.split(x, value), self.machine_at(value)
         samples = self._sampled(orbit, machine)
-        laws = samples.of_own_corners(
-            machine.laws.forces(samples.d, samples.v, samples.states, orbit.speed)
-        )
-        return self._residual_of(
-            orbit, self.dynamic_stiffness(value, orbit.omega), machine, samples, laws
-        )
+        laws = machine.laws.forces(samples.d, samples.v, samples.states, orbit.speed)
+        laws, stiffness = samples.of_own_corners(laws), self.dynamic_stiffness(value, orbit.omega)
+        return self._residual_of(orbit, stiffness, machine, samples, laws)
 
     def _sampled(self, orbit: Orbit, machine: CondensedMachine) -> SampledOrbit:
-        d = orbit.b @ machine.B.T
-        return SampledOrbit(machine.laws, d, orbit.states, orbit.omega, self._samples)
+        of = machine.laws, orbit.b @ machine.B.T, orbit.states, orbit.omega
+        last = self._last_sampled
+        self._last_sampled = last.at(*of) if last else SampledOrbit(*of, self._samples)
+        return self._last_sampled
 
     def _residual_of(self, orbit, stiffness, machine, samples, laws) -> np.ndarray:
         linear = coefficients(

@@ -12,6 +12,7 @@ accurate enough, and the sum is smooth where a corner passes a sample.
 """
 
 from collections.abc import Callable
+from copy import copy
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -66,9 +67,11 @@ def crossings(
         zero, one = np.zeros(len(vertex)), np.ones(len(vertex))
         low = np.append(low, np.column_stack([zero, vertex]).ravel())
         high = np.append(high, np.column_stack([vertex, one]).ravel())
+    if not len(cell):
+        return Crossings(cell, low, laws.corner_owner[which])
     cubic = cubic_in(cell, which)
     share, begins = 0.5 * (low + high), cubic(low)[0] > 0
-    for _ in range(_NEWTON if len(cell) else 0):
+    for _ in range(_NEWTON):
         value, rate = cubic(share)
         is_before = (value > 0) == begins
         low, high = np.where(is_before, share, low), np.where(is_before, high, share)
@@ -76,7 +79,7 @@ def crossings(
             near = share - value / rate
         share = np.where((near > low) & (near < high), near, 0.5 * (low + high))
     rate, before, last = cubic(share)[1], share, np.full(len(cell), np.nan)
-    for _ in range(_EXACT if len(cell) else 0):
+    for _ in range(_EXACT):
         value = gap_at(cell, share)[np.arange(len(cell)), which]
         with np.errstate(divide="ignore", invalid="ignore"):
             secant = (value - last) / (share - before)
@@ -106,9 +109,10 @@ class SampledOrbit:
     def __init__(
         self, laws: LawsAlongMotion, d: np.ndarray, states: np.ndarray, omega: float, n: int
     ) -> None:
-        rate = derivative(d)
         self.n, self.owner, self._laws = n, np.zeros(0, int), laws
-        self.d, self.v, self.states = sampled(d, n), omega * sampled(rate, n), sampled(states, n)
+        self._of, self._omega = (d, states), omega
+        self.d, self._rate, self.states = (sampled(x, n) for x in (d, derivative(d), states))
+        self.v = omega * self._rate
         if not len(laws.corner_owner):
             return
         H, h = len(d) // 2, 2 * np.pi / n
@@ -127,8 +131,21 @@ class SampledOrbit:
         self._near = h * near * self._apart(cell)
         value, slope = basis(H, (self._at[:, None] + self._near[:, None] * _SIDES).ravel())
         self.d = np.concatenate([self.d, value @ d])
-        self.v = np.concatenate([self.v, omega * (slope @ d)])
+        self._rate = np.concatenate([self._rate, slope @ d])
+        self.v = omega * self._rate
         self.states = np.concatenate([self.states, value @ states])
+
+    def at(
+        self, laws: LawsAlongMotion, d: np.ndarray, states: np.ndarray, omega: float
+    ) -> "SampledOrbit":
+        """Return an orbit sampled as this one is, at once where only omega differs, as in a
+        difference by the speed."""
+        is_same = laws is self._laws and (omega == self._omega or not laws.has_damping)
+        if not (is_same and all(map(np.array_equal, self._of, (d, states)))):
+            return SampledOrbit(laws, d, states, omega, self.n)
+        result = copy(self)
+        result._omega, result.v = omega, omega * self._rate
+        return result
 
     def _apart(self, cell: np.ndarray) -> np.ndarray:
         """Return the distance to the next corner of the same force, in samples, 1 at most."""

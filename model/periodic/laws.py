@@ -5,6 +5,7 @@ This is the only place from which the package calls the laws; the tangents are t
 
 import itertools
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ from ..structure.structure import Structure, sizes_of_laws, starts_of
 from . import entry_points
 
 _CALLED = call_laws, linearize_laws, find_gaps, find_invalid, vibrate_laws
-_BLOCKS = 4  # blocks, one for each number of samples that is asked for
+_BLOCKS = 16  # that are kept, one for each number of samples lately asked for: corners add some
 _STEP = 1e-6  # along the motion, as a share of an interface's length, to a sample's own side
 # of a central difference, as a share of the variable's scale: the friction of a race that rolls at
 # hundreds of revolutions a second turns within some 1e-5 of its speed
@@ -96,15 +97,17 @@ class LawsAlongMotion:
         self.rubbing = [
             j for j in walls if issubclass(LAWS[interfaces.law[j]].kind, ContactQuantities)
         ]
-        damped = [j for j in self.rubbing if self._part(j).c > 0]
-        self._damped = [self._part(j) for j in damped]
+        self._walls = np.array(walls, int)
+        self._damped = np.array([j for j in self.rubbing if self._part(j).c > 0], int)
+        each = ((p.k, p.c, p.delta_c, p.exponent) for p in map(self._part, self._damped))
+        self._damping = np.array([*each], float).reshape(-1, 4).T
         # walls whose force has a tangent like a root: at its onset it rises without bound
         self.is_root_like = np.array(
             [j in self.rubbing and self._part(j).exponent > 1.0 for j in range(self.count)], bool
         )
         # of each corner of a force its interface
-        self.corner_owner = np.array([*walls, *damped], int)
-        self._sampled: dict[int, _SampleBlock] = {}
+        self.corner_owner = np.append(self._walls, self._damped)
+        self._at = lru_cache(_BLOCKS)(self._block_of)
         # of these, such as pads that tilt, force, rates and all derivatives are solved for at once
         self.has_moving_films = any(i.states and LAWS[i.law].linearize for i in interfaces)
         # laws of whose states differences are taken, each by itself
@@ -131,6 +134,11 @@ class LawsAlongMotion:
                 result[state] = sizes[unit]
         return result
 
+    @property
+    def has_damping(self) -> bool:
+        """Whether corners of the forces depend on velocities."""
+        return len(self._damped) > 0
+
     def wall_force(self, j: int, r: float) -> float:
         """Return the inward force of wall j on a journal on a circle of radius r about its centre
         [N]."""
@@ -151,14 +159,9 @@ class LawsAlongMotion:
         fill(run.machine, self._laws, self._interfaces)
         return block, run
 
-    def _at(self, n: int) -> _SampleBlock:
-        if n not in self._sampled:
-            block, run = block_of(self._laws, self._interfaces, n)
-            calls = (backend.bound(function, block) for function in _CALLED)
-            while len(self._sampled) >= _BLOCKS:
-                self._sampled.pop(next(iter(self._sampled)))
-            self._sampled[n] = _SampleBlock(run.samples, *calls)
-        return self._sampled[n]
+    def _block_of(self, n: int) -> _SampleBlock:
+        block, run = block_of(self._laws, self._interfaces, n)
+        return _SampleBlock(run.samples, *(backend.bound(each, block) for each in _CALLED))
 
     def gaps(self, d: np.ndarray) -> np.ndarray:
         """Return the distances from the onset of the forces [m], shape (n, m); d: x and y in turn,
@@ -200,20 +203,17 @@ class LawsAlongMotion:
         acts in full, or, where the journal leaves faster than the elastic force can push, where
         that is used up: the force ends while the gap is still closed.
         """
-        gap = self.gaps(d)
-        result = gap[:, self.corner_owner]
-        if not self._damped:
-            return result
-        owners = self.corner_owner[-len(self._damped) :]
+        if not self.has_damping:
+            return self.gaps(d)[:, self._walls]
         moved = _STEP * self.length / np.maximum(np.abs(v[:, ::2] + 1j * v[:, 1::2]).max(0), 1e-300)
         way = np.repeat(moved, 2) * v
-        rate = (self.gaps(d - way) - self.gaps(d + way)) / (2 * moved)
-        for i, (j, part) in enumerate(zip(owners, self._damped, strict=True), -len(owners)):
-            delta = -gap[:, j]
-            slope = part.k * np.maximum(delta, part.delta_c) ** (part.exponent - 1.0)
-            left = delta + part.c * rate[:, j] / slope
-            result[:, i] = -np.minimum(delta - part.delta_c, left)
-        return result
+        three = self.gaps(np.concatenate([d, d - way, d + way]))
+        gap, before, behind = three.reshape(3, len(d), self.count)
+        delta, rate = -gap[:, self._damped], ((before - behind) / (2 * moved))[:, self._damped]
+        k, c, delta_c, exponent = self._damping
+        slope = k * np.maximum(delta, delta_c) ** (exponent - 1.0)
+        ends = np.minimum(delta - delta_c, delta + c * rate / slope)
+        return np.hstack([gap[:, self._walls], -ends])
 
     def forces(self, d: np.ndarray, v: np.ndarray, states: np.ndarray, speed: float) -> Forces:
         """Return forces and rates; d, v: shape (n, 2 m) [m], [m/s]; states: shape (n, s)."""

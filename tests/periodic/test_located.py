@@ -54,6 +54,24 @@ def test_coefficients_of_a_force_with_corners_are_its_integrals(offset, c):
         assert abs(seen[k] - expected) < 2e-7 * STIFFNESS * amplitude
 
 
+@pytest.mark.parametrize("c", [0.0, 50.0])
+@pytest.mark.parametrize("turned", [1.0, 1.5])
+def test_an_orbit_sampled_as_another_one_is_as_if_sampled_anew(turned, c):
+    """Faster along the same way, on which a damped wall lets go elsewhere, or along another."""
+    laws = CondensedMachine(jeffcott(mu=0.0, c=c).rotor).laws
+    n, H = 512, 3
+    d, states = np.zeros((2 * H + 1, 2)), np.zeros((2 * H + 1, 0))
+    d[1, 0] = 1.5 * CLEARANCE
+    before = SampledOrbit(laws, d, states, 100.0, n)
+    for way, omega in ((turned * d, 100.0), (turned * d, 200.0)):
+        again, anew = before.at(laws, way, states, omega), SampledOrbit(laws, way, states, omega, n)
+        assert len(anew.owner) > 1
+        for one, other in ((again.d, anew.d), (again.v, anew.v), (again.owner, anew.owner)):
+            assert np.array_equal(one, other)
+        values = np.ones((len(anew.d), 1))
+        assert np.array_equal(again.spectrum(values, H), anew.spectrum(values, H))
+
+
 def test_a_corner_lies_where_its_gap_is_zero_although_the_samples_are_few():
     """To a share of the interval well below that beside a corner at which a step looks."""
     n, orders = 96, np.arange(1, 24)
