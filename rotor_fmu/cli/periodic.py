@@ -20,7 +20,7 @@ from .shared import RotorFile, Units
 from .speeds import number_range, one_speed, speed_range
 
 if TYPE_CHECKING:
-    from ..model.periodic.branch import Solution
+    from ..periodic.request import ReportPoint
     from ..periodic.result import ResponseResult
 
 # Of a curve, a value on it, and what is said behind these.
@@ -120,11 +120,10 @@ def _computed(
     from ..periodic.saved_events import saved_log
 
     length = request.task.high - request.task.low
-    with saved_log(out, toml, options) as saved, _progress(length, saved.before, axis) as add:
-
-        def report_point(label: str, point: "Solution") -> None:
-            add(label, point.value, f", {point.orbit.H} harmonics")
-
+    with (
+        saved_log(out, toml, options) as saved,
+        response_progress(length, axis, saved.before) as report_point,
+    ):
         if waits_for_compiler():
             print(
                 "response: compiling the laws of all parts, once on this machine", file=sys.stderr
@@ -155,6 +154,13 @@ def write_response(
     if result.points:
         save(result.figure(), folder / "response.png")
         write_page(lambda: response_page(result, name), folder / "response.html")
+
+
+@contextmanager
+def response_progress(length: float, axis: Shown, before: int = 0) -> Iterator["ReportPoint"]:
+    """Show how far a response is, with the number of harmonics; see `_progress`."""
+    with _progress(length, before, axis) as add:
+        yield lambda label, point: add(label, point.value, f", {point.orbit.H} harmonics")
 
 
 @contextmanager

@@ -231,9 +231,11 @@ def _draw(definition: Study, out: Path) -> list[str]:
     from ..machine_studies.diagram import diagrams
     from ..plotting.figure_style import save
     from ..studies.store import open_dataset
+    from .periodic import response_progress
 
     drawn = []
-    for name, figure in diagrams(definition, open_dataset(out), typer.echo).items():
+    data = open_dataset(out)
+    for name, figure in diagrams(definition, data, typer.echo, response_progress).items():
         word = re.sub(r"[/\\:]", "_", name)  # which no file's name has
         drawn.append(str(save(figure, out / f"diagram_{word}.png")))
         typer.echo(f"written to {drawn[-1]}")

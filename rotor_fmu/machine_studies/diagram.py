@@ -6,6 +6,7 @@ it is unstable, or there is none.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,11 +26,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ..periodic.request import ReportPoint
     from ..periodic.result import ResponseResult
 
 _MOST_PANELS = 4
 _SPEED = f"{RUN}speed"
 Say = Callable[[str], object]
+# Shows how much of a range, so long, a response covers; how its values are shown.
+ShowProgress = Callable[[float, Shown], "AbstractContextManager[ReportPoint]"]
+
+
+def _unseen(length: float, shown: Shown) -> "AbstractContextManager[ReportPoint]":
+    return nullcontext(lambda label, point: None)
 
 
 class Panel(NamedTuple):
@@ -43,18 +51,20 @@ class Panel(NamedTuple):
     response: "ResponseResult | None"
 
 
-def diagrams(study: Study, data: "xarray.Dataset", say: Say) -> "dict[str, Figure]":
+def diagrams(
+    study: Study, data: "xarray.Dataset", say: Say, progress: ShowProgress = _unseen
+) -> "dict[str, Figure]":
     """Return the diagram of every Poincare section that a study keeps, by its column.
 
-    say: is given each computation, and whatever cannot be drawn. Raises `InputError` for a study
-    that keeps none and `RunFailed` where every run failed.
+    say: is given each computation, and whatever cannot be drawn; progress: shows how far one is.
+    Raises `InputError` for a study that keeps none and `RunFailed` where every run failed.
     """
     runs, sections = sections_of(study)
     data = data.isel(run=~np.char.startswith(data.status.values.astype(str), FAILED))
     if not data.sizes["run"]:
         raise RunFailed("--diagram: every run failed")
     axis = None if runs.how.kind.name == STEPS.name else _across(study.design.axes)
-    panels = _panels(study, data, runs, axis, say)
+    panels = _panels(study, data, runs, axis, say, progress)
     shown = {column.name: current().of_si(column.unit) for column in runs.columns}
     return {m.name: _figure(m, shown[m.name], axis, panels[m.name]) for m in sections}
 
@@ -76,7 +86,12 @@ def _across(axes: tuple[Axis, ...]) -> Axis:
 
 
 def _panels(
-    study: Study, data: "xarray.Dataset", runs: MachineRuns, axis: Axis | None, say: Say
+    study: Study,
+    data: "xarray.Dataset",
+    runs: MachineRuns,
+    axis: Axis | None,
+    say: Say,
+    progress: ShowProgress,
 ) -> dict[str, list[Panel]]:
     """Return the panels of each section: one a combination of what else is varied."""
     rest = [a for a in study.design.axes if a is not axis]
@@ -98,7 +113,7 @@ def _panels(
             values = data[metric.name].values[rows]
             over, section, falls = _points(values, across, runs, settings)
             if response is None:
-                response = _response(runs, axis, settings, over, say)
+                response = _response(runs, axis, settings, over, say, progress)
             texts = [_text(a, others[a.name]) for a in rest]
             panel = Panel(over, section, falls, texts, response)
             result.setdefault(metric.name, []).append(panel)
@@ -121,9 +136,15 @@ def _points(
 
 
 def _response(
-    runs: MachineRuns, axis: Axis | None, settings: Mapping[str, float], over: np.ndarray, say: Say
+    runs: MachineRuns,
+    axis: Axis | None,
+    settings: Mapping[str, float],
+    over: np.ndarray,
+    say: Say,
+    progress: ShowProgress,
 ) -> "ResponseResult | None":
-    """Return the periodic motions over the range of a diagram, None where there can be none."""
+    """Return the periodic motions over the range of a diagram, None where there can be none; raises
+    `KeyboardInterrupt` where they are stopped."""
     from ..periodic.request import compute_response, response_request
 
     rotor = machine_of(runs.toml, False).rotor
@@ -131,20 +152,26 @@ def _response(
     given = {n: v for n, v in {**runs.values, **settings}.items() if n in names}
     low, high = float(over.min()), float(over.max())
     request = partial(response_request, rotor, parameters=given, branches=True)
+    of = current().of_si("rad/s" if axis is None else axis.unit)
     try:
         if axis is None or axis.targets == (_SPEED,):
             say(f"periodic motions {range_with_unit(low, high)}")
-            return compute_response(request(speed=(low, high)))
-        if len(axis.targets) > 1 or axis.targets[0] not in names:
+            asked = request(speed=(low, high))
+        elif len(axis.targets) > 1 or axis.targets[0] not in names:
             raise InputError(f"{axis.name}: sets more than one quantity, or none of the machine")
-        speed = settings.get(_SPEED, runs.how.numbers["speed"])
-        of = current().of_si(axis.unit)
-        ends = f"{of.factor * low:.6g} to {of.text(high, digits=6)}"
-        say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
-        return compute_response(request(speed=speed, over=(axis.targets[0], low, high)))
+        else:
+            speed = settings.get(_SPEED, runs.how.numbers["speed"])
+            ends = f"{of.factor * low:.6g} to {of.text(high, digits=6)}"
+            say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
+            asked = request(speed=speed, over=(axis.targets[0], low, high))
+        with progress(high - low, of) as report_point:
+            result = compute_response(asked, report_point)
     except InputError as error:
         say(f"without periodic motions: {error}")
         return None
+    if result.is_stopped:
+        raise KeyboardInterrupt
+    return result
 
 
 def _text(axis: Axis, value: float) -> str:

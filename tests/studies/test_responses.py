@@ -1,6 +1,7 @@
 """Studies whose runs are periodic responses, and diagrams with these under their sections."""
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,7 +10,7 @@ import pytest
 
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError, RunFailed
-from rotor_fmu.machine_studies.diagram import _points, _response, diagrams
+from rotor_fmu.machine_studies.diagram import _points, _response, _unseen, diagrams
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.periodic import request
 from rotor_fmu.studies.runner import run_study
@@ -171,7 +172,15 @@ def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
     )
     run_study(study, tmp_path / "out", here, quiet)
     said = []
-    drawn = diagrams(study, open_dataset(tmp_path / "out"), said.append)
+    data, seen = open_dataset(tmp_path / "out"), []
+
+    def stop(label, point):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        diagrams(study, data, quiet, lambda *_: nullcontext(stop))
+    drawn = diagrams(study, data, said.append, lambda *_: nullcontext(lambda *_: seen.append(1)))
+    assert len(seen) > 10
     assert sorted(drawn) == ["x", "y"]
     assert said == ["periodic motions between 20.69 and 35.014 Hz"]
     for figure in drawn.values():
@@ -225,14 +234,18 @@ def test_speeds_of_a_diagram_fall_where_each_is_below_the_one_before(speeds, exp
 
 def test_motions_under_a_section_over_a_quantity_are_those_over_its_range_at_the_speed(monkeypatch):
     """With what else the runs have; an axis that sets two quantities, or the solver, has none."""
-    monkeypatch.setattr(request, "compute_response", lambda asked: asked)
+
+    def made_of(asked, report_point):
+        return SimpleNamespace(asked=asked, is_stopped=False)
+
+    monkeypatch.setattr(request, "compute_response", made_of)
     text = (EXAMPLES / JEFFCOTT).read_text(encoding="utf-8")
     runs = SimpleNamespace(toml=text, values={}, how=SimpleNamespace(numbers={"speed": 140.0}))
 
     def asked(*targets, settings):
         axis, said = SimpleNamespace(name="mu", targets=targets, unit="1"), []
-        made = _response(runs, axis, settings, np.array([0.1, 0.02, 0.06]), said.append)
-        return made, said[-1]
+        made = _response(runs, axis, settings, np.array([0.1, 0.02, 0.06]), said.append, _unseen)
+        return made and made.asked, said[-1]
 
     (rotor, task), said = asked("contact[1].mu", settings={"contact[1].clearance": 2e-3})
     assert rotor.parameters()["contact[1].clearance"].value == 2e-3
