@@ -6,7 +6,7 @@ it is unstable, or there is none.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -36,10 +36,6 @@ Say = Callable[[str], object]
 ShowProgress = Callable[[float, Shown], "AbstractContextManager[ReportPoint]"]
 
 
-def _unseen(length: float, shown: Shown) -> "AbstractContextManager[ReportPoint]":
-    return nullcontext(lambda label, point: None)
-
-
 class Panel(NamedTuple):
     """A diagram: points over the parameter, of rising and of falling values where a run goes both
     ways; the values of what else is varied, as they are shown; the motions, or None."""
@@ -52,7 +48,7 @@ class Panel(NamedTuple):
 
 
 def diagrams(
-    study: Study, data: "xarray.Dataset", say: Say, progress: ShowProgress = _unseen
+    study: Study, data: "xarray.Dataset", say: Say, progress: ShowProgress
 ) -> "dict[str, Figure]":
     """Return the diagram of every Poincare section that a study keeps, by its column.
 

@@ -10,7 +10,7 @@ import pytest
 
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError, RunFailed
-from rotor_fmu.machine_studies.diagram import _points, _response, _unseen, diagrams
+from rotor_fmu.machine_studies.diagram import _points, _response, diagrams
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.periodic import request
 from rotor_fmu.studies.runner import run_study
@@ -34,6 +34,11 @@ speed = { curve = "parameter" }
 r = { curve = "disc.r_amp" }
 stable = { curve = "stable" }
 """
+
+
+def unseen(length, shown):
+    """No progress."""
+    return nullcontext(lambda label, point: None)
 
 
 def read(folder, run=RUN, keep=KEEP, vary='"contact[1].mu" = { values = [0.02, 0.05] }', more=""):
@@ -210,7 +215,7 @@ def test_a_diagram_names_no_unstable_motions_where_none_are(tmp_path):
         '"contact[1].mu" = { values = [0.05] }',
     )
     run_study(study, tmp_path / "out", here, quiet)
-    (axes,) = diagrams(study, open_dataset(tmp_path / "out"), quiet)["x"].axes
+    (axes,) = diagrams(study, open_dataset(tmp_path / "out"), quiet, unseen)["x"].axes
     titles = [text.get_text() for text in axes.get_legend().get_texts()]
     assert titles == ["once a turn", "periodic, stable"]
 
@@ -244,7 +249,7 @@ def test_motions_under_a_section_over_a_quantity_are_those_over_its_range_at_the
 
     def asked(*targets, settings):
         axis, said = SimpleNamespace(name="mu", targets=targets, unit="1"), []
-        made = _response(runs, axis, settings, np.array([0.1, 0.02, 0.06]), said.append, _unseen)
+        made = _response(runs, axis, settings, np.array([0.1, 0.02, 0.06]), said.append, unseen)
         return made and made.asked, said[-1]
 
     (rotor, task), said = asked("contact[1].mu", settings={"contact[1].clearance": 2e-3})
@@ -271,7 +276,7 @@ def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_
     assert done.returncode == 0, done.stderr
     assert (out / "diagram_x_y.png").exists()
     data = open_dataset(out)
-    drawn = diagrams(study, data, lambda said: None)
+    drawn = diagrams(study, data, lambda said: None, unseen)
     (axes,) = drawn["x/y"].axes
     assert [text.get_text() for text in axes.get_legend().get_texts()] == [
         *("falling", "periodic, stable")
@@ -296,12 +301,12 @@ def test_a_study_whose_runs_all_failed_has_no_diagram(tmp_path):
     )
     run_study(study, tmp_path / "out", here, quiet)
     with pytest.raises(RunFailed, match="--diagram: every run failed"):
-        diagrams(study, open_dataset(tmp_path / "out"), print)
+        diagrams(study, open_dataset(tmp_path / "out"), print, unseen)
 
 
 def test_a_study_without_sections_has_no_diagram(tmp_path):
     with pytest.raises(InputError, match="keeps no poincare"):
-        diagrams(read(tmp_path), None, print)
+        diagrams(read(tmp_path), None, print, unseen)
 
 
 def test_a_run_selected_is_written_with_picture_and_page(process, tmp_path):
