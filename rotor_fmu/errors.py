@@ -78,7 +78,8 @@ def end_stopped() -> NoReturn:
 
 def _one_line(error: "typer.TyperException") -> str:
     """Return the parser's error in one line: of a value that cannot be read the option once, with
-    what was typed behind it; of a missing argument its name as the help shows it."""
+    what was typed behind it; of a missing argument its name as the help shows it; of one too many
+    what a machine file follows."""
     param: Any = getattr(error, "param", None)
     if getattr(param, "param_type_name", "") == "argument" and hasattr(error, "param_type"):
         return f"{param.metavar or param.name.upper()}: must be given"
@@ -87,7 +88,11 @@ def _one_line(error: "typer.TyperException") -> str:
             reason = " ".join(str(getattr(error, "message", error)).split())
             said = re.sub(r"^Input should (.*?)(, unable .*)?$", r"must \1", reason)
             return f"{option} {', '.join(values)}: {said}"
-    return " ".join(error.format_message().split())
+    command: Any = getattr(getattr(error, "ctx", None), "command", None)
+    options = [option for of in getattr(command, "params", ()) for option in of.opts]
+    is_extra = "extra argument" in error.format_message() and "--rotor" in options
+    hint = ["a machine file follows --rotor"] if is_extra else []
+    return "; ".join([" ".join(error.format_message().split()), *hint])
 
 
 def _typed() -> dict[str, list[str]]:

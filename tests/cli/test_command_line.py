@@ -55,6 +55,7 @@ from ..processes import run_anew
         (["--step", "50"], "--step 50 s: must be > 0 and at most --stop = 40 s"),
         (["--stop", "soon"], "--stop soon: "),
         (["--nonsense"], "--nonsense"),
+        (["drop.toml"], "(drop.toml); a machine file follows --rotor"),
         (["--rotor", "none.toml"], "--rotor none.toml: cannot be read"),
         (["--input", "none.csv"], "rotor-fmu: none.csv: cannot be read: No such file"),
         (["--input", "/dev/zero"], "/dev/zero: cannot be read: is not a file"),
