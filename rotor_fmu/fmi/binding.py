@@ -13,7 +13,7 @@ from ..model.time_loop.recorder import Record
 from .coupling_parameters import coupling_parameters
 from .interface import ports
 from .solver_parameters import settings_of
-from .variables import Variable
+from .variables import Variable, start_values
 
 
 def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
@@ -25,7 +25,7 @@ def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
 
 def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, float]) -> Rotor:
     """Return the rotor with all parameters that differ from their start values."""
-    starts = {variable.name: variable.start for variable in table}
+    starts = start_values(table)
     return rotor.with_values({n: values[n] for n in rotor.parameters() if values[n] != starts[n]})
 
 

@@ -1,6 +1,7 @@
 """The variables of the FMU, and their units."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -96,3 +97,8 @@ class Variable:
     def is_observed(self) -> bool:
         """Whether the model computes it."""
         return self.causality in ("output", "local")
+
+
+def start_values(table: Iterable[Variable]) -> dict[str, float]:
+    """Return the start values of the variables that have one, by name."""
+    return {v.name: v.start for v in table if v.start is not None}

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import InputError, meant
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
-from ..fmi.variables import Variable
+from ..fmi.variables import Variable, start_values
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.message_templates import Message
@@ -52,7 +52,7 @@ def machine_of(toml: str, is_free: bool) -> MachineModel:
     """Return the machine of a TOML text, made once in a process."""
     rotor = parse_rotor(toml)
     table = interface(rotor, is_free)
-    return MachineModel(rotor, table, {v.name: v.start for v in table if v.start is not None})
+    return MachineModel(rotor, table, start_values(table))
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from ..errors import MOST_ROWS, InputError, check_one_of
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
+from ..fmi.variables import start_values
 from ..machine_file.loading import load_rotor
 from ..model.machine.rotor import Rotor
 from ..model.quantities import check_size
@@ -102,7 +103,7 @@ def make_job(
         largest = float(max(column, key=abs))
         check_size(f"{name} = {largest:g} {units[name]}", largest)
     parameters = {"speed_rate": signals.first_rate} | dict(parameters)
-    everything = {v.name: v.start for v in table if v.start is not None} | parameters
+    everything = start_values(table) | parameters
     everything |= {name: signals.at(name, 0.0) for name in signals.values}
     settings = settings_of(everything)
     try:

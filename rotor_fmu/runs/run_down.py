@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import RunFailed
 from ..fmi.binding import build_simulation, load_names
 from ..fmi.log import read_message
-from ..fmi.variables import Variable
+from ..fmi.variables import Variable, start_values
 from ..interrupts import interrupts_noted
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
@@ -214,7 +214,7 @@ def _time_loop(
     job: Job, record: Record | Sequence[str], progress: ReportProgress, is_silent: bool
 ) -> tuple[Run, np.ndarray]:
     signals, stop = job.signals, job.stop
-    values = {v.name: v.start for v in job.table if v.start is not None} | dict(job.parameters)
+    values = start_values(job.table) | dict(job.parameters)
     values |= {name: signals.at(name, 0.0) for name in signals.values}
     messages: list[Message] = []
 

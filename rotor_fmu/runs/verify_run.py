@@ -14,6 +14,7 @@ import numpy as np
 from ..display import current
 from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
+from ..fmi.variables import start_values
 from ..model.settings import Settings, SettingsError
 from ..run_status import OK, has_failed, not_confirmed
 from ..tables import Table
@@ -95,7 +96,7 @@ def finer(settings: Settings) -> dict[str, float]:
 def finer_job(job: Job) -> Job:
     """Return the same run, finer. Raises `InputError` where there is none."""
     parameters = {**job.parameters, **finer(job.settings)}
-    values = {v.name: v.start for v in job.table if v.start is not None} | parameters
+    values = start_values(job.table) | parameters
     try:
         return replace(job, parameters=parameters, settings=settings_of(values))
     except SettingsError as error:
