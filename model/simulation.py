@@ -318,7 +318,7 @@ class Simulation:
         for allowed in list(self._ranges):
             if not allowed.holds(speed):
                 self._ranges.remove(allowed)
-                self._warn(Message(allowed.beyond.format(speed=speed), allowed.code))
+                self._warn(allowed.message(speed))
 
     def _failure(self, status: int) -> str:
         if status == RAISED:

@@ -21,14 +21,16 @@ import numpy as np
 from ..machine.rotor import AnyPart, Rotor
 from ..parts.base import GROUND
 from ..parts.bearing_with_oil import BearingWithOil
-from ..parts.film_viscosity import HeatQuantities
+from ..parts.film_viscosity import KEPT, HeatQuantities
 from ..parts.journal_bearing import JournalBearing
 from ..parts.speed_table import interpolant
 from ..quantities import QuantityError
 
 _CLOSE = 1e-6  # K, of a film's temperature
 _STEEP = 1e3  # K, that a balance changes as the temperature does by one
-_NO_BALANCE: dict[str, Any] = {field.name: field.default for field in fields(HeatQuantities)}
+_NO_BALANCE: dict[str, Any] = {
+    field.name: field.default for field in fields(HeatQuantities) if field.name not in KEPT
+}
 
 
 class Oil(NamedTuple):
@@ -59,7 +61,7 @@ def with_oil(part: AnyPart, where: str, downwards: complex) -> AnyPart | Bearing
         raise QuantityError(f"{where}: {error}") from None
     given = {field.name: getattr(part, field.name) for field in fields(part)}
     return BearingWithOil(
-        **given | _NO_BALANCE | {"speed": part.speed, "viscosity": positive.viscosity},
+        **given | _NO_BALANCE | {"viscosity": positive.viscosity},
         negative_viscosity=negative.viscosity,
         why_positive=why_positive,
     )

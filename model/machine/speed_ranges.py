@@ -3,9 +3,19 @@
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from ..message_templates import Message
 from ..parts.bearing_with_oil import BearingWithOil
 from ..parts.journal_bearing import JournalBearing
+from ..parts.speed_table import interpolant
 from .rotor import Rotor
+
+BEYOND_TABLE = "beyond-table"
+# Re sqrt(c / R), Re = density w R c / viscosity, above which vortices may form between concentric
+# cylinders, the inner of which turns (ISO 7902-1; Taylor 1923: its square is 1708)
+_VORTICES = 41.3
+_SAMPLES = 1001  # of a list of viscosities
 
 
 class SpeedRange(NamedTuple):
@@ -22,14 +32,20 @@ class SpeedRange(NamedTuple):
         """Return whether a speed [rad/s] lies in the range."""
         return self.low <= (abs(speed) if self.is_of_size else speed) <= self.high
 
+    def message(self, speed: float) -> Message:
+        """Return the message for a speed [rad/s] outside the range."""
+        return Message(self.beyond.format(speed=speed), self.code)
+
 
 def speed_ranges(rotor: Rotor) -> list[SpeedRange]:
-    """Return the ranges that the tables of a machine's parts cover, whose heat balances are
-    made."""
+    """Return the ranges that the tables of a machine's parts cover, whose heat balances are made,
+    and in which its films are laminar."""
     named = list(rotor.named_parts())
     tables = [_range_of(where, part) for where, part in named if getattr(part, "speed", ())]
     oils = [(where, part) for where, part in named if isinstance(part, BearingWithOil)]
-    return [*tables, *(_positive(where, part) for where, part in oils if part.why_positive)]
+    films = [_laminar(where, part) for where, part in named if isinstance(part, JournalBearing)]
+    positive = [_positive(where, part) for where, part in oils if part.why_positive]
+    return [*tables, *positive, *films]
 
 
 def _range_of(where: str, part: Any) -> SpeedRange:
@@ -41,7 +57,7 @@ def _range_of(where: str, part: Any) -> SpeedRange:
         high,
         f"{where}: speed {{speed:.4g}} rad/s lies outside its table, {low:g} to {high:g} rad/s; "
         f"from there on its {values} of the end",
-        "beyond-table",
+        BEYOND_TABLE,
         is_of_size=is_film,
     )
 
@@ -53,6 +69,29 @@ def _positive(where: str, part: BearingWithOil) -> SpeedRange:
         math.inf,
         f"{where}: speed {{speed:.4g}} rad/s is negative, where it has no heat balance, but the "
         f"viscosity of positive speeds: {part.why_positive}",
-        "beyond-table",
+        BEYOND_TABLE,
         is_of_size=False,
+    )
+
+
+def _laminar(where: str, part: JournalBearing) -> SpeedRange:
+    """Return the range in which the film of a journal bearing is laminar."""
+    reynolds = _VORTICES * math.sqrt(part.journal_radius / part.clearance)
+    per_viscosity = reynolds / (part.density * part.journal_radius * part.clearance)
+    if isinstance(part.viscosity, tuple):
+        speeds = np.linspace(part.speed[0], part.speed[-1], _SAMPLES)
+        over = speeds / interpolant(part.speed, part.viscosity)(speeds)
+        ends = per_viscosity * part.viscosity[0], per_viscosity * part.viscosity[-1]
+        ascending = np.maximum.accumulate(over)  # also where the lubricant becomes thicker again
+        most = float(np.interp(per_viscosity, ascending, speeds, left=ends[0], right=ends[1]))
+    else:
+        most = per_viscosity * part.viscosity
+    return SpeedRange(
+        0.0,
+        most,
+        f"{where}: speed {{speed:.4g}} rad/s is above {most:.4g} rad/s, where the Reynolds number "
+        f"of its film exceeds {reynolds:.4g} (ISO 7902-1): the film is not laminar, and bears and "
+        "brakes more than is computed",
+        "not-laminar",
+        is_of_size=True,
     )

@@ -16,9 +16,9 @@ _SHARE = Rule(0.0, False, "must be from 0 to 1", most=1.0)
 @dataclass(frozen=True, kw_only=True)
 class HeatQuantities:
     """Abscissae of a list of viscosities: speed [rad/s], or temperature [degC], with the heat
-    balance: temperature at the inlet [degC], density [kg/m3] and specific heat [J/(kg.K)] of the
-    lubricant, the share of the film's power that it carries away [1], and the load of the balance
-    [N]."""
+    balance: temperature at the inlet [degC], density [kg/m3], which the Reynolds number needs too,
+    and specific heat [J/(kg.K)] of the lubricant, the share of the film's power that it carries
+    away [1], and the load of the balance [N]."""
 
     speed: tuple[float, ...] = quantity(
         *("rad/s", "speeds of the viscosity's list, ascending; with a temperature: of its balance"),
@@ -39,6 +39,9 @@ class HeatQuantities:
     static_load: float = quantity(
         *("N", "load, along gravity, under which the heat balance is made", NOT_NEGATIVE, 0.0)
     )
+
+
+KEPT = ("speed", "density")  # of `HeatQuantities`: they do not need a heat balance
 
 
 def check_viscosity(where: str, part: Any) -> None:
@@ -73,7 +76,7 @@ def check_viscosity(where: str, part: Any) -> None:
 def _refuse_balance(where: str, part: Any) -> None:
     """Raise `QuantityError` for a quantity of a heat balance that is not made."""
     for field in fields(HeatQuantities):
-        if field.name != "speed" and getattr(part, field.name) != field.default:
+        if field.name not in KEPT and getattr(part, field.name) != field.default:
             raise QuantityError(f"{where}.{field.name}: needs {where}.temperature, for its balance")
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..kernels.kernel import interpreted
 from ..laws_at_rest.oil import machine_with_oil
 from ..machine.rotor import Rotor
-from ..machine.speed_ranges import speed_ranges
+from ..machine.speed_ranges import BEYOND_TABLE, speed_ranges
 from ..message_templates import Message
 from ..parts.rolling_bearing import ROLLING_BEARING, cage_ratio
 from ..quantities import QuantityError
@@ -131,8 +131,9 @@ class Response:
         return machines_of(self.rotor, self.task)
 
 
-def check(rotor: Rotor, task: Task) -> None:
-    """Raise `PeriodicError` or `QuantityError` for a task that a machine does not allow."""
+def check(rotor: Rotor, task: Task) -> list[Message]:
+    """Return messages on speeds that a machine is not made for; raise `PeriodicError` or
+    `QuantityError` for a task that it does not allow."""
     if not task.low < task.high:
         raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
     if task.is_whirl and task.turns != 1:
@@ -145,19 +146,21 @@ def check(rotor: Rotor, task: Task) -> None:
     if task.name == SPEED and task.low < 0.0 < task.high:
         shown = f"speed = {task.low:g}:{task.high:g} rad/s"
         raise PeriodicError(f"{shown}: must not pass through 0, where a turn never ends")
-    ranges = speed_ranges(machine_with_oil(rotor))
     for speed in speeds:
         if not _SLOWEST <= abs(speed) < math.inf:
             raise PeriodicError(
                 f"speed = {speed:g} rad/s: must be at least {_SLOWEST:g} rad/s in size, and finite"
             )
-        for allowed in ranges:
-            if not allowed.holds(speed):
-                beyond = allowed.beyond.format(speed=speed)
-                raise PeriodicError(f"{beyond}; no periodic response is computed there")
     if task.name != SPEED:
         for value in (task.low, task.high):
             rotor.with_value(task.name, value)
+    beyond = []
+    for allowed in speed_ranges(machine_with_oil(rotor)):
+        if left := [speed for speed in speeds if not allowed.holds(speed)]:
+            beyond.append(allowed.message(max(left, key=abs)))
+            if allowed.code == BEYOND_TABLE:
+                raise PeriodicError(f"{beyond[-1]}; no periodic response is computed there")
+    return beyond
 
 
 def check_parts(rotor: Rotor) -> None:

@@ -50,12 +50,13 @@ def response(
     """Return all branches that a task reaches; `report_point` is called with every point, and the
     log records what a restart needs. A branch that is lost keeps its points. KeyboardInterrupt ends
     the computation with the points so far."""
-    check(rotor, task)
+    beyond = check(rotor, task)
     machines = machines_of(rotor, task)
     machines(task.low).check_supported()
     if machines(task.low).laws.count == 0:  # a step may be as long as the motion is large
         task = replace(task, steps=replace(task.steps, large=task.steps.longest))
     result = Response(rotor, task)
+    result.notes += beyond
     if rotor.eta_h > 0.0:
         result.notes.append(HYSTERETIC_AS_SLOWER)
     search = BranchSearch(result, machines, log or EventLog(), report_point)

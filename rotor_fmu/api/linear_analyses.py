@@ -307,10 +307,10 @@ class LinearAnalyses:
 
 
 def _said(result: Answer, rotor: Rotor, speeds: Iterable[float]) -> Answer:
-    """Return an answer, after a `RotorWarning` for each table of a machine that ends before some of
-    these speeds [rad/s]."""
-    from ..linear.where_linearized import where_beyond_tables
+    """Return an answer, after a `RotorWarning` for each range of a machine, of a table or of a
+    laminar film, that ends before some of these speeds [rad/s]."""
+    from ..linear.where_linearized import where_beyond_ranges
 
-    for sentence in where_beyond_tables(rotor, [*speeds]):
+    for sentence in where_beyond_ranges(rotor, [*speeds]):
         warnings.warn(RotorWarning(sentence), stacklevel=3)
     return result

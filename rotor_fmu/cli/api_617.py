@@ -57,7 +57,7 @@ def critical_map(
     machine = machine_in_units(rotor, units)
     check_count(count, 100)
     from ..linear import acceptance
-    from ..linear.where_linearized import where_beyond_tables
+    from ..linear.where_linearized import where_beyond_ranges
     from ..model.linear.undamped import without_seals
 
     result = acceptance.critical_map(
@@ -69,7 +69,7 @@ def critical_map(
         contacts=contacts,
     )
     speeds = [crossing.speed for crossing in result.crossings]
-    say(where_beyond_tables(without_seals(machine), speeds))
+    say(where_beyond_ranges(without_seals(machine), speeds))
     return print_answer(result, out, "critical_map")
 
 

@@ -52,10 +52,10 @@ def bearing(
             raise InputError(f"--load {load}: must be one where --speed {speed} is a range")
         if table is not None:
             raise InputError(f"--load {load}: must be one, for the speeds of --table")
-    from ..linear.where_linearized import where_beyond_tables
+    from ..linear.where_linearized import where_beyond_ranges
 
     result = _result(machine, name, speeds, loads)
-    beyond = where_beyond_tables(machine, speeds if len(speeds) else [0.0])
+    beyond = where_beyond_ranges(machine, speeds if len(speeds) else [0.0])
     # a load that is given asks nothing of the machine's other parts
     say(s for s in beyond if loads is None or s.startswith(f"{result.bearing}: "))
     if table is None:

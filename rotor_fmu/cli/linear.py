@@ -106,10 +106,10 @@ def static(
     """
     at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
-    from ..linear.where_linearized import where_beyond_tables, where_not_at_rest
+    from ..linear.where_linearized import where_beyond_ranges, where_not_at_rest
 
     result = answers.static(machine, at, contacts=contacts)
-    beyond = where_beyond_tables(machine, [result.speed])
+    beyond = where_beyond_ranges(machine, [result.speed])
     say(beyond, where_not_at_rest(machine, result.speed, contacts))
     return print_answer(result, out, "static")
 
@@ -162,7 +162,7 @@ def frequency_response(
     bounds = () if zones is None else _zones(zones)
     from ..linear import frequency_answers as answers
     from ..linear.where_linearized import (
-        where_beyond_tables,
+        where_beyond_ranges,
         where_linearized,
         where_not_reached,
     )
@@ -186,7 +186,7 @@ def frequency_response(
             where_not_reached(machine, [at], contacts),
         )
     else:  # loops hold a machine, and their answer says whether they do
-        say(where_beyond_tables(machine, [at]))
+        say(where_beyond_ranges(machine, [at]))
     return print_answer(result, out, "frequency_response")
 
 

@@ -1,6 +1,6 @@
-"""What linear answers take for granted: the ends of tables, that something holds the machine,
-where oil films are linearized, how tilting pads follow, that the machine is stable, and that
-journals and rings move little in their films."""
+"""What linear answers take for granted: the ends of tables, that films are laminar, that something
+holds the machine, where oil films are linearized, how tilting pads follow, that the machine is
+stable, and that journals and rings move little in their films."""
 
 from collections.abc import Collection, Mapping
 
@@ -29,11 +29,11 @@ def where_linearized(
     coupling: Mapping[int, float] | None = None,
     follows_force: bool = False,
 ) -> list[str]:
-    """Return a sentence for each table outside of which some of these speeds [rad/s] lie, for a
+    """Return a sentence for each range outside of which some of these speeds [rad/s] lie, for a
     machine that nothing holds under its weight, and for oil films; contacts: `open` or `pinned`;
     coupling: further cross-coupled stiffness [N/m] by node (from 1); follows_force: whether what
     follows a vibration has the frequency of a force."""
-    result = where_beyond_tables(machine, speeds)
+    result = where_beyond_ranges(machine, speeds)
     linear = shared_machine(machine)
     if linear.weight.any() and not linear.is_held:
         where = "linearized in the middle of all clearances, as if it had no weight"
@@ -67,16 +67,16 @@ def where_linearized(
     return result
 
 
-def where_beyond_tables(machine: Rotor, speeds: Collection[float]) -> list[str]:
-    """Return a sentence for each end of a table of a machine beyond which some speeds [rad/s] lie,
-    on the furthest one, by their size where the table is for either sense of rotation."""
-    result = []
-    for table in speed_ranges(machine_with_oil(machine)):
-        over = [abs(speed) if table.is_of_size else speed for speed in speeds]
-        below = (speed for speed in over if speed < table.low)
-        above = (speed for speed in over if speed > table.high)
+def where_beyond_ranges(machine: Rotor, speeds: Collection[float]) -> list[str]:
+    """Return a sentence for each end of a range, of a table or of a laminar film, beyond which some
+    speeds [rad/s] lie, on the furthest one, by their size where it is for either sense."""
+    result: list[str] = []
+    for allowed in speed_ranges(machine_with_oil(machine)):
+        over = [abs(speed) if allowed.is_of_size else speed for speed in speeds]
+        below = (speed for speed in over if speed < allowed.low)
+        above = (speed for speed in over if speed > allowed.high)
         ends = min(below, default=None), max(above, default=None)
-        result += [table.beyond.format(speed=end) for end in ends if end is not None]
+        result += [allowed.message(end) for end in ends if end is not None]
     return result
 
 

@@ -8,7 +8,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.simulation import RotorWarning
 
 import rotor_fmu as rf
-from rotor_fmu.linear.where_linearized import where_beyond_tables
+from rotor_fmu.linear.where_linearized import where_beyond_ranges
 from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
 
 from ..toml_text import table
@@ -77,7 +77,7 @@ def test_a_bearing_alone_says_it_of_its_own_table_and_of_those_that_decide_its_l
 
 def test_a_table_for_either_sense_of_rotation_is_left_between_both():
     """Of speeds from -200 to 200 rad/s it has all but the slow ones."""
-    (first, second) = where_beyond_tables(parse_rotor(SHAFT + FILMS), [-200.0, 0.0, 200.0])
+    (first, second) = where_beyond_ranges(parse_rotor(SHAFT + FILMS), [-200.0, 0.0, 200.0])
     assert first.startswith(named("0", "journal_bearing[1]"))
     assert second.startswith(named("0", "journal_bearing[2]"))
 

@@ -18,7 +18,7 @@ from rotor_fmu.model.simulation import Simulation
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from rotor_fmu.linear.where_linearized import where_beyond_tables
+from rotor_fmu.linear.where_linearized import where_beyond_ranges
 from rotor_fmu.periodic.request import response_request
 
 from ..toml_text import table
@@ -248,8 +248,8 @@ def test_a_film_that_has_no_heat_balance_turned_the_other_way_says_so():
     curves = bearing_curves(machine, [-250.0, 250.0], bearing="journal_bearing[2]", load=_LOAD)
     assert curves.viscosity[0] == curves.viscosity[1]
     assert curves.temperature[0] == curves.temperature[1]
-    assert where_beyond_tables(machine, [-250.0, 250.0]) == [warned]
-    assert where_beyond_tables(machine, [-250.0, -120.0, -200.0]) == [warned]
+    assert where_beyond_ranges(machine, [-250.0, 250.0]) == [warned]
+    assert where_beyond_ranges(machine, [-250.0, -120.0, -200.0]) == [warned]
     with pytest.raises(QuantityError, match=re.escape(warned)):
         response_request(machine, speed=(-250.0, -200.0))
 

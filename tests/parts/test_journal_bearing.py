@@ -26,6 +26,8 @@ _SHAPES = {
     "three lobes": {"pads": tuple(_PI / 2 + i * 2 * _PI / 3 for i in range(3)), "arc": 1.8}
     | {"preload": (0.3, 0.4, 0.5)},
     "offset halves": {**_AXIAL_GROOVES, "preload": 0.4, "offset": 1.0},
+    "four lobes": {"pads": tuple(_PI / 4 + i * _PI / 2 for i in range(4)), "arc": 1.3}
+    | {"preload": 0.5},
 }
 
 
@@ -141,6 +143,27 @@ def test_what_leaves_at_the_sides_of_pads_against_a_grid(shape, rupture, length,
     film = BearingAlone(_bearing(length=length, rupture=rupture, **_SHAPES[shape]), 100.0)
     found = film.outputs(e * 1e-4 * np.exp(-0.8j))["flow"]
     assert found == pytest.approx(flow * 0.05 * 1e-4 * 100.0 / (2 * _PI) * length, rel=0.04)
+
+
+# shape, length, e at 0.8 rad below the right: largest pressure over mu w (R / c)^2 of a grid of 241
+# x 49, and how much it is exceeded
+_PRESSURES = [
+    ("axial grooves", 0.05, 0.6, 1.3565, 0.02),
+    ("axial grooves", 0.05, 0.9, 24.371, 0.06),
+    ("axial grooves", 0.1, 0.6, 3.0401, 0.05),
+    ("axial grooves", 0.1, 0.9, 33.883, 0.12),
+    ("three lobes", 0.05, 0.6, 1.1594, 0.06),
+    ("four lobes", 0.05, 0.6, 1.0267, 0.07),
+    ("four lobes", 0.1, 0.6, 1.2743, 0.15),
+]
+
+
+@pytest.mark.parametrize(("shape", "length", "e", "pressure", "excess"), _PRESSURES)
+def test_the_largest_pressure_exceeds_that_of_a_grid(shape, length, e, pressure, excess):
+    """Along the length it is flatter than a parabola that bears as much."""
+    film = BearingAlone(_bearing(length=length, **_SHAPES[shape]), 100.0)
+    found = film.outputs(e * 1e-4 * np.exp(-0.8j))["pressure"] / (0.1 * 100.0 * 500.0**2)
+    assert pressure < found < (1.0 + excess) * pressure
 
 
 # shape, length: position over the clearance, K [MN/m], C [kN.s/m] under 2500 N at 3000 rev/min, of
