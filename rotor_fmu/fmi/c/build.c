@@ -61,7 +61,7 @@ static Status resolve_settings(Instance *m)
     return OK;
 }
 
-void warn_beyond_tables(Instance *m)
+void warn_beyond_ranges(Instance *m)
 {
     const Table *t = m->table;
     const Span *span = (const Span *)((const char *)t + t->first_span);
@@ -171,7 +171,7 @@ Status build(Instance *m)
         return refuse(m, "internal error at the start");
     if (code)
         return log_sentence(m, ERROR, sentence(t, code), numbers);
-    warn_beyond_tables(m);
+    warn_beyond_ranges(m);
     survey(m, 1);
     m->state->is_built = 1;
     return OK;

@@ -83,7 +83,7 @@ void choose_contacts(Instance *);
 Status retune(Instance *);
 /* Look for what grows up to the present speed, and warn of it. */
 void survey(Instance *, int is_start);
-void warn_beyond_tables(Instance *);
+void warn_beyond_ranges(Instance *);
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

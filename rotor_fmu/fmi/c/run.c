@@ -187,7 +187,7 @@ static Status take_step(Instance *m, double current, double size)
     s->failure[0] = 0;
     if (code < 0)
         warn(m, -code, numbers);
-    warn_beyond_tables(m);
+    warn_beyond_ranges(m);
     speed = fabs(in_block(m, t->omega_at));
     if (!(in_block(m, t->surveyed_from) <= speed && speed <= in_block(m, t->surveyed_to)))
         survey(m, 0);
