@@ -151,6 +151,8 @@ class TableSlave(Fmi2Slave):
     @described
     def exit_initialization_mode(self) -> None:
         """Check what was set, and begin."""
+        if self.begun:
+            raise Refused("exitInitializationMode: the initialization has ended")
         self._begin()
         self.begun = 1.0
 
@@ -161,6 +163,8 @@ class TableSlave(Fmi2Slave):
     @described
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Check the inputs and step from `current_time` over `step_size` [s]."""
+        if not self.begun:
+            raise Refused("doStep: the initialization has not ended")
         self._check(("input",))
         if not (step_size > 0 and math.isfinite(step_size)):
             raise Refused(f"doStep over {step_size:g} s: the step must be > 0 and finite")

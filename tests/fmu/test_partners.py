@@ -125,7 +125,11 @@ def test_what_it_cannot_take_it_refuses_and_goes_on(partner, built):
         names = (partner.parameter, partner.output)
         gain, output = (member.variable(name).valueReference for name in names)
         given, count = member.get([partner.parameter]), len(partner.coupling.variables)
+        early = refused(messages, fmu.doStep, 0.0, partner.step)
+        assert early.endswith("doStep: the initialization has not ended")
         member.begin()
+        late = refused(messages, fmu.exitInitializationMode)
+        assert late.endswith("exitInitializationMode: the initialization has ended")
         for _ in range(20):  # a reference too few and the host would be gone
             message = refused(messages, fmu.getReal, [count])
             assert f"value reference {count}: must be from 0 to {count - 1}" in message
