@@ -86,7 +86,10 @@ def continued_rate(record, drive, duration):
     if since < 0.5 * duration:
         since, before = r.t - r.t_earlier, r.omega_earlier
         if since < 0.5 * duration:  # nothing is known of so long ago but the rate then
-            before -= r.alpha_earlier * (0.5 * duration - since)
+            # which counts up to twice the rate since: beyond that it is of a jump that is over
+            most = 2.0 * (drive - before) / since
+            earlier = min(max(r.alpha_earlier, min(most, 0.0)), max(most, 0.0))
+            before -= earlier * (0.5 * duration - since)
             since = 0.5 * duration
     return (drive - before) / since, 1.0 / since
 

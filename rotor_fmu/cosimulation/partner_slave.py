@@ -81,8 +81,18 @@ class TableSlave(Fmi2Slave):
 
     @described
     def get_real(self, references: Sequence[int]) -> list[float]:
-        """Return the values of Reals."""
-        return [self._number(self._entry("getReal", reference)[0]) for reference in references]
+        """Return the values of Reals; while the initialization lasts, those of computed ones are
+        what they would be if it ended now."""
+        entries = [self._entry("getReal", reference) for reference in references]
+        if self.begun or not any(causality in ("output", "local") for _, causality, *_ in entries):
+            return [self._number(name) for name, *_ in entries]
+        before = [getattr(self, name) for name, *_ in self.VARIABLES]
+        try:
+            self._begin()
+            return [self._number(name) for name, *_ in entries]
+        finally:
+            for (name, *_), value in zip(self.VARIABLES, before, strict=True):
+                setattr(self, name, value)
 
     @described
     def set_real(self, references: Sequence[int], values: Sequence[float]) -> None:
@@ -141,13 +151,20 @@ class TableSlave(Fmi2Slave):
     @described
     def exit_initialization_mode(self) -> None:
         """Check what was set, and begin."""
+        if self.begun:
+            raise Refused("exitInitializationMode: the initialization has ended")
+        self._begin()
+        self.begun = 1.0
+
+    def _begin(self) -> None:
         self._check(("input", "parameter"))
         self.begin()
-        self.begun = 1.0
 
     @described
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Check the inputs and step from `current_time` over `step_size` [s]."""
+        if not self.begun:
+            raise Refused("doStep: the initialization has not ended")
         self._check(("input",))
         if not (step_size > 0 and math.isfinite(step_size)):
             raise Refused(f"doStep over {step_size:g} s: the step must be > 0 and finite")
@@ -156,7 +173,8 @@ class TableSlave(Fmi2Slave):
 
     @abstractmethod
     def begin(self) -> None:
-        """Carry out the slave's actions at the end of the initialization."""
+        """Give all variables that are computed their values at the start. Called at the end of the
+        initialization, and before whenever a host reads one of them."""
 
     @abstractmethod
     def step(self, t: float, h: float) -> None:

@@ -182,6 +182,26 @@ def test_libcosim_gives_the_same_from_the_system_files(system, through_fmpy, fil
         assert row[name] == pytest.approx(output, rel=1e-9), name
 
 
+def test_the_rotor_starts_at_the_speed_of_the_drive_in_a_master_that_connects_outputs_at_once(
+    system, tmp_path
+):
+    text = (system / "OspSystemStructure.xml").read_text()
+    still = 'variable="w_start"><Real value="0.0"'
+    assert still in text
+    (tmp_path / "OspSystemStructure.xml").write_text(text.replace(still, still[:-4] + '150.0"'))
+    for file in (*system.glob("*.fmu"), system / "with_libcosim.py"):
+        shutil.copy(file, tmp_path)
+    shown = ("drive.w", "rotor.tau_load", "rotor.energy.drive_work")
+    row = through_libcosim(tmp_path, "OspSystemStructure.xml", 0.1, shown)
+    fmus = {"partner": system / "DriveTrain.fmu", "rotor": system / "RotorBearing.fmu"}
+    given, seen = {"partner": {"w_start": 150.0}}, {"rotor": ["energy.drive_work"]}
+    run = COUPLING.run(fmus, 0.1, 0.002, given, seen)
+    for name in shown:
+        side, _, variable = name.partition(".")
+        output = run[side.replace("drive", "partner")][variable][-1]
+        assert row[name] == pytest.approx(output, rel=1e-9), name
+
+
 def test_cofmpy_gives_the_same_from_its_system_file(system, through_fmpy):
     pytest.importorskip("cofmupy", reason="pip install --no-deps cofmupy: it pins old versions")
     row = last_row(system / "with_cofmpy.py", "1")

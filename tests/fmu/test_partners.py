@@ -14,10 +14,11 @@ from rotor_fmu.cosimulation.member import Member
 
 @dataclass(frozen=True)
 class Partner:
-    """Its coupling, a parameter of it, an output, an input with what drives it, and
-    what is seen of it."""
+    """Its coupling, what it starts from, a parameter of it, an output, an input with what drives
+    it, and what is seen of it."""
 
     coupling: Coupling
+    starts: tuple
     parameter: str
     output: str
     inputs: tuple
@@ -29,6 +30,7 @@ class Partner:
 PARTNERS = {
     "drive train": Partner(
         Coupling(example_folder("drive_train") / "drive_train.py"),
+        ("w_start",),
         "kp",
         "w_motor",
         ("tau_load",),
@@ -38,6 +40,7 @@ PARTNERS = {
     ),
     "magnetic bearing": Partner(
         Coupling(example_folder("magnetic_bearing") / "magnetic_bearing.py"),
+        ("w", "left_x"),
         "kp",
         "left_fx",
         ("left_x", "left_dx"),
@@ -69,6 +72,23 @@ def test_the_description_is_valid_and_says_what_the_table_does(partner, built):
 
 def test_building_twice_gives_the_same_bytes(partner, built, tmp_path):
     assert partner.coupling.build(tmp_path).read_bytes() == built.read_bytes()
+
+
+def test_outputs_are_at_the_end_of_the_initialization_what_they_were_in_it(partner, built):
+    given = {name: 1.0 + i for i, name in enumerate(partner.starts)}
+    computed = [
+        v.name
+        for v in partner.coupling.variables
+        if v.causality in ("output", "local") and v.name != "begun"
+    ]
+    with Member(built, {}, []) as member:
+        member.set(given)
+        before = member.get([*computed, "begun"])
+        assert before == member.get([*computed, "begun"])
+        assert before.pop("begun") == 0.0
+        assert 1.0 in before.values()
+        member.begin()
+        assert member.get([*computed, "begun"]) == before | {"begun": 1.0}
 
 
 def test_it_goes_on_from_a_saved_state(partner, built):
@@ -105,7 +125,11 @@ def test_what_it_cannot_take_it_refuses_and_goes_on(partner, built):
         names = (partner.parameter, partner.output)
         gain, output = (member.variable(name).valueReference for name in names)
         given, count = member.get([partner.parameter]), len(partner.coupling.variables)
+        early = refused(messages, fmu.doStep, 0.0, partner.step)
+        assert early.endswith("doStep: the initialization has not ended")
         member.begin()
+        late = refused(messages, fmu.exitInitializationMode)
+        assert late.endswith("exitInitializationMode: the initialization has ended")
         for _ in range(20):  # a reference too few and the host would be gone
             message = refused(messages, fmu.getReal, [count])
             assert f"value reference {count}: must be from 0 to {count - 1}" in message

@@ -28,6 +28,16 @@ def test_a_jump_of_the_speed_is_overshot_by_at_most_twice_its_size(sliver):
     assert sim.read("w") == pytest.approx(401.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("between", range(1, 6))
+def test_a_jump_is_overshot_no_more_in_a_step_longer_than_all_before(between):
+    """As of a host that lengthens its steps after an event, which is no rate to go on with."""
+    sim = simulation(speed=400.0)
+    for k in range(5 + between):
+        sim.advance((k + 1) * 0.1 * H, 400.0 if k < 5 else 401.0)
+    sim.advance(sim.time + 10 * H, 401.0)
+    assert 401.0 <= sim.read("w") <= 401.0 + 2.0
+
+
 @pytest.mark.parametrize("rate", [-10.0, 30.0])
 def test_a_ramp_is_followed_exactly_however_unequal_the_steps_are(rate):
     rng = np.random.default_rng(5)
