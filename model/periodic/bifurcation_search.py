@@ -183,7 +183,8 @@ def _located_on(problem: PeriodicEquations, piece: _Piece, halvings: int) -> lis
     most. Where the parameter does not change there are none: of a whirl at the threshold of a
     machine that is linear until it touches, every size is a motion, and a multiplier of each is
     1."""
-    if abs(piece.after.value - piece.before.value) <= problem.tolerance * problem.scale:
+    changed = abs(piece.after.value - piece.before.value)
+    if changed <= problem.tolerance * problem.scale and not piece.turns:
         return []
     if halvings and not piece.is_simple(problem, halvings):
         with suppress(NotConverged):
