@@ -10,7 +10,7 @@ from ..errors import InputError, check_one_of, writable_folder
 from ..files import write_text
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options
-from .shared import PictureFolder, Units
+from .shared import PictureFolder, RotorFile, Units
 from .show_result import machine_in_units, print_answer, say
 from .speeds import number_range, speed_range
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @with_output_options
 def bearing(
-    file: Annotated[Path, typer.Argument()],
+    rotor: RotorFile = None,
     speed: str | None = None,
     name: Annotated[str | None, typer.Option("--bearing")] = None,
     load: str | None = None,
@@ -36,8 +36,6 @@ def bearing(
     and damping on centred circular orbits; of a rolling bearing what its elements carry, and how
     its stiffness changes as they pass.
 
-    file: Machine file with a journal_bearing, squeeze_film_damper, rolling_bearing or
-        floating_ring_bearing.
     speed: Speeds FROM:TO or FROM:TO:POINTS, or one, in rad/s, or with rpm or Hz added; of a damper
         one, the frequency of its orbits; a rolling bearing needs none.
     name: Its name, such as journal_bearing[2]; default: the first.
@@ -45,7 +43,7 @@ def bearing(
         what the machine's weight puts on it.
     table: File for a linear_bearing with these coefficients over the speed.
     """
-    speeds, machine = speed_range(speed, 21), machine_in_units(file, units, "bearing")
+    speeds, machine = speed_range(speed, 21), machine_in_units(rotor, units)
     loads = None if load is None else number_range(load, 21, "--load", "N")
     if loads is not None and len(loads) > 1:
         if len(speeds) > 1:
@@ -60,20 +58,20 @@ def bearing(
     say(s for s in beyond if loads is None or s.startswith(f"{result.bearing}: "))
     if table is None:
         return print_answer(result, out, "bearing")
-    text = _linear_bearing(result, machine, file)
-    _check_table(table, file)
+    text = _linear_bearing(result, machine)
+    _check_table(table, rotor)
     data = print_answer(result, out, "bearing")
     write_text(text, table)
     typer.echo(f"written to {table}")
     return data
 
 
-def _check_table(table: Path, file: Path) -> None:
+def _check_table(table: Path, file: Path | None) -> None:
     """Raise `InputError` where no table can be written, or where the machine's file stands."""
     writable_folder(table.parent, "--table")
     if table.is_dir():
         raise InputError(f"--table {table}: is a folder; give the table's name in it")
-    if table.exists() and table.samefile(file):
+    if file and table.exists() and table.samefile(file):
         raise InputError(f"--table {table}: is the machine's own file; give another")
 
 
@@ -117,7 +115,7 @@ def _result(
 
 
 def _linear_bearing(
-    result: "BearingCurves | DamperCurves | RingCurves | RollingCurves", machine: Rotor, file: Path
+    result: "BearingCurves | DamperCurves | RingCurves | RollingCurves", machine: Rotor
 ) -> str:
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""
     from ..linear.bearing_answers import BearingCurves, RingCurves
@@ -150,5 +148,5 @@ def _linear_bearing(
                 values[f"{letter}{row}{column}"] = (
                     over_speed if "speed" in values else over_speed[0]
                 )
-    head = f"# {what}{result.bearing} of {file.name}, linearized where {rests}.\n"
+    head = f"# {what}{result.bearing} of {machine.name}, linearized where {rests}.\n"
     return f"{head}\n{toml_text({'linear_bearing': [values]})}"

@@ -19,10 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def machine_in_units(file: Path | None, units: str | None, option: str = "--rotor") -> Rotor:
-    """Return the machine; from here on what is shown is in the units asked for, or its own; option:
-    that names the file."""
-    machine = load_rotor(file, option=option)[1]
+def machine_in_units(file: Path | None, units: str | None) -> Rotor:
+    """Return the machine; from here on what is shown is in the units asked for, or its own."""
+    machine = load_rotor(file)[1]
     choose(units, machine.units, file or "")
     return machine
 

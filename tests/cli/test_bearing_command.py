@@ -29,7 +29,9 @@ from .bearing_machines import EXAMPLES, OIL, PNG, ROLLING, SQUEEZE, with_part
 @pytest.mark.usefixtures("drawn")
 def test_a_damper_is_said_with_coefficients_that_a_linear_bearing_takes(command, tmp_path):
     table = tmp_path / "damper.toml"
-    said = command("bearing", str(SQUEEZE), "--speed", "250", "--load", "0", "--table", str(table))
+    said = command(
+        "bearing", "--rotor", str(SQUEEZE), "--speed", "250", "--load", "0", "--table", str(table)
+    )
     assert "squeeze_film_damper[1]: rests at e/c = 0 under 0 N" in said
     assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(PNG)
     text = SQUEEZE.read_text(encoding="utf-8").split("[[squeeze_film_damper]]")[0]
@@ -45,7 +47,7 @@ def test_coefficients_of_a_bearing_that_is_placed_by_z_stand_where_it_does(comma
     bare = heavy_shaft() + table("[linear_bearing]", z=0.03, kxx=1e7, kyy=1e7, cxx=0.0, cyy=0.0)
     placed, coefficients = tmp_path / "placed.toml", tmp_path / "coefficients.toml"
     placed.write_text(bare + film(1).replace("node = 1", "z = 0.17"))
-    command("bearing", str(placed), "--speed", "300", "--table", str(coefficients))
+    command("bearing", "--rotor", str(placed), "--speed", "300", "--table", str(coefficients))
     replaced = parse_rotor(bare + coefficients.read_text())
     nodes = [replaced.nodes[part.node - 1] for part in replaced.of_kind(LinearBearing)]
     assert nodes == pytest.approx([0.03, 0.17], rel=1e-12)
@@ -248,7 +250,7 @@ def _with_film(**more):
     ],
 )
 def test_what_cannot_be_asked_is_refused(refusal, file, arguments, expected):
-    assert expected in refusal("bearing", str(file), *arguments)
+    assert expected in refusal("bearing", "--rotor", str(file), *arguments)
 
 
 def test_a_table_is_not_written_over_the_machine_nor_where_something_else_cannot(tmp_path):
@@ -256,7 +258,7 @@ def test_a_table_is_not_written_over_the_machine_nor_where_something_else_cannot
     machine.write_text(OIL.read_text(encoding="utf-8"))
     taken.write_text("")
     before = sorted(tmp_path.iterdir())
-    given = ["bearing", str(machine), "--speed", "300", "--quiet"]
+    given = ["bearing", "--rotor", str(machine), "--speed", "300", "--quiet"]
     for target, out, expected in (
         (machine, tmp_path / "out", f"--table {machine}: is the machine's own file; give another"),
         (tmp_path, tmp_path / "out", f"--table {tmp_path}: is a folder; give the table's name"),

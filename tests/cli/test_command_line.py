@@ -86,7 +86,6 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
         ("unbalance --node 3 --node x", "--node 3, x: "),
         ("plot bode", "RUN: must be given"),
         ("study", "STUDY.toml: must be given"),
-        ("bearing none.toml", "bearing none.toml: cannot be read: No such file"),
         ("modes --contacts shut", "--contacts shut: must be one of open, pinned"),
         ("response --share 0", "--share 0: must be above 0 and below 1"),
         ("response --step=100", "--step 100: must be from 0.0001 to 10"),

@@ -25,7 +25,9 @@ PNG = b"\x89PNG"
 @pytest.mark.usefixtures("drawn")
 def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, tmp_path):
     table = tmp_path / "linear.toml"
-    said = command("bearing", str(OIL_FILM), "--speed", "300:900:4", "--table", str(table))
+    said = command(
+        "bearing", "--rotor", str(OIL_FILM), "--speed", "300:900:4", "--table", str(table)
+    )
     assert "journal_bearing[1]: a mass of" in said
     assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(PNG)
     values = json.loads((tmp_path / "out" / "bearing.json").read_text())
@@ -164,11 +166,13 @@ def test_the_response_to_unbalance_begins_at_standstill_on_oil_films_too(command
     ],
 )
 def test_impossible_bearings_are_refused(refusal, arguments, expected):
-    assert expected in refusal("bearing", str(OIL_FILM), *arguments)
+    assert expected in refusal("bearing", "--rotor", str(OIL_FILM), *arguments)
 
 
 def test_a_load_past_the_film_is_refused_with_what_it_carries(command, tmp_path):
     text = OIL_FILM.read_text().replace("k = 1e8", "")
     (tmp_path / "open.toml").write_text(text)
     with pytest.raises(ValueError, match=r"its load is 1e\+05 N, and its film carries [\d.]+ N"):
-        command("bearing", str(tmp_path / "open.toml"), "--speed", "300", "--load", "1e5")
+        command(
+            "bearing", "--rotor", str(tmp_path / "open.toml"), "--speed", "300", "--load", "1e5"
+        )

@@ -71,7 +71,16 @@ def test_what_is_written_for_linear_bearings_answers_to_unbalance_as_the_rings(c
     for i in (1, 2):
         table = tmp_path / f"{i}.toml"
         name = f"floating_ring_bearing[{i}]"
-        given = (str(EXAMPLE), "--bearing", name, "--speed", "2000:8000:3", "--table", str(table))
+        given = (
+            "--rotor",
+            str(EXAMPLE),
+            "--bearing",
+            name,
+            "--speed",
+            "2000:8000:3",
+            "--table",
+            str(table),
+        )
         assert f"{name}: the ring turns at 0.1" in command("bearing", *given)
         linear += table.read_text()
     assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(b"\x89PNG")
@@ -101,7 +110,7 @@ def test_the_default_load_is_what_the_machine_puts_on_it_and_turns_with_gravity(
     ],
 )
 def test_what_cannot_be_asked_is_refused(refusal, arguments, expected):
-    assert expected in refusal("bearing", str(EXAMPLE), *arguments)
+    assert expected in refusal("bearing", "--rotor", str(EXAMPLE), *arguments)
 
 
 @pytest.mark.parametrize(

@@ -116,7 +116,7 @@ def test_coefficients_written_for_a_rolling_bearing_give_the_modes_of_the_machin
     text, linear = ROLLING.read_text(encoding="utf-8"), ""
     for name, node in (("left", 1), ("right", 3)):
         table = tmp_path / f"{node}.toml"
-        said = command("bearing", str(ROLLING), "--bearing", name, "--table", str(table))
+        said = command("bearing", "--rotor", str(ROLLING), "--bearing", name, "--table", str(table))
         assert f"{name}: 8 elements" in said
         linear += table.read_text()
     assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(PNG)

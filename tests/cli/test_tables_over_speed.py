@@ -69,7 +69,9 @@ def test_a_bearing_alone_says_it_of_its_own_table_and_of_those_that_decide_its_l
     command, tmp_path, load, parts
 ):
     (tmp_path / "films.toml").write_text(SHAFT + FILMS)
-    said = command("bearing", str(tmp_path / "films.toml"), "--speed", "200:400:3", *load)
+    said = command(
+        "bearing", "--rotor", str(tmp_path / "films.toml"), "--speed", "200:400:3", *load
+    )
     assert [line for line in said.splitlines() if "lies outside" in line] == [
         f"{named('400', part)}; from there on its viscosity is that of the end" for part in parts
     ]
