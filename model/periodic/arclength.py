@@ -33,7 +33,7 @@ _ERRORS = 1e3  # of a point: a change of x in which no resonance is looked for
 # smooth curve does by the third power of the step: beyond, something lies between.
 _ASIDE = 0.03
 _UNSEEN = 1e-4  # of x: the highest harmonics' error; a touch that moves by a sample changes x less
-_SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
+SAME_PIECE = 1e-4  # difference of cosines within which two tangents are of one smooth piece
 _ACROSS_STEP = 4.0  # times as large is 1 less the cosine of the tangents at both ends of a way
 _GROW, _SHRINK = 1.5, 0.5
 _LARGEST_DISTANCE = 2.0  # of a step: how far the next point of a curve may be
@@ -317,7 +317,7 @@ def _beyond_corner(
     falsifies that tangent."""
     plane, scale = point.direction, equations.scale
     # where lambda turns the curve may double back, on another piece by its tangent
-    same_piece = _SAME_PIECE + _ACROSS_STEP * bend
+    same_piece = SAME_PIECE + _ACROSS_STEP * bend
     for length in (4 * steps.shortest, 64 * steps.shortest, 1e3 * steps.shortest):
         x = point.x + length * point.tangent
         value = point.value + length * scale * point.tangent_value

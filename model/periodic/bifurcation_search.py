@@ -73,7 +73,7 @@ def bifurcations_between(
     problem: PeriodicEquations, before: CurvePoint, after: CurvePoint, last: Solution, now: Solution
 ) -> list[Bifurcation]:
     """Return the bifurcations between two points, at which the motions are `last` and `now`, in
-    their order along the curve; where these have no multipliers, the folds alone."""
+    their order along the curve; where these have no multipliers, those at which it turns."""
     step = _Piece(before, after, last.multipliers, now.multipliers, last.orbit, now.orbit)
     looked_at = copy(problem)  # the search must not change the steps with which the curve goes on
     located = _located_on(looked_at, step, _HALVINGS)
@@ -183,7 +183,8 @@ def _located_on(problem: PeriodicEquations, piece: _Piece, halvings: int) -> lis
     most. Where the parameter does not change there are none: of a whirl at the threshold of a
     machine that is linear until it touches, every size is a motion, and a multiplier of each is
     1."""
-    if abs(piece.after.value - piece.before.value) <= problem.tolerance * problem.scale:
+    changed = abs(piece.after.value - piece.before.value)
+    if changed <= problem.tolerance * problem.scale and not piece.turns:
         return []
     if halvings and not piece.is_simple(problem, halvings):
         with suppress(NotConverged):
@@ -220,7 +221,7 @@ def _located_at_once(problem: PeriodicEquations, piece: _Piece) -> list[_Located
         return known[share]
 
     if piece.turns:
-        located.append(_locate_fold(problem, piece, points))
+        located.append(_locate_turn(problem, piece, points))
     few, many = sorted(
         int(2 * n[2] + n[:2].sum()) for n in map(_outside, (piece.first, piece.second))
     )
@@ -237,14 +238,25 @@ def _located_at_once(problem: PeriodicEquations, piece: _Piece) -> list[_Located
     return located
 
 
-def _locate_fold(problem: PeriodicEquations, piece: _Piece, points: PiecePoints) -> _Located:
-    """Return the fold, where the tangent has no component along the parameter."""
-    point, is_smooth = points.root(lambda share: points.at(share).tangent_value)
+def _locate_turn(problem: PeriodicEquations, piece: _Piece, points: PiecePoints) -> _Located:
+    """Return where the tangent has no component along the parameter: a fold, or the branch point at
+    which motions without a symmetry of the machine meet their mirror images."""
+    kind, point_at = FOLD, points.at
+
+    def slope_at(share: float) -> float:
+        return point_at(share).tangent_value
+
+    if piece.is_branching(problem):
+        with suppress(NotConverged):
+            points.narrow(slope_at)
+        if points.is_smooth_about(slope_at):
+            kind, point_at = BRANCHING, points.motion_at
+    point, is_smooth = points.root(slope_at)
     multiplier = complex(math.nan)
     if is_smooth and len(piece.second):
         values = _multipliers(problem, point)
         multiplier = complex(values[np.argmin(np.abs(values - 1.0))])
-    return _Located(FOLD if is_smooth else GRAZING, point, multiplier, is_smooth)
+    return _Located(kind if is_smooth else GRAZING, point, multiplier, is_smooth)
 
 
 def _multipliers(problem: PeriodicEquations, point: CurvePoint) -> np.ndarray:

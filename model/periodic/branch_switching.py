@@ -1,9 +1,12 @@
 """Branch switching: the branches that begin at period doublings and branch points.
 
-There the Jacobian has a null vector v. The perturbed motion x_0 + eps v is corrected at right
-angles to v and to the branch that is left. For a period doubling v contains only the harmonics that
-change sign from one period to the next; v and -v lead to the same motion, one period apart.
+There the equations have a null vector v besides the tangent of the branch that is left. The
+perturbed motion x_0 + eps v is corrected at right angles to v. For a period doubling v contains
+only the harmonics that change sign from one period to the next; v and -v lead to the same motion,
+one period apart.
 """
+
+import math
 
 import numpy as np
 
@@ -14,15 +17,17 @@ from .balance import HarmonicBalance, Orbit
 from .branch import BRANCHING, DOUBLING, Bifurcation, Branch
 from .checkpoint import Starts
 from .continuation import BranchSearch, follow_all, is_known, start_along
-from .fourier import repeated
+from .fourier import repeated, resized, shifted
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
-from .problem import Task
+from .problem import Response, Task
+from .queries import motions_of
 from .shooting import Shooting
 
 # Distances of the first motion from the bifurcation, in lengths of the interfaces.
 _PERTURBATIONS = (0.05, 0.02, 0.1, 0.2, 0.005)
 _MOST_BRANCHES = 24
+_SAME = 1e-3  # distance of two motions that are one, as a share of their size
 
 
 def follow_switched(search: BranchSearch) -> None:
@@ -48,21 +53,18 @@ def _starts(search: BranchSearch, branch: Branch, bifurcation: Bifurcation) -> S
         orbit = Orbit(*both, 0.5 * orbit.omega, 2 * orbit.turns, orbit.speed, orbit.parameter)
     problem = _equations_of(search, orbit, value)
     x = problem.join(orbit)
-    across = np.append(_null_vector(problem, x, value, is_doubling), 0.0)
-    if not is_doubling:
+    if is_doubling:
+        across = np.append(_alternating_null_vector(problem, x, value), 0.0)
+    else:
         a, b = branch.points[bifurcation.behind : bifurcation.behind + 2]
-        along = np.append(
-            problem.join(b.orbit) - problem.join(a.orbit),
-            (b.value - a.value) / problem.scale,
-        )
-        along /= np.linalg.norm(along)
-        across -= (across @ along) * along
-        across /= np.linalg.norm(across)
+        change = (b.value - a.value) / problem.scale
+        along = np.append(problem.join(b.orbit) - problem.join(a.orbit), change)
+        across = _other_direction(problem, x, value, along)
     for sign in (1.0,) if is_doubling else (1.0, -1.0):
         point = _perturbed(task, problem, x, value, sign * across)
         if point is None:
             continue
-        if not is_known(search.result.branches, problem.split(point.x, point.value), point.value):
+        if not _is_on_a_branch(search.result, problem.split(point.x, point.value), point.value):
             yield start_along(problem, point.x, point.value, [point.direction])
     return []
 
@@ -93,17 +95,49 @@ def _perturbed(
     return None
 
 
-def _null_vector(
-    problem: PeriodicEquations, x: np.ndarray, value: float, alternates: bool
-) -> np.ndarray:
-    """Return the unit null vector of the Jacobian; alternates: of odd harmonics alone, which the
-    state at the beginning of a doubled period fulfils by itself."""
+def _is_on_a_branch(result: Response, orbit: Orbit, value: float) -> bool:
+    """Return whether a motion is one of the branches, whose own motions are solved for where it is
+    near: one that begins at a bifurcation is near to the branch that is left for long."""
+    for branch in result.branches:
+        if is_known([branch], orbit, value):
+            own = motions_of(result, branch, value)
+            if not own or any(_is_one(each.orbit, orbit) for each in own):
+                return True
+    return False
+
+
+def _is_one(a: Orbit, b: Orbit) -> bool:
+    """Return whether two motions, each solved for, are one, also whole revolutions later."""
+    turns = math.lcm(a.turns, b.turns)
+    H = max(each.H * turns // each.turns for each in (a, b))
+    first, second = (resized(repeated(each.b, turns // each.turns), H) for each in (a, b))
+    apart = (
+        np.linalg.norm(first - shifted(second, 2 * math.pi * turn / turns)) for turn in range(turns)
+    )
+    return bool(min(apart) <= _SAME * np.linalg.norm(first))
+
+
+def _alternating_null_vector(problem: PeriodicEquations, x: np.ndarray, value: float) -> np.ndarray:
+    """Return the unit null vector of the Jacobian in odd harmonics alone, which the state at the
+    beginning of a doubled period fulfils by itself."""
     _, jacobian = problem.linearized(x, value)
     which = np.ones(len(x), bool)
-    if alternates and isinstance(problem, HarmonicBalance):
+    if isinstance(problem, HarmonicBalance):
         k = (np.arange(2 * problem.H + 1) + 1) // 2
         which = np.concatenate([np.repeat(k % 2 == 1, n) for n in (problem.b, problem.s)])
     _, _, right = np.linalg.svd(jacobian[np.ix_(which, which)])
     vector = np.zeros(len(x))
     vector[which] = right[-1]
     return vector
+
+
+def _other_direction(
+    problem: PeriodicEquations, x: np.ndarray, value: float, along: np.ndarray
+) -> np.ndarray:
+    """Return the unit direction at right angles to `along` in the plane of both branches that pass
+    a branch point: there Jacobian and derivative by the parameter have two null vectors."""
+    _, jacobian, by_lambda = problem.linearized_with_parameter(x, value)
+    _, _, right = np.linalg.svd(np.column_stack([jacobian, by_lambda]))
+    first, second = right[-2:]
+    across = (second @ along) * first - (first @ along) * second
+    return np.asarray(across / np.linalg.norm(across))

@@ -87,6 +87,12 @@ class PiecePoints:
             for share in (root - _ASIDE, root + _ASIDE):
                 self.at(min(max(share, 0.0), 1.0))
 
+    def is_smooth_about(self, test: Callable[[float], float]) -> bool:
+        """Return whether the nearest points about a function's root, which `narrow` has put there,
+        are of one smooth piece of the curve."""
+        low, high = map(self.at, self._around_root(test))
+        return low.cosine(high) > 1.0 - arclength.SAME_PIECE
+
     def root(self, test: Callable[[float], float]) -> tuple[CurvePoint, bool]:
         """Return the root of a function of the share, which has opposite signs at both ends, by
         Brent's method from the nearest known points about it, and whether the function is smooth

@@ -10,7 +10,7 @@ from ..machine.rotor import Rotor
 from . import newton
 from .arclength import CurvePoint
 from .balance import HarmonicBalance
-from .branch import FOLD, Bifurcation, Solution, solution
+from .branch import FOLD, Bifurcation, Branch, Solution, solution
 from .folds import FoldCurve, fold_curve
 from .fourier import resized
 from .method_switch import PeriodicEquations
@@ -27,24 +27,25 @@ _STEPS = 1, 4, 16  # from a point to a value beside it, until Newton's method co
 def motions_at(result: Response, value: float) -> list[Solution]:
     """Return all motions of the branches at a value of the parameter, by Newton's method from the
     neighbouring points."""
+    return [motion for each in result.branches for motion in motions_of(result, each, value)]
+
+
+def motions_of(result: Response, branch: Branch, value: float) -> list[Solution]:
+    """Return the same of one branch."""
     outcome = list[Solution]()
     near = _ROUNDING * (result.task.high - result.task.low)
-    for branch in result.branches:
-        ends, found = branch.points[:1] + branch.points[-1:], list[Solution]()
-        for a, b in zip(branch.points, branch.points[1:], strict=False):
-            if a.value == value and a is not branch.points[0]:
-                continue  # the previous segment ends there
-            low, high = sorted((a.value, b.value))
-            is_at_end = any(
-                p is end for p in (a, b) for end in ends if abs(end.value - value) <= near
-            )
-            if not is_at_end and not low <= value <= high:
-                continue
-            solved = _between(result, a, b, value)
-            # a closed branch goes a part of a step beyond its start
-            if solved is not None and not any(_is_same(solved, other) for other in found):
-                found.append(solved)
-        outcome += found
+    ends = branch.points[:1] + branch.points[-1:]
+    for a, b in zip(branch.points, branch.points[1:], strict=False):
+        if a.value == value and a is not branch.points[0]:
+            continue  # the previous segment ends there
+        low, high = sorted((a.value, b.value))
+        is_at_end = any(p is end for p in (a, b) for end in ends if abs(end.value - value) <= near)
+        if not is_at_end and not low <= value <= high:
+            continue
+        solved = _between(result, a, b, value)
+        # a closed branch goes a part of a step beyond its start
+        if solved is not None and not any(_is_same(solved, other) for other in outcome):
+            outcome.append(solved)
     return outcome
 
 

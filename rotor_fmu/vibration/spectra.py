@@ -143,18 +143,18 @@ def _spectra(
 
 def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the frequencies [Hz] and the amplitudes 0-p of a real signal, without its mean, under
-    Hann's window: resampled at equal times, the median step apart; what is not finite is left out.
-    Raises `TooFewRows` for less than 3 times, `InputError` for what is no signal."""
+    Hann's window: resampled at equal times, the median step apart, its end being the beginning of
+    the next period; what is not finite is left out. Raises `TooFewRows` for less than 3 times,
+    `InputError` for what is no signal."""
     t, values = finite(t=t, values=values)
     t, row = np.unique(t, return_index=True)  # a row may stand twice
     enough(t, LEAST_ROWS)
     values = values[row]
-    count = 1 + round(float(t[-1] - t[0]) / float(np.median(np.diff(t))))
-    even = np.linspace(t[0], t[-1], count)
-    signal = np.interp(even, t, values)
-    window = np.hanning(count)
-    lines = np.fft.rfft(window * (signal - np.average(signal, weights=window)))
-    return np.fft.rfftfreq(count, float(even[1] - even[0])), 2 * np.abs(lines) / window.sum()
+    count = round(float(t[-1] - t[0]) / float(np.median(np.diff(t))))
+    even, step = np.linspace(t[0], t[-1], count, endpoint=False, retstep=True)
+    signal, (window,) = np.interp(even, t, values), hann(1, count)
+    lines = np.fft.rfft(window * (signal - window @ signal))
+    return np.fft.rfftfreq(count, float(step)), 2 * np.abs(lines)
 
 
 def second_half(t: np.ndarray, phi: np.ndarray) -> slice:

@@ -37,6 +37,22 @@ class _Turn(_Line):
         return 1.0 - x**2 - value, np.array([-2.0 * x * (0.3 - x)])
 
 
+class _Fork(_Turn):
+    """The same curve, of motions x and -x, which begin at lambda = 1 on the branch x = 0."""
+
+    def linearized_with_parameter(self, x, value):
+        return x * (1.0 - x**2 - value), np.array([1.0 - 3.0 * x**2 - value]), -x
+
+    def linearized(self, x, value):
+        return self.linearized_with_parameter(x, value)[:2]
+
+
+def _on_turn(x):
+    """Return the point of this curve at x."""
+    tangent = np.array([1.0, -2.0 * x]) / np.hypot(1.0, 2.0 * x)
+    return CurvePoint(np.array([x]), 1.0 - x**2, tangent[:1], tangent[1])
+
+
 class _Bend(_Line):
     """lambda = 0 up to x = 0, and x beyond."""
 
@@ -191,14 +207,25 @@ def test_a_fold_does_not_hide_a_branch_point_in_its_step(located):
     def multipliers_at(point):
         return np.sort([1.0 + 0.2 * point.x[0], 1.3 - point.x[0]])[::-1]
 
-    tangents = (np.array([1.0, -2.0 * x]) / np.hypot(1.0, 2.0 * x) for x in (-0.2, 0.5))
-    ends = [
-        CurvePoint(np.array([x]), 1.0 - x**2, of[:1], of[1])
-        for x, of in zip((-0.2, 0.5), tangents, strict=True)
-    ]
-    seen = located(multipliers_at, line=_Turn(), ends=ends)
+    seen = located(multipliers_at, line=_Turn(), ends=[_on_turn(-0.2), _on_turn(0.5)])
     assert [b.kind for b in seen] == ["fold", "branch point"]
     assert [b.point.x[0] for b in seen] == pytest.approx([0.0, 0.3], abs=1e-4)
+
+
+def test_a_fold_is_located_although_both_ends_of_its_step_have_one_value(located):
+    ends = [_on_turn(-0.2), _on_turn(0.2)]
+    (seen,) = located(lambda point: np.array([1.0 + 0.2 * point.x[0]]), line=_Turn(), ends=ends)
+    assert seen.kind == "fold"
+    assert seen.point.x[0] == pytest.approx(0.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("end", [0.2, 0.5])
+def test_where_motions_that_break_a_symmetry_meet_is_a_branch_point_no_fold(located, end):
+    """They are stable on both sides, and the machine does not jump."""
+    ends = [_on_turn(-0.2), _on_turn(end)]
+    (seen,) = located(lambda point: np.exp(-(point.x**2)), line=_Fork(), ends=ends)
+    assert (seen.kind, seen.multiplier) == ("branch point", pytest.approx(1.0, abs=1e-6))
+    assert seen.point.value == pytest.approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("inside", [[0.3, 0.3], [0.9j, -0.9j]])

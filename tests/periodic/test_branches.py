@@ -323,3 +323,16 @@ def test_a_branch_with_too_many_harmonics_advises_of_a_wall_only_where_there_is_
     last = SimpleNamespace(value=1.0, last_share=0.1, orbit=SimpleNamespace(H=30))
     why = _reason_lost(tracer, Branch(points=[last]), Accuracy(most=30))
     assert why.endswith(advice)
+
+
+def test_branches_that_break_a_symmetry_are_followed_although_they_stay_near_the_one_they_leave():
+    """In unequal springs, without gravity, an orbit inverted is an orbit half a turn later."""
+    kyy = {f"linear_bearing[{i}].kyy": k for i, k in ((1, 125.0), (2, 12250.0), (3, 125.0))}
+    rotor = jeffcott(zeta=0.04, beta=8.0, mu=0.015, e=0.25, v_s=1e-2)
+    found = rf.response(rotor, speed=(101, 106), parameters=kyy, harmonics=15, branches=True)
+    seen = [(p.is_stable, found.quantities(p, "disc")) for p in found.at(103.9)]
+    assert [is_stable for is_stable, _ in seen] == [False, True, True]
+    middles = np.array([complex(q["x"], q["y"]) for _, q in seen]) / CLEARANCE
+    assert middles[0] == pytest.approx(0.0, abs=1e-9)
+    assert middles[1] == pytest.approx(-middles[2], rel=1e-6)
+    assert abs(middles[1]) > 1e-3

@@ -243,6 +243,15 @@ def test_the_spectrum_of_a_run_at_one_speed_has_its_1x_on_a_line(speed):
     assert f[np.argmax(lines)] == pytest.approx(abs(speed) / TURN, rel=2e-3)
 
 
+@pytest.mark.parametrize("order", [1.0, 3.5])
+def test_orders_of_whole_turns_are_lines_of_a_spectrum_however_few_their_rows(order):
+    t = np.arange(20 * 8 + 1) / 8  # 20 turns of 8 rows, the last row being a mark again
+    f, lines = vibration.spectrum(t, 7.0 + 2.0 * np.cos(order * TURN * t + 0.3))
+    assert f[np.argmax(lines)] == pytest.approx(order, rel=1e-12)
+    assert lines.max() == pytest.approx(2.0, rel=1e-12)
+    assert lines[np.abs(f - order) > 0.06].max() < 1e-12
+
+
 @pytest.mark.parametrize("rows", [0, 1, 2])
 def test_a_signal_of_too_few_rows_for_a_spectrum_says_so(rows):
     t = np.arange(rows) * 1e-3
