@@ -104,7 +104,7 @@ class _Piece(NamedTuple):
     def least_count(self) -> int:
         """How many bifurcations show, at least. Kinds are counted apart, since a multiplier that
         enters the unit circle hides another one that leaves it."""
-        return int(np.abs(_outside(self.second) - _outside(self.first)).sum())
+        return int(np.abs(count_outside(self.second) - count_outside(self.first)).sum())
 
     def is_simple(self, problem: PeriodicEquations, halvings: int) -> bool:
         """Return whether not more than one bifurcation is expected; halvings: that are left."""
@@ -137,7 +137,7 @@ class _Piece(NamedTuple):
         kinds = [each.kind for each in located]
         if GRAZING in kinds or not len(self.second):
             return True
-        above, below, pairs = _outside(self.second) - _outside(self.first)
+        above, below, pairs = count_outside(self.second) - count_outside(self.first)
         doublings, tori = kinds.count(DOUBLING), kinds.count(TORUS)
         if (below - doublings) % 2:
             return False
@@ -163,7 +163,7 @@ def _touches(problem: PeriodicEquations, orbit: Orbit) -> np.ndarray:
     return np.asarray((closed & ~np.roll(closed, 1, axis=0)).sum(axis=0) + closed.any(axis=0))
 
 
-def _outside(multipliers: np.ndarray) -> np.ndarray:
+def count_outside(multipliers: np.ndarray) -> np.ndarray:
     """Return how many multipliers are outside the unit circle: real ones above 1, real ones below
     -1, and complex pairs."""
     outside = multipliers[np.abs(multipliers) > UNIT]
@@ -223,7 +223,7 @@ def _located_at_once(problem: PeriodicEquations, piece: _Piece) -> list[_Located
     if piece.turns:
         located.append(_locate_turn(problem, piece, points))
     few, many = sorted(
-        int(2 * n[2] + n[:2].sum()) for n in map(_outside, (piece.first, piece.second))
+        int(2 * n[2] + n[:2].sum()) for n in map(count_outside, (piece.first, piece.second))
     )
     for k in range(few + 1, many + 1):
         crossed = _locate_crossing(problem, piece, points, multipliers_at, k)

@@ -6,8 +6,6 @@ only the harmonics that change sign from one period to the next; v and -v lead t
 one period apart.
 """
 
-import math
-
 import numpy as np
 
 from ..message_templates import Message
@@ -16,8 +14,8 @@ from .arclength import CurvePoint
 from .balance import HarmonicBalance, Orbit
 from .branch import BRANCHING, DOUBLING, Bifurcation, Branch
 from .checkpoint import Starts
-from .continuation import BranchSearch, follow_all, is_known, start_along
-from .fourier import repeated, resized, shifted
+from .continuation import BranchSearch, follow_all, is_known, is_one_of, start_along
+from .fourier import repeated
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 from .problem import Response, Task
@@ -27,7 +25,6 @@ from .shooting import Shooting
 # Distances of the first motion from the bifurcation, in lengths of the interfaces.
 _PERTURBATIONS = (0.05, 0.02, 0.1, 0.2, 0.005)
 _MOST_BRANCHES = 24
-_SAME = 1e-3  # distance of two motions that are one, as a share of their size
 
 
 def follow_switched(search: BranchSearch) -> None:
@@ -101,20 +98,9 @@ def _is_on_a_branch(result: Response, orbit: Orbit, value: float) -> bool:
     for branch in result.branches:
         if is_known([branch], orbit, value):
             own = motions_of(result, branch, value)
-            if not own or any(_is_one(each.orbit, orbit) for each in own):
+            if not own or is_one_of(own, orbit):
                 return True
     return False
-
-
-def _is_one(a: Orbit, b: Orbit) -> bool:
-    """Return whether two motions, each solved for, are one, also whole revolutions later."""
-    turns = math.lcm(a.turns, b.turns)
-    H = max(each.H * turns // each.turns for each in (a, b))
-    first, second = (resized(repeated(each.b, turns // each.turns), H) for each in (a, b))
-    apart = (
-        np.linalg.norm(first - shifted(second, 2 * math.pi * turn / turns)) for turn in range(turns)
-    )
-    return bool(min(apart) <= _SAME * np.linalg.norm(first))
 
 
 def _alternating_null_vector(problem: PeriodicEquations, x: np.ndarray, value: float) -> np.ndarray:

@@ -18,13 +18,15 @@ from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 from .problem import Machines, Note, Response
+from .queries import motions_of
 from .shooting import Shooting
 from .tracer import TracedPoint, Tracer
 
 LOST = "lost: "
 JOINED = "joins a branch of a shorter period"
 RESTING = "the whirl begins there, at rest"
-_SAME = 0.02  # distance of two orbits that are one, as a share of their size
+_SAME = 0.02  # distance of two orbits that are one, as a share of their size,
+_ONE = 1e-3  # or of two motions, each solved for
 
 ReportPoint = Callable[[str, Solution], None]
 
@@ -111,7 +113,7 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
             branch.bifurcations += [b._replace(behind=behind) for b in traced.bifurcations]
             if (task.is_whirl or start.turns > task.turns) and _has_joined(branch, task.is_whirl):
                 tracer.end = RESTING if task.is_whirl else JOINED
-            elif joined := None if task.is_whirl else _joined(result.branches[:-1], branch):
+            elif joined := None if task.is_whirl else _joined(result):
                 tracer.end = f"joins branch {joined}"
                 branch.points.pop()
             else:
@@ -256,16 +258,31 @@ def _gap(branch: Branch, orbit: Orbit, value: float, is_whirl: bool = False) -> 
     return None
 
 
-def _joined(branches: Sequence[Branch], branch: Branch) -> int | None:
-    """Return the number, from 1, of a branch that was lost and that another one has just gone on
-    along: its last two motions lie on it, and it moves there as they do, which the other side of
-    a fold does not; None where there is none."""
+def is_one_of(motions: Sequence[Solution], orbit: Orbit) -> bool:
+    """Return whether an orbit is one of some motions, each solved for, also whole revolutions
+    later."""
+    for own in motions:
+        turns = math.lcm(own.orbit.turns, orbit.turns)
+        H = max(each.H * turns // each.turns for each in (own.orbit, orbit))
+        first, second = (
+            resized(repeated(each.b, turns // each.turns), H) for each in (own.orbit, orbit)
+        )
+        for turn in range(turns):
+            apart = np.linalg.norm(first - shifted(second, 2 * math.pi * turn / turns))
+            if apart <= _ONE * np.linalg.norm(first):
+                return True
+    return False
+
+
+def _joined(result: Response) -> int | None:
+    """Return the number, from 1, of a branch along which the last one has just gone on, since that
+    branch was lost, or a step led over to it near a bifurcation: the last two motions lie on it,
+    and move there as it does, which those on the other side of a fold do not; None where there is
+    none."""
+    *branches, branch = result.branches
     pair = branch.points[-2:]
     for number, other in enumerate(branches, 1):
-        is_lost = any(end.startswith(LOST) for end in other.ends)
-        if not is_lost or len(pair) < 2:
-            continue
-        if {point.orbit.turns for point in other.points} != {pair[0].orbit.turns}:
+        if len(pair) < 2 or {point.orbit.turns for point in other.points} != {pair[0].orbit.turns}:
             continue  # or it was lost at its start, without a point
         before, after = (_gap(other, point.orbit, point.value) for point in pair)
         if before is None or after is None:
@@ -273,6 +290,9 @@ def _joined(branches: Sequence[Branch], branch: Branch) -> int | None:
         H = max(len(before), len(after)) // 2
         first, second = (resized(point.orbit.b, H) for point in pair)
         change = np.linalg.norm(resized(after, H) - resized(before, H))
-        if change < 0.5 * np.linalg.norm(second - first):
+        if change >= 0.5 * np.linalg.norm(second - first):
+            continue
+        is_lost = any(end.startswith(LOST) for end in other.ends)
+        if is_lost or is_one_of(motions_of(result, other, pair[1].value), pair[1].orbit):
             return number
     return None

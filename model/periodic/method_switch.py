@@ -25,7 +25,7 @@ def suitable_equations(
         if few and not is_end:
             balance = problem.balance.modified(accuracy.most)
             try:
-                return balance, _transferred(problem, point, balance, orbit), False
+                return balance, in_other_equations(problem, point, balance, orbit), False
             except NotConverged:
                 pass
         return problem, point, False
@@ -49,10 +49,10 @@ def as_shooting(
     if isinstance(problem, Shooting) or problem.is_autonomous:
         raise NotConverged()
     other = Shooting(problem, orbit)
-    return other, _transferred(problem, point, other, orbit)
+    return other, in_other_equations(problem, point, other, orbit)
 
 
-def _transferred(
+def in_other_equations(
     problem: PeriodicEquations, point: CurvePoint, other: PeriodicEquations, orbit: Orbit
 ) -> CurvePoint:
     """Return a point of the curve, with its orbit, in the unknowns of other equations; raises

@@ -1,16 +1,22 @@
 """Tracing a branch of periodic motions in one direction, with as many harmonics as needed."""
 
 from collections.abc import Generator, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
 from . import arclength
 from .arclength import ContinuationSteps, CurvePoint, distance
 from .balance import HarmonicBalance
-from .bifurcation_search import bifurcations_between
+from .bifurcation_search import bifurcations_between, count_outside
 from .branch import CLOSED, Bifurcation, Solution, solution, why_ended
 from .harmonic_count import Accuracy, with_enough_harmonics
-from .method_switch import PeriodicEquations, as_shooting, suitable_equations
+from .method_switch import (
+    PeriodicEquations,
+    as_shooting,
+    in_other_equations,
+    suitable_equations,
+)
 from .newton import NotConverged
 
 _NEAR_START = 0.5  # share of a step: the branch has come back to its start
@@ -104,7 +110,12 @@ class Tracer:
             )
             here.fix_phase(point.x)
             if here is not problem:
-                problem, now = here, self._solution(here, point)
+                few, now = now, self._solution(here, point)
+                if (count_outside(now.multipliers) != count_outside(few.multipliers)).any():
+                    with suppress(NotConverged):
+                        begin = in_other_equations(problem, before, here, last.orbit)
+                        bifurcations = bifurcations_between(here, begin, point, last, now)
+                problem = here
             coarse_steps = coarse_steps + 1 if is_coarse and length < self.steps.initial else 0
             at = problem.reference, problem.balanced_H, point, length, coarse_steps
             yield TracedPoint(now, bifurcations, TracerState(*at))

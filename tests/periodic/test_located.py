@@ -219,6 +219,21 @@ def test_with_more_harmonics_a_folds_multiplier_is_nearer_to_one():
     assert off[1] < 3e-5
 
 
+def test_bifurcations_are_those_of_the_motion_with_enough_harmonics():
+    """Also in a step that ends with twice as many as it began with: by those few a torus ends in it
+    and the period doubles. Own integration and shooting have a pair of multipliers of 1.11 there,
+    which jumps into the circle where the wall is touched once more, at 76.142 rad/s."""
+    own = {"kyy": 1.5 * OMEGA**2, "cxx": 2.0, "cyy": 2.0}
+    shares = (1, 0.01), (2, 0.98), (3, 0.01)  # of `bearings`
+    springs = {f"linear_bearing[{i}].{n}": share * own[n] for i, share in shares for n in own}
+    rotor = sagging(k=10 * OMEGA**2, mu=0.05, e=0.5)
+    found = rf.response(rotor, speed=(75.0, 77.0), parameters=springs, share=0.01)
+    assert found.points[0].orbit.H < found.points[-1].orbit.H
+    kinds = [b.kind for b in found.bifurcations]
+    assert kinds == ["Neimark-Sacker", "grazing", "period doubling"]
+    assert found.bifurcations[1].value == pytest.approx(76.142, abs=0.02)
+
+
 def test_a_torus_begins_where_a_pair_of_multipliers_leaves_the_circle(curve, over_friction):
     (torus,) = [b for b in over_friction.bifurcations if b.kind == "Neimark-Sacker"]
     assert abs(torus.multiplier) == pytest.approx(1.0, abs=2e-6)
