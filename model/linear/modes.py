@@ -25,7 +25,6 @@ _PLANAR = 1e-3  # forwardness below which an orbit is a line
 _FREE = 1e-6
 LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
 _ERRORS = 10.0  # residuals of a mode, below which its growth may be rounding
-_TURNED = 2.0  # of kappa_h, the loss factor: imaginary share that a decay has of it, at most
 DEFAULT_COUNT = 8
 
 
@@ -201,9 +200,10 @@ def modes_of(
     values, shapes, residuals, decays = lowest(ShiftedInverse(linear, scale, strain.by_d), count)
     if strain.kappa_h > 0.0:
         # hysteresis is another one in modes faster than the rotation; both lists are of the same
-        # modes, by ascending frequency, but for decays, which it makes oscillate a little
+        # modes, by ascending frequency, but for decays, which it makes oscillate a little: a double
+        # one, of critical damping, with a share of about the root of kappa_h / 2
         fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), count + len(decays))
-        decay = [v.imag <= _TURNED * strain.kappa_h * np.abs(v) for v in (values, fast[0])]
+        decay = [v.imag <= strain.kappa_h**0.5 * np.abs(v) for v in (values, fast[0])]
         slow = values.imag <= abs(linear.speed)
         rest = np.flatnonzero(~decay[1])[int(np.sum(slow & ~decay[0])) :]
         slow |= decay[0]
