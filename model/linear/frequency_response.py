@@ -26,7 +26,7 @@ from .linear_machine import LinearError, shared_machine
 from .modes import DEFAULT_COUNT, check_speed, modes_of
 from .static import check_node
 
-_PADE = 4  # order of the approximation of a delay, for the poles alone
+_PADE = 12  # order of the approximation of a delay, for poles alone, of up to 2.5 of their periods
 _UNSTABLE = 1e-6  # share of growth of a pole that is more than rounding
 
 

@@ -200,12 +200,16 @@ def modes_of(
     values, shapes, residuals, decays = lowest(ShiftedInverse(linear, scale, strain.by_d), count)
     if strain.kappa_h > 0.0:
         # hysteresis is another one in modes faster than the rotation; both lists are of the same
-        # modes, by ascending frequency
-        fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), count)
-        slower = int(np.sum(values.imag <= abs(linear.speed)))
-        values = np.concatenate([values[:slower], fast[0][slower:]])
-        shapes = np.hstack([shapes[:, :slower], fast[1][:, slower:]])
-        residuals = np.concatenate([residuals[:slower], fast[2][slower:]])
+        # modes, by ascending frequency, but for decays, which it makes oscillate a little: a double
+        # one, of critical damping, with a share of about the root of kappa_h / 2
+        fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), count + len(decays))
+        decay = [v.imag <= strain.kappa_h**0.5 * np.abs(v) for v in (values, fast[0])]
+        slow = values.imag <= abs(linear.speed)
+        rest = np.flatnonzero(~decay[1])[int(np.sum(slow & ~decay[0])) :]
+        slow |= decay[0]
+        values = np.concatenate([values[slow], fast[0][rest]])
+        shapes = np.hstack([shapes[:, slow], fast[1][:, rest]])
+        residuals = np.concatenate([residuals[slow], fast[2][rest]])
     result = np.argsort(np.abs(values))[:count]
     values, shapes = values[result], shapes[:, result]
     _untangle(values, shapes, machine, in_planes)

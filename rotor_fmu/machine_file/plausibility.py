@@ -46,6 +46,7 @@ _OF_THE_MACHINE = {
 _SOFT = (1e8, 5e10)  # of no metal [Pa]: a model's shaft, which may be as light as it likes
 _SHAFT = Usual(1e-3, 100.0, _LENGTHS)
 _HEAVY = 5e5  # kg of a disc: heavier than any that runs
+_THINNEST = 2.02  # I_p over I_d: that of a disc without width, to two digits
 _RIM = 1500.0  # m/s, above which steel bursts
 _RPM = math.pi / 30
 
@@ -105,8 +106,15 @@ def _relations(rotor: Rotor) -> Iterator[str]:
             )
         for element in part.elements(where, density):
             is_stated = getattr(part, "mass", None) == getattr(element, "mass", 0.0)
-            if isinstance(element, BodyElement) and element.mass > _HEAVY and not is_stated:
+            if not isinstance(element, BodyElement):
+                continue
+            if element.mass > _HEAVY and not is_stated:
                 yield f"{where}: has a mass of {element.mass / 1e3:.4g} t; are its lengths in m?"
+            if element.polar > _THINNEST * element.diametral:
+                yield (
+                    f"{where}.I_p = {element.polar:g} kg.m2: no body has more than twice its I_d, "
+                    f"which is {element.diametral:g} kg.m2; are they exchanged?"
+                )
     yield from _speed(rotor)
 
 

@@ -112,6 +112,21 @@ def test_hysteresis_drives_the_forward_whirl_above_its_critical_speed_only(eta_h
     assert campbell(rotor, speeds, count=2).threshold == pytest.approx(damped.imag, rel=1e-4)
 
 
+@pytest.mark.parametrize(("zeta", "shares"), [(3.0, (0.0, 5.0, -30.0)), (1.01, (0.0,))])
+def test_hysteresis_moves_modes_beside_decays_and_adds_none(zeta, shares):
+    """A disc with more than critical damping decays; a loss factor of 0.01 moves each mode that is
+    left, whose stiffness is 1 % more, by no more than twice that."""
+    damping = 2 * zeta * jeffcott_stiffness() / natural_frequency()
+    smooth, lossy = (
+        jeffcott(damping=damping, eta_h=eta_h, rotating_damping=True) for eta_h in (0.0, 0.01)
+    )
+    for share in shares:
+        speed = share * natural_frequency()
+        expected = modes(smooth, speed, count=6).eigenvalues
+        result = modes(lossy, speed, count=6).eigenvalues
+        assert (np.abs(result - expected) < 0.02 * np.abs(expected)).all()
+
+
 @pytest.mark.parametrize("eta_h", [0.0, 0.01])
 def test_runs_and_responses_say_what_they_take_hysteresis_for(eta_h):
     """Below its critical speed the rotor is stable: to a run it is not."""

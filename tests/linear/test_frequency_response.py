@@ -138,6 +138,23 @@ def test_a_long_delay_makes_the_loop_unstable():
     assert stable == [True, False]
 
 
+@pytest.mark.parametrize("turns", [0, 1, 2])
+def test_delays_of_turns_of_the_vibration_are_stable_where_the_closed_form_is(turns):
+    """(m s^2 + c s + k) + kp exp(-s T), kp < k, has poles on the axis at two frequencies w: beyond
+    T of the higher one two more of them grow, beyond that of the lower one two less."""
+    kp = 50.0 * 50.0
+    higher, lower = sorted(np.sqrt(np.roots([M**2, C**2 - 2 * K * M, K**2 - kp**2])))[::-1]
+    delays = [
+        (-np.angle(-impedance(1j * w)) % (2 * math.pi) + 2 * math.pi * turns) / w
+        for w in (higher, lower)
+    ]
+    assert delays[0] < delays[1] < (delays[0] + 2 * math.pi / higher)
+    loop, near = replace(LOOP, kp=50.0, kd=0.0, amplifier_time=1e-9), np.outer(delays, [0.99, 1.01])
+    made = [replace(loop, delay=float(delay)) for delay in near.ravel()]
+    stable = [sensitivity(JEFFCOTT, [50.0], [each]).is_stable for each in made]
+    assert stable == [True, False, False, True]
+
+
 LOOPS = """
 [[loop]]
 name = "left"

@@ -81,6 +81,11 @@ def test_a_machine_that_is_meant_is_not_asked_about(path):
             "[operation]",
             "seal[1].added_mass = 20000 kg: is that what is meant; 20000 g?",
         ),
+        (
+            "[operation]",
+            "[[body]]\nnode = 3\nmass = 1.0\nI_d = 0.001\nI_p = 0.0021\n[operation]",
+            "body[1].I_p = 0.0021 kg.m2: no body has more than twice its I_d, which is 0.001 kg.m2",
+        ),
     ],
 )
 def test_what_was_probably_meant_is_said(old, new, expected):
