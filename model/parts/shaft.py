@@ -68,7 +68,7 @@ class Section:
                     f"{outer:g} m"
                 )
             inside = outer
-            for i, layer in enumerate(sorted(self.layers, key=lambda s: s.bore_left), 1):
+            for i, layer in sorted(enumerate(self.layers, 1), key=lambda each: each[1].bore_left):
                 if getattr(layer, f"bore_{side}") < inside * (1 - _OVERLAP):
                     raise QuantityError(
                         f"{where}.layer[{i}].bore_{side} = {getattr(layer, f'bore_{side}'):g} m: "
