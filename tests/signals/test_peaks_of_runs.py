@@ -9,6 +9,7 @@ import pytest
 
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
+from rotor_fmu.run_pictures.run_folder import amplitude
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.run_status import OK
 from rotor_fmu.runs.job import execute_recorded, prepare
@@ -44,6 +45,13 @@ def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected
 def test_a_balanced_machine_is_said_not_to_move():
     t = np.linspace(0, 10, 1001)
     assert why_no_peak(t, 400 - 20 * t, OK, largest=3e-13) == "nothing moves"
+
+
+def test_a_picture_marks_no_peak_of_rounding():
+    t = np.linspace(0, 10, 1001)
+    columns = {"w": 400 - 20 * t, "disc[1].x_amp": 3e-13 * np.exp(-((t - 6) ** 2))}
+    run = Run(t, columns, OK, (), 0.0)
+    assert amplitude(run, "disc[1]", "x", "").legends[0].get_texts()[-1].get_text() == "this run"
 
 
 def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first_two():
