@@ -16,7 +16,7 @@ from rotor_fmu.runs.job import execute_recorded, prepare
 from rotor_fmu.runs.peaks import is_constant, largest_row, peak_index, start_up, why_no_peak
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run
-from rotor_fmu.runs.summary import sentences, summary
+from rotor_fmu.runs.summary import sentences, summary, touching
 
 from ..recordings import recorded
 
@@ -52,6 +52,14 @@ def test_a_picture_marks_no_peak_of_rounding():
     columns = {"w": 400 - 20 * t, "disc[1].x_amp": 3e-13 * np.exp(-((t - 6) ** 2))}
     run = Run(t, columns, OK, (), 0.0)
     assert amplitude(run, "disc[1]", "x", "").legends[0].get_texts()[-1].get_text() == "this run"
+
+
+def test_the_page_and_the_summary_give_one_share_of_the_time_in_contact():
+    t = np.array([0.0, 1.0, 1.5, 4.0])
+    columns = {"phi": 100 * t, "w": 100 + 0 * t, "bearing[1].fn": np.array([0.0, 1.0, 0.0, 2.0])}
+    run = Recording(t, columns, {}, {})
+    assert touching(run) == {"bearing[1]": 0.875}
+    assert "<td>87.5</td>" in tables(run, {})
 
 
 def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first_two():
