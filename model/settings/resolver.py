@@ -87,6 +87,7 @@ def resolve(given, numbers, arguments):
         if _TAKES[method, i] and method != base and not is_given:
             arguments[0], arguments[1] = method, i
             return settings_messages.NEEDED
+    is_first_given = not math.isnan(given[_AT.h])
     for slot in range(COUNT):
         if math.isnan(given[1 + slot]):
             given[1 + slot] = _PRESETS[preset, slot]
@@ -97,7 +98,12 @@ def resolve(given, numbers, arguments):
             return settings_messages.OUT_OF_RANGE + slot
     mode = int(_MODES[int(given[_AT.mode])])
     h, h_min, h_max = given[_AT.h], given[_AT.h_min], given[_AT.h_max]
-    if varies(mode) and not (h_min <= h <= h_max):
+    if varies(mode) and h_min > h_max:
+        arguments[0], arguments[1] = h_min, h_max
+        return settings_messages.STEPS_CROSSED
+    if varies(mode) and not is_first_given:
+        given[_AT.h] = min(max(h, h_min), h_max)
+    elif varies(mode) and not h_min <= h <= h_max:
         arguments[0], arguments[1], arguments[2] = h, h_min, h_max
         return settings_messages.STEP_OUTSIDE
     if mode == ADAPTIVE and not given[_AT.eps_min] < given[_AT.eps_max]:

@@ -10,6 +10,7 @@ GOOD = 0
 (
     NOT_TAKEN,
     NEEDED,
+    STEPS_CROSSED,
     STEP_OUTSIDE,
     LIMITS_CROSSED,
     BAD_DIFFERENCE,
@@ -17,7 +18,7 @@ GOOD = 0
     UNSTABLE,
     FITTED_IN_STAGES,
     OUT_OF_RANGE,
-) = range(1, 10)
+) = range(1, 11)
 IDLE = OUT_OF_RANGE + len(SETTINGS)
 
 _METHOD, _SHAPE = choice(METHODS), choice(SHAPES)
@@ -49,6 +50,7 @@ SENTENCES = (
     "",
     f"{_SHAPE} = {{g}}: not a parameter of {_METHOD}; set solver.method too",
     f"method = {_METHOD}: needs {_SHAPE} too",
+    "h_min = {g} s: must be at most h_max = {g} s",
     "h = {g} s: must lie between h_min = {g} s and h_max = {g} s",
     "eps_min = {g}: must be below eps_max = {g}",
     "alpha_f - alpha_m = {g}: must be above -1 (beta would be 0)",

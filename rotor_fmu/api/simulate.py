@@ -64,7 +64,8 @@ def simulate(
     per_turn : float or None
         Rows of the recording in a turn [1]; None records every step.
     step : float, optional
-        Communication step at which the speed is updated [s].
+        Communication step [s], at whose ends `Result.points` has its rows. The speed and the loads
+        are followed exactly, whatever it is.
     verify : bool
         Whether to run again with a tenth of the tolerance, or half of the step, and compare both
         runs: `Result.verification`.

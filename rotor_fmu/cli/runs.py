@@ -50,8 +50,8 @@ def _run(
 
     sets: Set a parameter, or an input that stays constant: NAME=VALUE, with or without unit;
         repeatable.
-    signals: CSV file with a column for the time and one for each input, in SI units or the unit in
-        brackets after its name.
+    signals: CSV file with a column for the time and one for each input that it gives, in SI units
+        or the unit in brackets after its name.
     first: Speed at which the change begins, such as 3000rpm or 50Hz; default: of a run-down the
         machine's highest, of a run-up 0.
     last: Speed at which the change ends; default: of a run-down 0, of a run-up the machine's

@@ -14,6 +14,7 @@ from ..display import current, shown_speed
 from ..run_status import FAILED, OK, has_failed
 from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
+from ..runs.summary import touching
 from ..runs.verify_run import table_of
 from ..vibration import TooFewTurns
 
@@ -143,13 +144,11 @@ def _contacts(run: Recording, of: str) -> str:
         *("contact", f"largest force [{d.force_unit}]", f"at [{d.speed_unit}]"),
         "touches [% of the time]",
     ]
-    rows = []
-    weight = np.gradient(run.t) if len(run.t) > 1 else run.t
-    for contact in run.contacts if weight.any() else ():
-        at = int(np.argmax(np.nan_to_num(contact.fn)))
-        share = 100 * float((weight * (contact.fn > 0)).sum() / weight.sum())
+    rows, shares = [], touching(run)
+    for contact in run.contacts if shares else ():
+        at, share = int(np.argmax(np.nan_to_num(contact.fn))), shares[contact.name]
         speed = run.w[at] * d.speed if share else math.nan
-        rows.append([contact.label, contact.fn[at] * d.force, speed, share])
+        rows.append([contact.label, contact.fn[at] * d.force, speed, 100 * share])
     return table(f"{of}contacts", heads, rows) if rows else ""
 
 

@@ -65,7 +65,7 @@ def draw_amplitude(
     n, end = w * d.speed, start_up(run.t, w)
     early, late = run.t <= end, run.t >= end
     start = f"start-up, the first {end:.3g} s" if has_start else None
-    at = peak_index(run.t, w, values)
+    at = peak_index(run.t, w, run.columns[f"{place}.{axis}_amp"])
     if at is not None:
         label += f": {values[at]:.4g} {d.amplitude_unit} at {shown_speed(w[at])} {d.speed_unit}"
         axes.plot(n[at], values[at], "o", color=color, ms=4)

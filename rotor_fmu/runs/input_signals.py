@@ -201,20 +201,18 @@ def make_signals(
 ) -> Signals:
     """Return all inputs of a run to `stop` [s]: recorded signals, else constants, else the ramp for
     the speed and the start value for what is left."""
-    if recorded is None:
-        recorded = ramp.signals(stop)
-        if "speed" in constants:
-            recorded = Signals(recorded.t, {})
-    values = {}
-    for variable in table:
-        if variable.causality != "input" or variable.start is None:
-            continue
-        if variable.name in recorded.values:
-            values[variable.name] = recorded.values[variable.name]
-        else:
-            constant = constants.get(variable.name, variable.start)
-            values[variable.name] = np.full(len(recorded.t), float(constant))
-    return Signals(recorded.t, values)
+    ramped = ramp.signals(stop)
+    parts = [recorded or Signals(ramped.t, {})]
+    if "speed" not in {*constants, *parts[0].values}:
+        parts.append(ramped)
+    t = np.unique(np.concatenate([part.t for part in parts]))
+    courses = {n: np.interp(t, part.t, of) for part in parts for n, of in part.values.items()}
+    held = {
+        variable.name: np.full(len(t), float(constants.get(variable.name, variable.start)))
+        for variable in table
+        if variable.causality == "input" and variable.start is not None
+    }
+    return Signals(t, held | courses)
 
 
 def read_signals(path: Path, table: Sequence[Variable]) -> Signals:

@@ -72,15 +72,17 @@ def prepare(
     for name in constants:
         if recorded is not None and name in recorded.values:
             raise InputError(f"--set {name}: {signal_file} gives it too")
-    for option in (ramp or RampGiven()).options if recorded or "speed" in constants else ():
-        other = f"--input {signal_file}" if recorded else "--set speed"
-        raise InputError(f"{option}: {other} gives the speed too")
+    speed_by = "--set speed" if "speed" in constants else ""
+    if recorded is not None and "speed" in recorded.values:
+        speed_by = f"--input {signal_file}"
+    for option in (ramp or RampGiven()).options if speed_by else ():
+        raise InputError(f"{option}: {speed_by} gives the speed too")
     signals = make_signals(table, stop, constants, followed, recorded)
     parameters = {name: value for name, value in values.items() if name not in inputs}
     try:
         return make_job(toml, rotor, parameters, signals, stop, step)
     except InputError as error:
-        is_from_rest = followed.first == 0 and not recorded and "speed" not in constants
+        is_from_rest = followed.first == 0 and not speed_by
         if not is_from_rest or not isinstance(error.__cause__, EquilibriumError):
             raise
         raise InputError(f"{error}; or let it begin at a speed that carries it, --from") from error

@@ -24,7 +24,9 @@ def summary(run: Run, place: str | None = None) -> dict[str, Any]:
 
     Peaks are None where there are none: an amplitude that is largest at an edge of the run, or a
     run at one speed, has none (no_peak says why). x_largest_um, y_largest_um: the largest after the
-    start-up, peak or not; solver_s: time of the run alone [s].
+    start-up, peak or not; circulation_hz: lowest and highest speed at which that bearing's journal
+    goes all round: it lies a quarter of a turn, or up to a radian more, ahead of where it rests;
+    solver_s: time of the run alone [s].
 
     energy_residual: energy error of the integrator, relative to all energy dissipated [1].
     """
@@ -91,7 +93,8 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
             at_peak = figures["x_peak_hz"]
             near = late[np.abs(hz[late] - at_peak) <= _NEAR_PEAK * abs(at_peak)]
             figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
-        round_trip = late[psi[late] < 1.0]
+        ahead = np.sign(c["w"]) * (psi - psi[0]) - 0.5 * math.pi  # with the shaft
+        round_trip = late[ahead[late] % (2 * math.pi) < 1.0]
         if len(round_trip):
             figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
     return figures

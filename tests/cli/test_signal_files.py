@@ -10,7 +10,7 @@ from rotor_fmu.model.quantities import LARGEST
 
 import rotor_fmu as rf
 from rotor_fmu.fmi.interface import interface
-from rotor_fmu.runs.input_signals import Ramp, Signals, read_signals
+from rotor_fmu.runs.input_signals import Ramp, Signals, make_signals, read_signals
 from rotor_fmu.runs.job import difference
 from rotor_fmu.runs.run_down import Run
 
@@ -81,6 +81,25 @@ def test_signals_from_a_file_drive_the_run(process, tmp_path):
     assert last["w [rad/s]"] == pytest.approx(120)
     assert last["phi [rad]"] == pytest.approx(110)
     assert last["energy.external_work [J]"] != 0
+
+
+def test_a_file_without_a_speed_leaves_it_to_the_ramp(process, tmp_path):
+    (tmp_path / "loads.csv").write_text("time,disc[2].fy\n0,0\n0.3,5\n")
+    ramp = ("--from", "120", "--to", "110", "--rate", "50", "--stop", "0.4")
+    done = process("run-down", "--input", "loads.csv", *ramp, "--direct", "--out", ".")
+    assert done.returncode == 0, done.stderr
+    signals = make_signals(
+        interface(rig()),
+        0.4,
+        {},
+        Ramp(120.0, 110.0, 50.0),
+        read_signals(tmp_path / "loads.csv", interface(rig())),
+    )
+    assert [signals.at("disc[2].fy", t) for t in (0.15, 0.3, 0.4)] == pytest.approx([2.5, 5, 5])
+    header, *rows = (tmp_path / "run_down.csv").read_text().splitlines()
+    run = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    t, w = run[:, 0], run[:, header.split(",").index("w [rad/s]")]
+    np.testing.assert_allclose(w, np.maximum(120 - 50 * t, 110), rtol=1e-8)
 
 
 @pytest.mark.parametrize(

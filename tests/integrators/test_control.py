@@ -8,7 +8,7 @@ import scipy.linalg
 from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.settings import choose
+from rotor_fmu.model.settings import SettingsError, choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.time_loop import adaptive_control
 
@@ -154,3 +154,14 @@ def test_a_finer_limit_of_the_error_takes_more_steps():
         steps.append(sim.read("solver.steps"))
         assert sim._run.memory.record[0].error <= 0.3 * scale
     assert steps[0] < steps[1] < steps[2]
+
+
+def test_a_first_step_that_is_not_given_lies_within_the_limits_that_are():
+    assert choose("controlled", h_max=5e-7).h == 5e-7
+    assert choose("controlled", h_min=1e-4).h == 1e-4
+    assert choose("controlled", h_min=1e-6).h == choose("controlled").h
+    assert choose("robust", h_max=1e-5).h == choose("robust").h  # has no effect
+    with pytest.raises(SettingsError, match=r"^h_min = 0\.01 s: must be at most h_max = 0\.005 s$"):
+        choose("controlled", h_min=0.01)
+    with pytest.raises(SettingsError, match=r"^h = 0\.01 s: must lie between"):
+        choose("controlled", h=0.01)

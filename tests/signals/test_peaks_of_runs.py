@@ -9,13 +9,14 @@ import pytest
 
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
+from rotor_fmu.run_pictures.run_folder import amplitude
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.run_status import OK
 from rotor_fmu.runs.job import execute_recorded, prepare
 from rotor_fmu.runs.peaks import is_constant, largest_row, peak_index, start_up, why_no_peak
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run
-from rotor_fmu.runs.summary import sentences, summary
+from rotor_fmu.runs.summary import sentences, summary, touching
 
 from ..recordings import recorded
 
@@ -44,6 +45,33 @@ def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected
 def test_a_balanced_machine_is_said_not_to_move():
     t = np.linspace(0, 10, 1001)
     assert why_no_peak(t, 400 - 20 * t, OK, largest=3e-13) == "nothing moves"
+
+
+def test_a_picture_marks_no_peak_of_rounding():
+    t = np.linspace(0, 10, 1001)
+    columns = {"w": 400 - 20 * t, "disc[1].x_amp": 3e-13 * np.exp(-((t - 6) ** 2))}
+    run = Run(t, columns, OK, (), 0.0)
+    assert amplitude(run, "disc[1]", "x", "").legends[0].get_texts()[-1].get_text() == "this run"
+
+
+@pytest.mark.parametrize(("down", "sense"), [(1.5 * math.pi, 1), (0.0, 1), (2.5, 1), (1.2, -1)])
+def test_a_journal_goes_all_round_whichever_way_is_down(down, sense):
+    """Between 30 and 20 Hz; before and after it swings about its rest, more ahead than back."""
+    t = np.linspace(0.0, 40.0, 40001)
+    hz = 40 - t
+    swing = np.where((hz < 30) & (hz > 20), 50 * t, 0.3 + 1.2 * np.sin(50 * t))
+    swing[0] = 0.0
+    figures = {"w": sense * TURN * hz, "b.psi": (down + sense * swing) % TURN, "b.fn": 0 * t + 1}
+    made = summary_of_signals(t, figures)["circulation_hz"]
+    assert np.sort(np.abs(made)) == pytest.approx([20.0, 30.0], abs=0.2)
+
+
+def test_the_page_and_the_summary_give_one_share_of_the_time_in_contact():
+    t = np.array([0.0, 1.0, 1.5, 4.0])
+    columns = {"phi": 100 * t, "w": 100 + 0 * t, "bearing[1].fn": np.array([0.0, 1.0, 0.0, 2.0])}
+    run = Recording(t, columns, {}, {})
+    assert touching(run) == {"bearing[1]": 0.875}
+    assert "<td>87.5</td>" in tables(run, {})
 
 
 def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first_two():
@@ -157,18 +185,23 @@ def test_a_run_that_begins_at_another_time_has_the_same_start_up_and_peak():
             assert "first communication step" in why_no_peak(t[:1] + begin, w[:1], "ok")
 
 
+def summary_of_signals(t, signals):
+    """The figures of a run with these signals, by a solver that did nothing."""
+    solver = ("steps", "rejected", "newton", "h_min_used", "h_max_used", "h_last", "trapped")
+    work = {f"solver.{name}": 0 * t for name in (*solver, "trapped_at", "overdamped_at")}
+    return summary(Run(t, work | {"energy.residual": 0 * t} | signals, OK, (), 0.0))
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_the_figures_of_a_run_scale_with_its_speed(scale):
     def figures(scale):
         t = np.linspace(0.0, 40.0, 4001)
         w = 400 - 10 * t
-        solver = ("steps", "rejected", "newton", "h_min_used", "h_max_used", "h_last", "trapped")
-        columns = {f"solver.{name}": 0 * t for name in (*solver, "trapped_at", "overdamped_at")}
-        columns |= {"w": scale * w, "energy.residual": 0 * t}
+        columns = {"w": scale * w}
         columns |= {f"disc.{axis}": np.cos(10 * t) for axis in "xy"}
         columns |= {f"disc.{axis}_amp": np.exp(-(((w - 200) / 20) ** 2)) for axis in "xy"}
         columns |= {"wall.psi": t, "wall.fn": np.ones(len(t))}
-        return summary(Run(t / scale, columns, "ok", (), 0.0))
+        return summary_of_signals(t / scale, columns)
 
     at_one, scaled = figures(1.0), figures(scale)
     assert at_one["psi_at_x_peak_deg"] == pytest.approx(np.degrees([19.9, 20.1]))
