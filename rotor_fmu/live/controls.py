@@ -12,7 +12,7 @@ from ..display import current
 from ..errors import InputError
 from ..fmi.packing.machine_files import Machine, machine_of
 from ..fmi.solver_parameters import PREFIX, REDUCTION
-from ..fmi.variables import Variable
+from ..fmi.variables import Variable, start_values
 from ..model.machine.rotor import Rotor
 from ..model.quantities import ANY, GRAVITY, Rule
 from ..model.structure.assembly import assemble
@@ -198,7 +198,7 @@ def settings_of_run(run: Recording, machine: Machine) -> dict[str, float]:
 
     Raises `InputError` for a speed that is neither constant nor changes at one rate.
     """
-    starts = {v.name: v.start for v in machine.table if v.causality == "parameter"}
+    starts = start_values(v for v in machine.table if v.causality == "parameter")
     parameters = {
         name: float(value)
         for name, value in run.about.get("parameters", {}).items()

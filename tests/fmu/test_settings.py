@@ -14,6 +14,7 @@ from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.solver_parameters import settings_of, solver_parameters
+from rotor_fmu.fmi.variables import start_values
 
 from .skins import Discarded, Extracted, Native, Refused
 
@@ -92,7 +93,7 @@ def test_a_run_is_what_its_parameters_stand_for(native_fmu, free_native, is_free
     extracted = Extracted(free_native if is_free else native_fmu)
     table = interface(rig(), is_free)
     drive, first, change = ("tau_drive", 0.0, 0.01) if is_free else ("speed", 400.0, -1.5)
-    start = {v.name: v.start for v in table if v.start is not None}
+    start = start_values(table)
     simulation = build_simulation(rig(), table, start | {drive: first} | values, lambda _: None)
     _, fmu = in_the_fmu(extracted, {drive: first} | values)
     ends = []
