@@ -15,7 +15,7 @@ from .law import Law
 OUTPUTS = (
     Output("psi", "rad", "contact angle, 0 to the right, 3 pi / 2 at the bottom", True, 1.0),
     Output("fn", "N", "normal contact force", True, 10.0),
-    Output("ft", "N", "friction force that brakes the rotor", nominal=1.0, reached_by=SPEED),
+    Output("ft", "N", "friction force opposing positive rotation", nominal=1.0, reached_by=SPEED),
     Output("x", "m", "journal relative to the housing, to the right", nominal=1e-4),
     Output("y", "m", "journal relative to the housing, upwards", nominal=1e-4),
     Output("contact", "1", "whether journal and housing touch", kind="Boolean"),

@@ -74,7 +74,7 @@ OUTPUTS = (
     Output("film_angle", "rad", "where the film is thinnest", nominal=1.0),
     Output("pressure", "Pa", "largest pressure in the film", nominal=1e6, reached_by=SPEED),
     Output(
-        *("torque", "N.m", "torque of the film and of friction that brakes the rotor"),
+        *("torque", "N.m", "torque of the film and of friction opposing positive rotation"),
         nominal=0.1,
         reached_by=SPEED,
     ),

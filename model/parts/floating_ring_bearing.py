@@ -74,7 +74,7 @@ OUTPUTS = (
     Output("eccentricity", "1", "of the journal in the ring, over the clearance", True, 1.0),
     Output("outer_eccentricity", "1", "of the ring, over the outer clearance", True, 1.0),
     Output(
-        *("torque", "N.m", "torque of the inner film that brakes the rotor"),
+        *("torque", "N.m", "torque of the inner film opposing positive rotation"),
         nominal=0.01,
         reached_by=SPEED,
     ),

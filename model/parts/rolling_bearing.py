@@ -86,7 +86,7 @@ OUTPUTS = (
     Output("cage", "rad/s", "speed of the cage", True, 100.0, reached_by=SPEED),
     Output("cage_angle", "rad", "angle of the first element", nominal=1.0),
     Output(
-        *("torque", "N.m", "torque that brakes the rotor: elements pressed in as they roll on"),
+        *("torque", "N.m", "torque opposing positive rotation: elements pressed in as they roll"),
         nominal=0.1,
         reached_by=SPEED,
     ),
