@@ -12,16 +12,18 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.operating_speeds import operating_speeds
 from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_figure, save
 
 HERE = Path(__file__).resolve().parent
-SPEED, CLEARANCE = 1000.0, 0.25e-3  # rad/s, m
+CLEARANCE = 0.25e-3  # m
 
 
 def drop() -> Simulation:
     """The rotor at speed in the middle of its clearances, nothing driving it."""
     rotor = parse_rotor((HERE / "compressor.toml").read_text(encoding="utf-8"))
-    return Simulation(rotor, choose("robust", h=1e-5), speed=SPEED, drive_torque=0.0)
+    speed = operating_speeds(rotor).rated
+    return Simulation(rotor, choose("robust", h=1e-5), speed=speed, drive_torque=0.0)
 
 
 def first_contact() -> float:

@@ -16,10 +16,10 @@ from rotor_fmu.model.parts.rolling_bearing import RollingBearing, cage_ratio
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.operating_speeds import operating_speeds
 from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_panels, save
 
 HERE = Path(__file__).resolve().parent
-SPEED = 2.0 * math.pi * 20.0  # rad/s
 EVERY, SETTLES, SAMPLES = 1e-3, 0.4, 1024  # s, s
 
 
@@ -34,17 +34,16 @@ def rotor(depth: float | None = None) -> Rotor:
 
 def spectrum(machine: Rotor, tolerance: float = 1e-2) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies over the rotor's [1] and amplitudes of the left bearing's upward force [N]."""
-    run = Simulation(
-        machine, choose("controlled", tolerance=tolerance), speed=SPEED, warn=lambda _: None
-    )
-    run.advance(SETTLES, SPEED)
+    settings, speed = choose("controlled", tolerance=tolerance), operating_speeds(machine).rated
+    run = Simulation(machine, settings, speed=speed, warn=lambda _: None)
+    run.advance(SETTLES, speed)
     force = np.empty(SAMPLES)
     for i in range(SAMPLES):
-        run.advance(SETTLES + EVERY * (i + 1), SPEED)
+        run.advance(SETTLES + EVERY * (i + 1), speed)
         force[i] = run.read("left.fy")
     window = np.hanning(SAMPLES)
     amplitudes = 2.0 * np.abs(np.fft.rfft((force - force.mean()) * window)) / window.sum()
-    return np.fft.rfftfreq(SAMPLES, EVERY) / (SPEED / (2.0 * math.pi)), amplitudes
+    return np.fft.rfftfreq(SAMPLES, EVERY) / (speed / (2.0 * math.pi)), amplitudes
 
 
 def passing(machine: Rotor) -> float:

@@ -83,7 +83,7 @@ class Result(RecordedSignals):
         Parameters
         ----------
         place : str, optional
-            Name of the part. By default the disc that moves most.
+            Name of the part. By default the one that moves most.
         speed : float, optional
             Speed [rad/s] to which the turns are nearest. By default the last.
         turns : int
@@ -111,7 +111,7 @@ class Result(RecordedSignals):
         Parameters
         ----------
         place : str, optional
-            Name of the part. By default the disc that moves most.
+            Name of the part. By default the one that moves most.
         speed : float, optional
             Speed [rad/s] to which the turns are nearest. By default the last.
         turns : int
@@ -139,7 +139,7 @@ class Result(RecordedSignals):
         Parameters
         ----------
         place : str, optional
-            Name of the part. By default the disc that moves most.
+            Name of the part. By default the one that moves most.
         orders : sequence of float
             Multiples of the speed of rotation [1].
         turns : int
@@ -178,7 +178,7 @@ class Result(RecordedSignals):
             `bode`, `polar`, `orbit`, `cascade`, `poincare`, `contact-angle`, `contact-force`,
             `energy`, `spectrum` or `whirl`.
         place : str, optional
-            Name of the part. By default the disc that moves most.
+            Name of the part. By default the one that moves most, or is pressed most.
         speed : float, optional
             Speed of an orbit or a spectrum [rad/s]. By default that of the largest 1x
             after the start-up.

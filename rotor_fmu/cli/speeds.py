@@ -25,7 +25,10 @@ One = Annotated[
 Range = Annotated[
     str | None,
     typer.Option(
-        "--speed", help="Speeds FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz added."
+        "--speed",
+        help="Speeds FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz added; default: from "
+        "0, or where oil films begin to carry the machine, to half above the operating range, or, "
+        "without one, a quarter above the lowest natural frequencies.",
     ),
 ]
 OperatingRange = Annotated[
@@ -152,8 +155,8 @@ def usual_speeds(
     machine: "Rotor", contacts: str | None, ends: tuple[float, float] | None, points: int
 ) -> np.ndarray:
     """Return speeds [rad/s] from 0, or from where oil films begin to carry the machine, to half
-    above the operating range, or, where there is none, to a quarter above the lowest critical
-    speeds."""
+    above the operating range, or, where there is none, to a quarter above the lowest natural
+    frequencies at standstill."""
     from ..model import linear
     from ..model.linear.unbalance_check import OF_INTEREST
 

@@ -51,7 +51,7 @@ class Modes(Displayed, linear.Modes):
             (f"f_d [{d.frequency_unit}]", self.damped * d.speed),
             (f"f_n [{d.frequency_unit}]", self.natural * d.speed),
             ("omega_d [rad/s]", self.damped),
-            ("damping", np.where(self.is_held, clean_damping(self.damping_ratio), np.nan)),
+            ("damping ratio", np.where(self.is_held, clean_damping(self.damping_ratio), np.nan)),
             ("log dec", np.where(self.is_held, clean_damping(self.log_dec), np.nan)),
             ("whirl", self.whirl),
         )

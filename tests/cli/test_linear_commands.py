@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -68,6 +69,16 @@ def test_campbell_has_critical_speeds_of_several_orders(command, tmp_path):
 def test_mode_shapes_are_drawn_in_space_too(command, tmp_path):
     command("modes", "--speed", "3000rpm", "--count", "2")
     assert (tmp_path / "out" / "modes_3d.png").read_bytes().startswith(PNG)
+
+
+def test_frequencies_damping_ratio_and_decrement_of_a_mode_fit_together(command):
+    _, names, numbers, *_ = command("modes", "--count", "1").splitlines()
+    row = dict(zip(*(re.split("  +", line.strip()) for line in (names, numbers)), strict=True))
+    damped, natural = float(row["f_d [Hz]"]), float(row["f_n [Hz]"])
+    ratio = float(row["damping ratio"])
+    assert ratio == pytest.approx(math.sqrt(1 - (damped / natural) ** 2), rel=5e-3)
+    decrement = 2 * math.pi * ratio / math.sqrt(1 - ratio**2)
+    assert float(row["log dec"]) == pytest.approx(decrement, rel=1e-4)
 
 
 def test_numbers_of_the_rig_are_those_of_the_paper(command):

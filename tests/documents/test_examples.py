@@ -14,6 +14,7 @@ from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 
 from rotor_fmu.cli import app
+from rotor_fmu.operating_speeds import operating_speeds
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -50,6 +51,15 @@ def test_the_folder_of_a_scripts_pictures_is_made_or_refused(tmp_path, monkeypat
         here["script_arguments"]()
     assert ended.value.code == 2
     assert re.fullmatch(r"FOLDER .*file: cannot be written to: .*\n", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize(
+    ("name", "speed"),  # [rad/s], as in the README
+    [("drop/compressor", 1000.0), ("rolling_bearing/rotor", 40 * math.pi)],
+)
+def test_an_example_with_a_speed_of_its_own_is_run_at_it_by_every_command(name, speed):
+    machine = parse_rotor((EXAMPLES / f"{name}.toml").read_text())
+    assert operating_speeds(machine).rated == pytest.approx(speed, rel=1e-6)
 
 
 # --- drop ---

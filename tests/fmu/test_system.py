@@ -164,9 +164,9 @@ def test_by_ecco_the_load_goes_on_and_a_step_may_lose_little_of_the_energy(tmp_p
 )
 def test_the_drive_runs_up_to_the_machines_own_speed(tmp_path, given, expected, stop):
     machine = tmp_path / "fan.toml"
-    machine.write_text(
-        f'{MACHINE.read_text()}[operation]\nrated_speed = "5000 rpm"\nrun_up_rate = 20.0\n'
-    )
+    text = MACHINE.read_text()
+    own = 'rated_speed = "5000 rpm"\nrun_up_rate = 20.0'
+    machine.write_text(text.replace("rated_speed = 1000.0", own))
     ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path, **given)
     root = etree.parse(tmp_path / "OspSystemStructure.xml").getroot()
     values = {v.get("variable"): float(v[0].get("value")) for v in root.iter("{*}InitialValue")}
