@@ -236,7 +236,12 @@ class MachineRuns:
         """Return the excitation of a run, and the values of the machine's variables, of the values
         of the varied parameters."""
         of_run = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
-        of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
+        kinds = {name: variable.kind for name, variable in self.settable.items()}
+        of_machine = {
+            name: bool(v) if kinds[name] == "Boolean" else v
+            for name, v in values.items()
+            if not name.startswith(RUN)
+        }
         return self.how.changed(of_run), {**self.values, **of_machine}
 
     def _prepared(

@@ -80,6 +80,13 @@ class MachineSubject:
         """Units that the machine's file asks to be shown."""
         return machine_of(self.runs.toml, False).rotor.units
 
+    def value(self, where: str, name: str, given: object) -> float:
+        """Return a value of what can be varied; of a choice its name will do, of a truth itself."""
+        variable = self.runs.settable.get(name)
+        if variable is None:
+            return number(where, given, self.units[name])
+        return float(value_of(where, variable, given))
+
     def model(self, axes: tuple[Axis, ...]) -> MachineRuns:
         """Return the runs with their metrics; axes: the varied parameters. Raises `InputError`."""
         runs = _with_metrics(self.runs, self.tables, axes)

@@ -52,6 +52,19 @@ def test_friction_at_each_contact_adds_up_to_the_ledger(rig):
     assert (data.loss_1 + data.loss_2).values == pytest.approx(data.loss.values, rel=1e-4)
 
 
+def test_a_switch_that_is_varied_does_what_it_does_where_it_is_fixed(tmp_path_factory):
+    def peaks(tables):
+        ramp = '[run]\nkind = "run-up"\nfrom = 60\nto = 70\nrate = 25\n'
+        kept = '\n[keep]\nX = { peak = "disc[3].x_amp" }\n'
+        return conducted(ramp + tables + kept, tmp_path_factory.mktemp("switch"))[2].X.values
+
+    switch, other = '"shaft.rotating_damping"', '[vary]\n"shaft.mass_damping" = { values = [0.0] }'
+    off, on = peaks(f"[vary]\n{switch} = {{ values = [false, true] }}")
+    assert off != on
+    assert [off] == peaks(f"[set]\n{switch} = false\n{other}")
+    assert [on] == peaks(f"[set]\n{switch} = true\n{other}")
+
+
 def test_friction_at_turning_races_adds_up_to_the_ledger(tmp_path):
     _, _, data = conducted(
         'machine = "drop/compressor.toml"\n[run]\nkind = "drop"\nspeed = 500\nstop = 0.03\n'

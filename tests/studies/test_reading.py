@@ -147,6 +147,13 @@ def test_numbers_of_a_run_that_are_varied_suit_one_another(tmp_path):
         read(tmp_path, run.replace("150", "100"))
 
 
+def test_choices_are_listed_by_name_and_truths_as_such(tmp_path):
+    listed = '"limit.contact" = { values = [true, 0] }\n"solver.preset" = { values = ["paper", 0] }'
+    truths, presets = read(tmp_path, STUDY.replace("[keep]", f"{listed}\n[keep]")).design.axes[-2:]
+    assert truths.values == (1.0, 0.0)
+    assert presets.values == (1.0, 0.0)
+
+
 def test_settings_that_suit_one_another_in_some_runs_begin(tmp_path):
     methods = '"solver.alpha_f" = { values = [0.1] }\n"solver.method" = { values = [1, 2] }\n[keep]'
     assert len(read(tmp_path, STUDY.replace("[keep]", methods)).design) == 12
