@@ -78,6 +78,12 @@ class Axis:
     unit: str = ""
 
     @property
+    def stated(self) -> tuple[float, ...]:
+        """The values that the file states: those listed, or the ends of the distribution."""
+        law = {} if self.distribution is None else self.distribution.parameters
+        return self.values or tuple(law[end] for end in ("low", "high") if end in law)
+
+    @property
     def decides(self) -> dict[str, Any]:
         """Return what decides the values, as JSON values."""
         about: dict[str, Any] = {"name": self.name, "targets": list(self.targets)}

@@ -136,7 +136,7 @@ def test_a_folder_holds_a_run_or_a_study(rig, process, tmp_path):
 
 def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, input_error):
     path = tmp_path / "study.toml"
-    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    law = 'distribution = "normal", mean = -1e-6, std = 1e-8'
     path.write_text(
         RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
     )
@@ -147,7 +147,7 @@ def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, input_error):
 
 def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):
     path = tmp_path / "study.toml"
-    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    law = 'distribution = "normal", mean = -1e-6, std = 1e-8'
     path.write_text(
         RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
     )

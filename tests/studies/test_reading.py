@@ -171,6 +171,20 @@ size = 2
     assert len(read(tmp_path, STUDY.replace("[keep]", method)).design)
 
 
+@pytest.mark.parametrize(
+    ("name", "low", "refusal"),
+    [
+        ("bearing[1].mu", -0.1, r"vary bearing\[1\].mu = -0.1: must be a finite number >= 0$"),
+        ("run.rate", -5, r"run.rate = -5 rad/s2: must be > 0 and finite$"),
+    ],
+)
+def test_a_distribution_ends_where_a_run_can_be(tmp_path, name, low, refusal):
+    drawn = f'"{name}" = {{ distribution = "uniform", low = {low}, high = 10 }}\n[design]\n'
+    text = STUDY.replace("[keep]", f'{drawn}kind = "random"\nsize = 2\n[keep]')
+    with pytest.raises(InputError, match=refusal):
+        read(tmp_path, text)
+
+
 def test_whole_numbers_of_a_machine_are_not_drawn(tmp_path):
     law = '"solver.adaptive" = { distribution = "uniform", low = 0, high = 4 }\n[design]\n'
     text = STUDY.replace("[keep]", f'{law}kind = "random"\nsize = 2\n[keep]')
