@@ -13,6 +13,7 @@ from rotor_fmu.machine_studies.metric import Metric
 from rotor_fmu.machine_studies.run_excitation import Excitation, Samples, Window
 from rotor_fmu.machine_studies.run_kinds import CONSTANT, STEPS
 from rotor_fmu.machine_studies.run_metrics import KINDS, cell
+from rotor_fmu.report.criticals import criticals_of
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.runner import run_study
 
@@ -63,6 +64,16 @@ def test_a_switch_that_is_varied_does_what_it_does_where_it_is_fixed(tmp_path_fa
     assert off != on
     assert [off] == peaks(f"[set]\n{switch} = false\n{other}")
     assert [on] == peaks(f"[set]\n{switch} = true\n{other}")
+
+
+def test_the_page_of_a_selected_run_has_the_critical_speeds_of_its_switch(tmp_path):
+    def criticals(table, value, values):
+        path = tmp_path / "study.toml"
+        path.write_text(RIG.replace(table, f'{table}\n"shaft.rotating_damping" = {value}'))
+        return criticals_of(read_study(path).model.record(values).named("switched")).hz
+
+    found = criticals("[vary]", "{ values = [true] }", {"shaft.rotating_damping": 1.0})
+    assert found == criticals("[set]", "true", {}) != ()
 
 
 def test_friction_at_turning_races_adds_up_to_the_ledger(tmp_path):
