@@ -1,7 +1,8 @@
 """A machine's runs from the tables of a study's file: machine, parameters, run and metrics."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib.resources import files
 from itertools import product
 from pathlib import Path
@@ -79,6 +80,13 @@ class MachineSubject:
     def display_units(self) -> str:
         """Units that the machine's file asks to be shown."""
         return machine_of(self.runs.toml, False).rotor.units
+
+    def value(self, where: str, name: str, given: object) -> float:
+        """Return a value of what can be varied; of a choice its name will do, of a truth itself."""
+        variable = self.runs.settable.get(name)
+        if variable is None:
+            return number(where, given, self.units[name])
+        return float(value_of(where, variable, given))
 
     def model(self, axes: tuple[Axis, ...]) -> MachineRuns:
         """Return the runs with their metrics; axes: the varied parameters. Raises `InputError`."""
@@ -239,18 +247,23 @@ def _radius(machine: MachineModel, part: str) -> float:
 
 
 def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
-    """Raise `InputError` for listed values that no run could have; drawn ones fail run by run."""
+    """Raise `InputError` for listed values, or ends of a distribution, that no run could have; in
+    the tail of a normal distribution they fail run by run."""
+    check: Callable[[float], object]
     for axis, target in [(each, target) for each in axes for target in each.targets]:
         if target in runs.values:
             raise InputError(f"vary {axis.name}: {target} is also fixed in [set]")
         if target.startswith(RUN):
-            is_whole = runs.how.kind.numbers[target.removeprefix(RUN)].is_whole
+            of_run = target.removeprefix(RUN)
+            is_whole = runs.how.kind.numbers[of_run].is_whole
+            check = partial(runs.how.kind.numbers[of_run].check, of_run)
         else:
             is_whole = runs.settable[target].kind != "Real"
-            for value in axis.values:
-                value_of(f"vary {axis.name}", runs.settable[target], value)
+            check = partial(value_of, f"vary {axis.name}", runs.settable[target])
         if axis.distribution is not None and is_whole:
             raise InputError(f"vary {axis.name}: is an integer; list its values")
+        for value in axis.stated:
+            check(value)
     # numbers of a run suit one another, or not
     for point in _points((axis for axis in axes if axis.values), RUN):
         how, _ = runs.split(point)

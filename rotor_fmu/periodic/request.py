@@ -21,7 +21,7 @@ from ..errors import (
 )
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
-from ..model.machine.rotor import Rotor
+from ..model.machine.rotor import Parameter, Rotor
 from ..model.parts.base import BASE
 from ..model.periodic.arclength import ContinuationSteps
 from ..model.periodic.branch import Solution
@@ -72,6 +72,15 @@ def compute_response(
     return ResponseResult(response(request.rotor, request.task, report_point, log))
 
 
+def _value(parameter: Parameter, given: Any) -> float:
+    """Return the value of a parameter; of a switch 1 and 0 stand for true and false."""
+    is_switch = parameter.quantity.is_switch
+    if is_switch and isinstance(given, bool):
+        return given
+    value = number(f"parameters: {parameter.name}", given)
+    return bool(value) if is_switch and value in (0, 1) else value
+
+
 def response_request(
     machine: Rotor | Path | str,
     *,
@@ -93,9 +102,10 @@ def response_request(
     `InputError`."""
     rotor = rotor_of(machine)
     if given := mapped("parameters", parameters):
+        known = rotor.parameters()
         for n in given:
-            known_name("parameters:", n, rotor.parameters())
-        rotor = rotor.with_values({n: number(f"parameters: {n}", v) for n, v in given.items()})
+            known_name("parameters:", n, known)
+        rotor = rotor.with_values({n: _value(known[n], v) for n, v in given.items()})
     check_integer("period", period, 1, 16)
     check_integer("harmonics", harmonics, 1, 500)
     if not 0 < number("share", share) < 1:

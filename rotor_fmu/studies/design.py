@@ -5,9 +5,9 @@ design serves every distribution. Run i takes the grid's point i mod g and the s
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from hashlib import sha256
 from typing import Any
 
@@ -76,6 +76,12 @@ class Axis:
     values: tuple[float, ...] = ()
     distribution: Distribution | None = None
     unit: str = ""
+
+    @property
+    def stated(self) -> tuple[float, ...]:
+        """The values that the file states: those listed, or the ends of the distribution."""
+        law = {} if self.distribution is None else self.distribution.parameters
+        return self.values or tuple(law[end] for end in ("low", "high") if end in law)
 
     @property
     def decides(self) -> dict[str, Any]:
@@ -262,9 +268,15 @@ class Design:
         return digest.hexdigest()
 
 
-def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: str = "") -> Axis:
+def axis_of(
+    name: str,
+    targets: Sequence[str],
+    table: Mapping[str, Any],
+    unit: str = "",
+    read: Callable[[str, object], float] | None = None,
+) -> Axis:
     """Return the axis that a table of [vary] describes: `values`, `grid` or `distribution`; unit:
-    of what is set. `InputError`."""
+    of what is set; read: returns a listed value, by default a number in this unit. `InputError`."""
     where = f"vary {name}"
     given = [key for key in ("values", "grid", "distribution") if key in table]
     if len(given) != 1:
@@ -272,7 +284,7 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: s
         raise InputError(f"{where}: must have one of {ways}")
     allowed = {"names", given[0]}
     if given[0] == "values":
-        values = _numbers(where, "values", table["values"], unit)
+        values = _listed(where, table["values"], read or partial(number, unit=unit))
     elif given[0] == "grid":
         values = _grid(where, table["grid"], unit)
     else:
@@ -322,7 +334,7 @@ def _grid(where: str, grid: object, unit: str) -> tuple[float, ...]:
     return tuple(spread(low, high, grid["count"]).tolist())
 
 
-def _numbers(where: str, key: str, values: object, unit: str) -> tuple[float, ...]:
+def _listed(where: str, values: object, read: Callable[[str, object], float]) -> tuple[float, ...]:
     if not isinstance(values, list) or not values:
-        raise InputError(f"{where}: {key} = {values!r}: must be a list of numbers")
-    return tuple(number(f"{where}: {key}", value, unit) for value in values)
+        raise InputError(f"{where}: values = {values!r}: must be a list of numbers")
+    return tuple(read(where, value) for value in values)

@@ -6,6 +6,7 @@ or that of the module that the file names.
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
@@ -41,6 +42,11 @@ class Subject(Protocol):
         """Units in which it asks to be shown, empty for the usual ones."""
         ...
 
+    def value(self, where: str, name: str, given: object) -> float:
+        """Return a value of what can be varied from what a list in the file has; `InputError`,
+        which begins with `where`."""
+        ...
+
     def model(self, axes: tuple[Axis, ...]) -> Model:
         """Return the model of its runs; axes: the varied parameters. Raises `InputError`."""
         ...
@@ -64,7 +70,7 @@ def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = F
         if "module" in tables:
             read_subject = _reader_of(tables["module"])
         subject = read_subject(tables, path.parent)
-        axes = tuple(_axes(table_of(tables, "vary"), subject.units))
+        axes = tuple(_axes(table_of(tables, "vary"), subject))
         design = _design(table_of(tables, "design"), axes)
         model = subject.model(axes)
         _check_names(model.columns, axes)
@@ -119,7 +125,8 @@ def _merged(base: Tables, over: Tables) -> dict[str, Any]:
     return merged
 
 
-def _axes(table: dict[str, Any], units: Mapping[str, str]) -> Iterable[Axis]:
+def _axes(table: dict[str, Any], subject: Subject) -> Iterable[Axis]:
+    units = subject.units
     if not table:
         raise InputError("[vary] is empty: at least one parameter must be varied")
     taken: dict[str, str] = {}
@@ -139,7 +146,12 @@ def _axes(table: dict[str, Any], units: Mapping[str, str]) -> Iterable[Axis]:
         if len(of) > 1:
             (unit, one), (another, other) = list(of.items())[:2]
             raise InputError(f"vary {name}: {one} is in {unit}, {other} in {another}")
-        yield axis_of(name, result, given, next(iter(of), ""))
+        read = partial(_value, subject, result[0])
+        yield axis_of(name, result, given, next(iter(of), ""), read)
+
+
+def _value(subject: Subject, target: str, where: str, given: object) -> float:
+    return subject.value(where, target, given)
 
 
 def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:

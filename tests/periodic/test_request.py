@@ -1,5 +1,7 @@
 """What Python may ask of a response, and what is refused in one line."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,6 +38,18 @@ def test_what_cannot_be_asked_is_refused_in_one_line(options, refusal):
 def test_a_range_is_any_pair_of_numbers(speed):
     points = rf.response(FAINT_RUB, speed=speed, harmonics=np.int64(3)).points
     assert (points[0].value, points[-1].value) == (60.0, 65.0)
+
+
+@pytest.mark.parametrize("value", [True, 1])
+def test_a_switch_of_the_machine_may_be_given(value):
+    rig = rf.load().rotor
+    switched = replace(rig, rotating_damping=True)
+    options = {"speed": (20.0, 25.0), "harmonics": 3}
+    given = rf.response(rig, parameters={"shaft.rotating_damping": value}, **options)
+    assert given.points[0].value == 20.0
+    assert given.curve("disc[3].r_amp").value.tolist() == (
+        rf.response(switched, **options).curve("disc[3].r_amp").value.tolist()
+    )
 
 
 @pytest.mark.parametrize("speed", [np.int64(60), np.array(60.0)])

@@ -14,6 +14,7 @@ from rotor_fmu.studies.executors import Engine
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.study import Column, Result
 from rotor_fmu.studies.study_file import read_study_file
+from rotor_fmu.units import number
 
 NAMES = ("x1", "x2", "x3")
 
@@ -58,6 +59,9 @@ class Function:
 
     def __init__(self, function):
         self._function = function
+
+    def value(self, where, name, given):
+        return number(where, given, self.units[name])
 
     def model(self, axes):
         return self._function

@@ -98,7 +98,7 @@ def test_a_selected_coupled_run_ends_as_its_row_and_has_both_fmus_signals(couple
 
 
 def test_values_that_an_fmu_refuses_are_a_failed_row_with_its_own_words(tmp_path):
-    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    law = 'distribution = "normal", mean = -1e-6, std = 1e-8'
     path = tmp_path / "study.toml"
     path.write_text(
         STUDY.replace('"run.torque" = { values = [0.05, 0.1] }', f'"bearing[1].mu" = {{ {law} }}')

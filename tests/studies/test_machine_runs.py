@@ -13,6 +13,7 @@ from rotor_fmu.machine_studies.metric import Metric
 from rotor_fmu.machine_studies.run_excitation import Excitation, Samples, Window
 from rotor_fmu.machine_studies.run_kinds import CONSTANT, STEPS
 from rotor_fmu.machine_studies.run_metrics import KINDS, cell
+from rotor_fmu.report.criticals import criticals_of
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.runner import run_study
 
@@ -50,6 +51,29 @@ def rig(tmp_path_factory):
 def test_friction_at_each_contact_adds_up_to_the_ledger(rig):
     _, _, data = rig
     assert (data.loss_1 + data.loss_2).values == pytest.approx(data.loss.values, rel=1e-4)
+
+
+def test_a_switch_that_is_varied_does_what_it_does_where_it_is_fixed(tmp_path_factory):
+    def peaks(tables):
+        ramp = '[run]\nkind = "run-up"\nfrom = 60\nto = 70\nrate = 25\n'
+        kept = '\n[keep]\nX = { peak = "disc[3].x_amp" }\n'
+        return conducted(ramp + tables + kept, tmp_path_factory.mktemp("switch"))[2].X.values
+
+    switch, other = '"shaft.rotating_damping"', '[vary]\n"shaft.mass_damping" = { values = [0.0] }'
+    off, on = peaks(f"[vary]\n{switch} = {{ values = [false, true] }}")
+    assert off != on
+    assert [off] == peaks(f"[set]\n{switch} = false\n{other}")
+    assert [on] == peaks(f"[set]\n{switch} = true\n{other}")
+
+
+def test_the_page_of_a_selected_run_has_the_critical_speeds_of_its_switch(tmp_path):
+    def criticals(table, value, values):
+        path = tmp_path / "study.toml"
+        path.write_text(RIG.replace(table, f'{table}\n"shaft.rotating_damping" = {value}'))
+        return criticals_of(read_study(path).model.record(values).named("switched")).hz
+
+    found = criticals("[vary]", "{ values = [true] }", {"shaft.rotating_damping": 1.0})
+    assert found == criticals("[set]", "true", {}) != ()
 
 
 def test_friction_at_turning_races_adds_up_to_the_ledger(tmp_path):
@@ -123,7 +147,7 @@ def test_a_folder_holds_a_run_or_a_study(rig, process, tmp_path):
 
 def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, input_error):
     path = tmp_path / "study.toml"
-    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    law = 'distribution = "normal", mean = -1e-6, std = 1e-8'
     path.write_text(
         RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
     )
@@ -134,7 +158,7 @@ def test_a_run_that_cannot_be_selected_leaves_no_folder(tmp_path, input_error):
 
 def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):
     path = tmp_path / "study.toml"
-    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    law = 'distribution = "normal", mean = -1e-6, std = 1e-8'
     path.write_text(
         RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
     )

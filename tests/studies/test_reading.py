@@ -147,6 +147,13 @@ def test_numbers_of_a_run_that_are_varied_suit_one_another(tmp_path):
         read(tmp_path, run.replace("150", "100"))
 
 
+def test_choices_are_listed_by_name_and_truths_as_such(tmp_path):
+    listed = '"limit.contact" = { values = [true, 0] }\n"solver.preset" = { values = ["paper", 0] }'
+    truths, presets = read(tmp_path, STUDY.replace("[keep]", f"{listed}\n[keep]")).design.axes[-2:]
+    assert truths.values == (1.0, 0.0)
+    assert presets.values == (1.0, 0.0)
+
+
 def test_settings_that_suit_one_another_in_some_runs_begin(tmp_path):
     methods = '"solver.alpha_f" = { values = [0.1] }\n"solver.method" = { values = [1, 2] }\n[keep]'
     assert len(read(tmp_path, STUDY.replace("[keep]", methods)).design) == 12
@@ -162,6 +169,20 @@ size = 2
         read(tmp_path, STUDY.replace("[keep]", drawn))
     method = f'"solver.method" = {{ values = [1, 2] }}\n{drawn}'  # as some of its runs could
     assert len(read(tmp_path, STUDY.replace("[keep]", method)).design)
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "refusal"),
+    [
+        ("bearing[1].mu", -0.1, r"vary bearing\[1\].mu = -0.1: must be a finite number >= 0$"),
+        ("run.rate", -5, r"run.rate = -5 rad/s2: must be > 0 and finite$"),
+    ],
+)
+def test_a_distribution_ends_where_a_run_can_be(tmp_path, name, low, refusal):
+    drawn = f'"{name}" = {{ distribution = "uniform", low = {low}, high = 10 }}\n[design]\n'
+    text = STUDY.replace("[keep]", f'{drawn}kind = "random"\nsize = 2\n[keep]')
+    with pytest.raises(InputError, match=refusal):
+        read(tmp_path, text)
 
 
 def test_whole_numbers_of_a_machine_are_not_drawn(tmp_path):

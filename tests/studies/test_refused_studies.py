@@ -66,6 +66,7 @@ from .test_reading import HELD, STUDY, VALUES, read
         (VALUES, 'distribution = ["normal"]', "distribution = ['normal']: must be one of uniform"),
         ('"run-down"', '["run-down"]', "run kind = ['run-down']: must be one of run-down, run-up"),
         ("[vary]", '"limit.contact" = 2\n[vary]', "set limit.contact = 2: must be true or false"),
+        (VALUES, "values = [true]", "vary clearance = True: must be a finite number"),
         ("[vary]", '"solver.newton_limit" = 9.5\n[vary]', "newton_limit = 9.5: must be an integer"),
         (
             "[keep]",

@@ -296,7 +296,7 @@ def test_a_study_whose_runs_all_failed_has_no_diagram(tmp_path):
         tmp_path,
         "kind = 'constant'\nspeed = 100",
         'x = { poincare = "disc.x" }',
-        '"contact[1].mu" = { distribution = "uniform", low = -2, high = -1 }\n'
+        '"contact[1].mu" = { distribution = "normal", mean = -2, std = 0.1 }\n'
         "[design]\nkind = 'random'\nsize = 2",
     )
     run_study(study, tmp_path / "out", here, quiet)
