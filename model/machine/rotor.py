@@ -324,10 +324,12 @@ class Rotor:
         """Return the machine with some quantities replaced, all at once.
 
         values: by their names as the FMU spells them: `bearing[1].clearance`, `shaft.eta_v`,
-        `gravity`. Raises `QuantityError` if a name is unknown or the machine impossible.
+        `gravity`; of switches 1 and 0 will do. Raises `QuantityError` if a name is unknown or the
+        machine impossible.
         """
         own = {str(Name(heading, 0, q)): q for q, heading in OWN.items()}
-        left = dict(values)
+        switches = {n for n, known in self.parameters().items() if known.quantity.is_switch}
+        left = {n: bool(v) if n in switches and v in (0, 1) else v for n, v in values.items()}
         changed: dict[str, Any] = {q: left.pop(n) for n, q in own.items() if n in left}
         parts = []
         for (kind, index), part in self.indexed_parts():

@@ -177,7 +177,7 @@ def response(
     *,
     speed: float | tuple[float, float],
     over: tuple[str, float, float] | None = None,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     loads: Mapping[str, float] | None = None,
     period: int = 1,
     harmonics: int = 60,
@@ -200,8 +200,8 @@ def response(
         machine turns the other way.
     over : tuple of str, float and float, optional
         Name of one of `machine.parameters` and its range, in SI units.
-    parameters : mapping of str to float, optional
-        Other values of the machine's parameters, in SI units.
+    parameters : mapping of str to float or str, optional
+        Other values of the machine's parameters, in SI units or with their unit.
     loads : mapping of str to float, optional
         Constant forces on ports, such as `disc[2].fy` [N].
     period : int, optional

@@ -74,18 +74,21 @@ def response(
         without unit.
     out: Folder for picture and numbers.
     """
+    from ..runs.settings_text import machine_values, named_texts
+
     if whirl and check:
         raise InputError("--check: not with --whirl, which is computed without unbalance")
     toml, machine = load_rotor(rotor)
     choose(units, machine.units, rotor or "")
+    loads = named_texts("--load", load or [])
     of = {name: known.quantity.unit for name, known in machine.parameters().items()}
     at, varied = _varied(speed or _usual(machine, over), over, of)
     unit = "rad/s" if varied is None else of.get(varied[0], "1")
     options: dict[str, Any] = {
         "speed": at,
         "over": varied,
-        "parameters": _pairs("--set", values, lambda name: of[known_name("--set", name, of)]),
-        "loads": _pairs("--load", load, lambda _: "N"),
+        "parameters": machine_values("--set", machine, named_texts("--set", values or [])),
+        "loads": {n: in_si(f"--load {n} =", v, "N") for n, v in loads.items()},
         "period": period,
         "harmonics": harmonics,
         "share": share,
@@ -278,11 +281,3 @@ def _range(text: str, option: str, units: Mapping[str, str]) -> tuple[str, float
     unit = units[known_name(option, name, units)]
     low, high = number_range(ends, None, f"{option} {name} =", unit)
     return name, float(low), float(high)
-
-
-def _pairs(option: str, texts: list[str] | None, unit_of: Callable[[str], str]) -> dict[str, float]:
-    """Return values in SI units of each `NAME=VALUE`."""
-    from ..runs.settings_text import named_texts
-
-    given = named_texts(option, texts or []).items()
-    return {name: in_si(f"{option} {name} =", value, unit_of(name)) for name, value in given}

@@ -220,7 +220,7 @@ class MachineRuns:
         return {
             "machine": self.machine.rotor.name,
             "toml": self.toml,
-            "parameters": {**self.values, **self._typed(values)},
+            "parameters": {**self.values, **values},
             "parameter_units": {n: unit for n, unit in self.variable_units.items() if n in values},
             "run": {"kind": how.kind.name, **how.numbers},
             "status": status_of(messages, failure),
@@ -237,12 +237,7 @@ class MachineRuns:
         of the varied parameters."""
         of_run = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
         of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
-        return self.how.changed(of_run), {**self.values, **self._typed(of_machine)}
-
-    def _typed(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Return values of what is varied, those of switches as true and false."""
-        switches = {name for name, v in self.settable.items() if v.kind == "Boolean"}
-        return {name: bool(v) if name in switches else v for name, v in values.items()}
+        return self.how.changed(of_run), {**self.values, **of_machine}
 
     def _prepared(
         self, values: Mapping[str, float], messages: list[Message], recorded: Sequence[str]

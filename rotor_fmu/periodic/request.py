@@ -21,7 +21,7 @@ from ..errors import (
 )
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
-from ..model.machine.rotor import Parameter, Rotor
+from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
 from ..model.periodic.arclength import ContinuationSteps
 from ..model.periodic.branch import Solution
@@ -30,6 +30,7 @@ from ..model.periodic.continuation import ReportPoint
 from ..model.periodic.harmonic_count import Accuracy
 from ..model.periodic.problem import SPEED, Task, check
 from ..model.periodic.response import response
+from ..runs.settings_text import machine_values
 from .result import ResponseResult
 
 
@@ -72,21 +73,12 @@ def compute_response(
     return ResponseResult(response(request.rotor, request.task, report_point, log))
 
 
-def _value(parameter: Parameter, given: Any) -> float:
-    """Return the value of a parameter; of a switch 1 and 0 stand for true and false."""
-    is_switch = parameter.quantity.is_switch
-    if is_switch and isinstance(given, bool):
-        return given
-    value = number(f"parameters: {parameter.name}", given)
-    return bool(value) if is_switch and value in (0, 1) else value
-
-
 def response_request(
     machine: Rotor | Path | str,
     *,
     speed: float | tuple[float, float],
     over: tuple[str, float, float] | None = None,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     loads: Mapping[str, float] | None = None,
     period: int = 1,
     harmonics: int = 60,
@@ -101,11 +93,8 @@ def response_request(
     """Return the request of a response, checked; for the options see `rotor_fmu.response`. Raises
     `InputError`."""
     rotor = rotor_of(machine)
-    if given := mapped("parameters", parameters):
-        known = rotor.parameters()
-        for n in given:
-            known_name("parameters:", n, known)
-        rotor = rotor.with_values({n: _value(known[n], v) for n, v in given.items()})
+    given = machine_values("parameters:", rotor, mapped("parameters", parameters))
+    rotor = rotor.with_values(given)
     check_integer("period", period, 1, 16)
     check_integer("harmonics", harmonics, 1, 500)
     if not 0 < number("share", share) < 1:

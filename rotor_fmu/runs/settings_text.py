@@ -1,7 +1,7 @@
 """Values of variables from texts `NAME=VALUE`, as commands and Python take them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ..errors import InputError, known_name
 from ..fmi.interface import interface
@@ -73,6 +73,14 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
     except SettingsError as error:
         raise InputError(f"--set {error}") from error
     return values
+
+
+def machine_values(where: str, rotor: Rotor, given: Mapping[str, object]) -> dict[str, float]:
+    """Return values of the machine's own parameters by name. Raises `InputError`, which begins with
+    `where`."""
+    own = rotor.parameters()
+    known = {v.name: v for v in interface(rotor, False) if v.name in own}
+    return {n: value_of(f"{where} {n}", known[known_name(where, n, known)], given[n]) for n in given}
 
 
 def value_of(where: str, variable: Variable, given: object) -> float:

@@ -160,6 +160,7 @@ def test_a_curve_without_a_fold_is_written_and_that_it_has_none_is_said(process,
             "contact[1].mu: must be another quantity than the one of the curve",
         ),
         (("--set", "contact[1].mu=0.1", "--set", "contact[1].mu=0.2"), "mu: is given twice"),
+        (("--set", "shaft.rotating_damping=on"), "--set shaft.rotating_damping = on: must be true"),
         (("--load", "disc.fx=1", "--load", "disc.fx = 2"), "--load disc.fx: is given twice"),
         (
             ("--speed", "100", "--over=contact[1].mu=0:1", "--set=contact[1].mu=0.5"),

@@ -40,7 +40,7 @@ def test_a_range_is_any_pair_of_numbers(speed):
     assert (points[0].value, points[-1].value) == (60.0, 65.0)
 
 
-@pytest.mark.parametrize("value", [True, 1])
+@pytest.mark.parametrize("value", [True, 1, "true"])
 def test_a_switch_of_the_machine_may_be_given(value):
     rig = rf.load().rotor
     switched = replace(rig, rotating_damping=True)
