@@ -48,7 +48,6 @@ class BranchSearch:
             start.reference,
             start.H or self.result.task.accuracy.most,
             turns=start.turns,
-            is_autonomous=self.result.task.is_whirl,
             omega=start.omega_scale,
             length_scale=start.length_scale,
         )

@@ -74,7 +74,8 @@ class Task:
     def problem(self, machines: Machines, at: float, H: int, **options: Any) -> HarmonicBalance:
         """Return the harmonic balance equations about a value of the parameter, with H
         harmonics."""
-        return HarmonicBalance(machines, self.parameter, at, H, speed=self.speed, **options)
+        options |= {"speed": self.speed, "is_autonomous": self.is_whirl}
+        return HarmonicBalance(machines, self.parameter, at, H, **options)
 
     def coarse_problem(self, machines: Machines, at: float) -> HarmonicBalance:
         """Return these equations with as few harmonics as a motion is begun with."""

@@ -63,7 +63,6 @@ def _between(result: Response, a: Solution, b: Solution, value: float) -> Soluti
         value,
         max(a.orbit.H, b.orbit.H),
         turns=a.orbit.turns,
-        is_autonomous=task.is_whirl,
         omega=a.orbit.omega,
     )
     share = (value - a.value) / (b.value - a.value)
@@ -151,7 +150,8 @@ def folds_over(
             f"which no curve of folds is made; a study of responses over {name} finds each"
         )
     first = result.machines()
-    base = task.problem(first, fold.value, fold.orbit.H, turns=fold.orbit.turns)
+    about = {"turns": fold.orbit.turns, "omega": fold.orbit.omega}
+    base = task.problem(first, fold.value, fold.orbit.H, **about)
 
     @lru_cache(KEPT)
     def problem_at(value: float) -> HarmonicBalance:
@@ -166,15 +166,12 @@ def folds_over(
             machines,
             fold.value,
             fold.orbit.H,
-            turns=fold.orbit.turns,
-            is_autonomous=task.is_whirl,
-            omega=fold.orbit.omega,
+            **about,
             state_scale=base.state_scale,
             length_scale=base.length_scale,
         )
         problem.row_scale = base.row_scale
-        if task.is_whirl:
-            problem.fix_phase(problem.join(fold.orbit))
+        problem.fix_phase(problem.join(fold.orbit))
         return problem
 
     return fold_curve(problem_at, fold.orbit, start, low, high, task.steps, report)
