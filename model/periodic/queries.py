@@ -1,6 +1,7 @@
 """Evaluations of a response: its motions at a value, whether they persist in time, and its folds
 over a second parameter."""
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -9,10 +10,10 @@ import numpy as np
 from ..machine.rotor import Rotor
 from . import newton
 from .arclength import CurvePoint
-from .balance import HarmonicBalance
+from .balance import HarmonicBalance, Orbit
 from .branch import FOLD, Bifurcation, Branch, Solution, solution
 from .folds import FoldCurve, fold_curve
-from .fourier import resized
+from .fourier import repeated, resized
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 from .problem import KEPT, SPEED, Machines, PeriodicError, Response, Task, machines_of
@@ -51,9 +52,16 @@ def motions_of(result: Response, branch: Branch, value: float) -> list[Solution]
 
 def _is_same(a: Solution, b: Solution) -> bool:
     """Return whether two motions at one value, each solved for, differ by rounding alone."""
-    H = max(a.orbit.H, b.orbit.H)
-    first, second = resized(a.orbit.b, H), resized(b.orbit.b, H)
+    _, (first, second) = over_common_period(a.orbit, b.orbit)
     return bool(np.linalg.norm(second - first) <= _SAME * np.linalg.norm(first))
+
+
+def over_common_period(*orbits: Orbit) -> tuple[int, list[np.ndarray]]:
+    """Return the turns of a period of all orbits, and the series of b of each over it, with as many
+    harmonics as the finest has."""
+    turns = math.lcm(*(orbit.turns for orbit in orbits))
+    H = max(orbit.H * turns // orbit.turns for orbit in orbits)
+    return turns, [resized(repeated(orbit.b, turns // orbit.turns), H) for orbit in orbits]
 
 
 def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:
