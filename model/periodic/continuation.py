@@ -53,6 +53,23 @@ class BranchSearch:
         )
         return Shooting(balance, start.orbit) if start.orbit is not None else balance
 
+    def equations_of(self, orbit: Orbit) -> PeriodicEquations:
+        """Return the equations (balance or shooting) with which an orbit was found, with its
+        period."""
+        task, H = self.result.task, orbit.H
+        if needs_shooting := task.needs_shooting(orbit):
+            H = task.accuracy.most * orbit.turns // task.turns
+        size = float(np.abs(orbit.b[1:]).max(initial=0.0)) if task.is_whirl else 0.0
+        balance = task.problem(
+            self.machines,
+            orbit.parameter,
+            H,
+            turns=orbit.turns,
+            omega=orbit.omega,
+            length_scale=size,
+        )
+        return Shooting(balance, orbit) if needs_shooting else balance
+
 
 def start_at(
     problem: PeriodicEquations, x: np.ndarray, value: float, direction: float

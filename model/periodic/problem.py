@@ -68,8 +68,9 @@ class Task:
         return rotor if self.name == SPEED else rotor.with_value(self.name, value)
 
     def needs_shooting(self, orbit: Orbit) -> bool:
-        """Return whether an orbit has more harmonics than harmonic balance may use."""
-        return orbit.H * self.turns > self.accuracy.most * orbit.turns
+        """Return whether an orbit has more harmonics than harmonic balance may use, a forced one:
+        whirls are solved for by it alone."""
+        return not self.is_whirl and orbit.H * self.turns > self.accuracy.most * orbit.turns
 
     def problem(self, machines: Machines, at: float, H: int, **options: Any) -> HarmonicBalance:
         """Return the harmonic balance equations about a value of the parameter, with H

@@ -110,18 +110,14 @@ def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
         raise PeriodicError(
             f"{task.name} = {value:g}, where the orbit begins: must be in the range"
         )
-    size = float(np.abs(begin.b[1:]).max()) if task.is_whirl else 0.0
-    problem = task.problem(
-        *(search.machines, value, begin.H),
-        turns=task.turns,
-        omega=begin.omega,
-        length_scale=size,
-    )
+    begin = begin._replace(parameter=value)
+    problem = search.equations_of(begin)
     x = problem.join(begin)
     problem.fix_phase(x)
     try:
         x = newton.solve(problem, x, value)
-        if task.is_whirl and not _is_forward_whirl(problem, problem.split(x, value)):
+        orbit = problem.split(x, value)
+        if task.is_whirl and not _is_forward_whirl(problem.balance, orbit):
             raise NotConverged()
     except NotConverged as error:
         raise PeriodicError(
