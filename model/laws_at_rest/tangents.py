@@ -94,7 +94,10 @@ class LawsAtRest:
 
     def _tangents(self) -> Tangents:
         at = self._samples
-        p, q = at.p[:, :, 0], at.q[:, :, 0]
-        matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
-        by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)
-        return Tangents(at.force[:, 0].copy(), by_d, by_v)
+        return Tangents(at.force[:, 0].copy(), *matrices(at.p[:, :, 0], at.q[:, :, 0]))
+
+
+def matrices(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the matrices of z -> p z + q conj(z) over x and y, shape (..., 2, 2)."""
+    rows = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+    return np.moveaxis(rows, (0, 1), (-2, -1))

@@ -17,7 +17,7 @@ it. And a rotor is not stable because one of its modes is. So:
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -111,12 +111,13 @@ class FirstForward:
         (from 1); expected: as much of it [N/m], or 0. Raises `LinearError` where no mode can be
         it."""
         self._rotor, self._speed, self._shares = rotor, speed, shares
-        self._machine, self._alone = machine, machine.at(speed)
-        first = modes_of(self._machine, self._alone, _COUNT)
+        self._machine, alone = machine, machine.at(speed)
+        first = modes_of(machine, alone, _COUNT)
         at = _place(first)
         self._is_double = bool(first.is_degenerate[at])
         self.scale = total_mass(assemble(rotor)) * float(first.natural[at]) ** 2
-        self._coupled = _Followed(self._with_coupling, {0.0: complex(first.eigenvalues[at])})
+        of_coupling = partial(self._modes, machine, alone)
+        self._coupled = _Followed(of_coupling, {0.0: complex(first.eigenvalues[at])})
         if self._is_double:
             self._coupled.split(_LITTLE * self.scale)
         driven, self.threshold = self._threshold(expected)
@@ -142,9 +143,6 @@ class FirstForward:
         if self._is_double:
             followed.split(_LITTLE_SHARE)
         return _pair(followed, 1.0)
-
-    def _with_coupling(self, q: float) -> Modes:
-        return self._modes(self._machine, self._alone, q)
 
     def _modes(self, machine: LinearMachine, linear: Linear, q: float) -> Modes:
         added = machine.cross_coupling({node: q * share for node, share in self._shares})

@@ -20,7 +20,6 @@ from .method_switch import PeriodicEquations
 from .newton import NotConverged
 from .problem import Response, Task
 from .queries import motions_of
-from .shooting import Shooting
 
 # Distances of the first motion from the bifurcation, in lengths of the interfaces.
 _PERTURBATIONS = (0.05, 0.02, 0.1, 0.2, 0.005)
@@ -48,7 +47,7 @@ def _starts(search: BranchSearch, branch: Branch, bifurcation: Bifurcation) -> S
     if is_doubling:
         both = repeated(orbit.b, 2), repeated(orbit.states, 2)
         orbit = Orbit(*both, 0.5 * orbit.omega, 2 * orbit.turns, orbit.speed, orbit.parameter)
-    problem = _equations_of(search, orbit, value)
+    problem = search.equations_of(orbit)
     x = problem.join(orbit)
     if is_doubling:
         across = np.append(_alternating_null_vector(problem, x, value), 0.0)
@@ -64,16 +63,6 @@ def _starts(search: BranchSearch, branch: Branch, bifurcation: Bifurcation) -> S
         if not _is_on_a_branch(search.result, problem.split(point.x, point.value), point.value):
             yield start_along(problem, point.x, point.value, [point.direction])
     return []
-
-
-def _equations_of(search: BranchSearch, orbit: Orbit, value: float) -> PeriodicEquations:
-    """Return the equations (balance or shooting) with which an orbit was found, with its period."""
-    task = search.result.task
-    H = orbit.H
-    if needs_shooting := task.needs_shooting(orbit):
-        H = task.accuracy.most * orbit.turns // task.turns
-    balance = task.problem(search.machines, value, H, turns=orbit.turns)
-    return Shooting(balance, orbit) if needs_shooting else balance
 
 
 def _perturbed(

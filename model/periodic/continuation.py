@@ -13,12 +13,12 @@ from .arclength import CurvePoint
 from .balance import Orbit
 from .branch import CLOSED, UNFINISHED, Branch, Solution, with_motion
 from .checkpoint import BranchStart, EndEvent, EventLog, StartEvent, Starts
-from .fourier import amplitudes, repeated, resized, shifted
+from .fourier import amplitudes, resized, shifted
 from .harmonic_count import Accuracy
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 from .problem import Machines, Note, Response
-from .queries import motions_of
+from .queries import motions_of, over_common_period
 from .shooting import Shooting
 from .tracer import TracedPoint, Tracer
 
@@ -48,11 +48,27 @@ class BranchSearch:
             start.reference,
             start.H or self.result.task.accuracy.most,
             turns=start.turns,
-            is_autonomous=self.result.task.is_whirl,
             omega=start.omega_scale,
             length_scale=start.length_scale,
         )
         return Shooting(balance, start.orbit) if start.orbit is not None else balance
+
+    def equations_of(self, orbit: Orbit) -> PeriodicEquations:
+        """Return the equations (balance or shooting) with which an orbit was found, with its
+        period."""
+        task, H = self.result.task, orbit.H
+        if needs_shooting := task.needs_shooting(orbit):
+            H = task.accuracy.most * orbit.turns // task.turns
+        size = float(np.abs(orbit.b[1:]).max(initial=0.0)) if task.is_whirl else 0.0
+        balance = task.problem(
+            self.machines,
+            orbit.parameter,
+            H,
+            turns=orbit.turns,
+            omega=orbit.omega,
+            length_scale=size,
+        )
+        return Shooting(balance, orbit) if needs_shooting else balance
 
 
 def start_at(
@@ -241,11 +257,7 @@ def _gap(branch: Branch, orbit: Orbit, value: float, is_whirl: bool = False) -> 
         if not min(a.value, b.value) <= value <= max(a.value, b.value) or a.value == b.value:
             continue
         share = (value - a.value) / (b.value - a.value)
-        turns = math.lcm(a.orbit.turns, orbit.turns)
-        H = max(o.H * turns // o.turns for o in (a.orbit, b.orbit, orbit))
-        first, second, b_of_orbit = (
-            resized(repeated(o.b, turns // o.turns), H) for o in (a.orbit, b.orbit, orbit)
-        )
+        turns, (first, second, b_of_orbit) = over_common_period(a.orbit, b.orbit, orbit)
         middle, near = first + share * (second - first), 0.5 * np.linalg.norm(second - first)
         angles = [2 * math.pi * turn / turns for turn in range(turns)]
         if is_whirl:  # whose phase is free
@@ -262,11 +274,7 @@ def is_one_of(motions: Sequence[Solution], orbit: Orbit) -> bool:
     """Return whether an orbit is one of some motions, each solved for, also whole revolutions
     later."""
     for own in motions:
-        turns = math.lcm(own.orbit.turns, orbit.turns)
-        H = max(each.H * turns // each.turns for each in (own.orbit, orbit))
-        first, second = (
-            resized(repeated(each.b, turns // each.turns), H) for each in (own.orbit, orbit)
-        )
+        turns, (first, second) = over_common_period(own.orbit, orbit)
         for turn in range(turns):
             apart = np.linalg.norm(first - shifted(second, 2 * math.pi * turn / turns))
             if apart <= _ONE * np.linalg.norm(first):

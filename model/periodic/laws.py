@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import backend
 from ..contact.wall import ContactQuantities
+from ..laws_at_rest.tangents import matrices
 from ..linear.real_matrices import in_plane
 from ..parts import LAWS
 from ..parts.law import BY_D, never_breaks
@@ -192,7 +193,7 @@ class LawsAlongMotion:
         at.vibrate_laws(speed, speed, 0.0)
         of_films = [LAWS[self._interfaces[j].law].linearize is not None for j in self.owner]
         states = np.where(of_films, at.samples.solved, self.starts)
-        by_d = _matrices(at.samples.p[0], at.samples.q[0])
+        by_d, _ = matrices(at.samples.p, at.samples.q).swapaxes(1, 2)
         return in_plane(at.samples.force.T), by_d, states
 
     def corner_gaps(self, d: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -232,10 +233,11 @@ class LawsAlongMotion:
         at = self._filled(d, v, states)
         at.linearize_laws(float(speed))
         m, s, n, samples = self.count, self.states, len(d), at.samples
+        by_d, by_v = matrices(samples.p, samples.q).swapaxes(1, 2)
         result = ForcesAndTangents(
             in_plane(samples.force.T),
-            _matrices(samples.p[0], samples.q[0]),
-            _matrices(samples.p[1], samples.q[1]),
+            by_d,
+            by_v,
             np.zeros((n, 2 * m, s)),
             samples.rates.copy(),
             *(np.zeros((n, s, 2 * m)), np.zeros((n, s, 2 * m))),
@@ -291,12 +293,6 @@ class LawsAlongMotion:
         at.samples.d[...], at.samples.v[...] = _complex(d), _complex(v)
         at.samples.states[...] = at.samples.solved[...] = states
         return at
-
-
-def _matrices(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return the matrices of z -> p z + q conj(z), shape (n, m, 2, 2)."""
-    matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
-    return matrices.transpose(3, 2, 0, 1)
 
 
 def _parts(z: np.ndarray) -> np.ndarray:

@@ -68,13 +68,15 @@ class Task:
         return rotor if self.name == SPEED else rotor.with_value(self.name, value)
 
     def needs_shooting(self, orbit: Orbit) -> bool:
-        """Return whether an orbit has more harmonics than harmonic balance may use."""
-        return orbit.H * self.turns > self.accuracy.most * orbit.turns
+        """Return whether an orbit has more harmonics than harmonic balance may use, a forced one:
+        whirls are solved for by it alone."""
+        return not self.is_whirl and orbit.H * self.turns > self.accuracy.most * orbit.turns
 
     def problem(self, machines: Machines, at: float, H: int, **options: Any) -> HarmonicBalance:
         """Return the harmonic balance equations about a value of the parameter, with H
         harmonics."""
-        return HarmonicBalance(machines, self.parameter, at, H, speed=self.speed, **options)
+        options |= {"speed": self.speed, "is_autonomous": self.is_whirl}
+        return HarmonicBalance(machines, self.parameter, at, H, **options)
 
     def coarse_problem(self, machines: Machines, at: float) -> HarmonicBalance:
         """Return these equations with as few harmonics as a motion is begun with."""

@@ -1,6 +1,7 @@
 """Evaluations of a response: its motions at a value, whether they persist in time, and its folds
 over a second parameter."""
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -9,10 +10,10 @@ import numpy as np
 from ..machine.rotor import Rotor
 from . import newton
 from .arclength import CurvePoint
-from .balance import HarmonicBalance
+from .balance import HarmonicBalance, Orbit
 from .branch import FOLD, Bifurcation, Branch, Solution, solution
 from .folds import FoldCurve, fold_curve
-from .fourier import resized
+from .fourier import repeated, resized
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
 from .problem import KEPT, SPEED, Machines, PeriodicError, Response, Task, machines_of
@@ -51,9 +52,16 @@ def motions_of(result: Response, branch: Branch, value: float) -> list[Solution]
 
 def _is_same(a: Solution, b: Solution) -> bool:
     """Return whether two motions at one value, each solved for, differ by rounding alone."""
-    H = max(a.orbit.H, b.orbit.H)
-    first, second = resized(a.orbit.b, H), resized(b.orbit.b, H)
+    _, (first, second) = over_common_period(a.orbit, b.orbit)
     return bool(np.linalg.norm(second - first) <= _SAME * np.linalg.norm(first))
+
+
+def over_common_period(*orbits: Orbit) -> tuple[int, list[np.ndarray]]:
+    """Return the turns of a period of all orbits, and the series of b of each over it, with as many
+    harmonics as the finest has."""
+    turns = math.lcm(*(orbit.turns for orbit in orbits))
+    H = max(orbit.H * turns // orbit.turns for orbit in orbits)
+    return turns, [resized(repeated(orbit.b, turns // orbit.turns), H) for orbit in orbits]
 
 
 def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:
@@ -63,7 +71,6 @@ def _between(result: Response, a: Solution, b: Solution, value: float) -> Soluti
         value,
         max(a.orbit.H, b.orbit.H),
         turns=a.orbit.turns,
-        is_autonomous=task.is_whirl,
         omega=a.orbit.omega,
     )
     share = (value - a.value) / (b.value - a.value)
@@ -151,7 +158,8 @@ def folds_over(
             f"which no curve of folds is made; a study of responses over {name} finds each"
         )
     first = result.machines()
-    base = task.problem(first, fold.value, fold.orbit.H, turns=fold.orbit.turns)
+    about = {"turns": fold.orbit.turns, "omega": fold.orbit.omega}
+    base = task.problem(first, fold.value, fold.orbit.H, **about)
 
     @lru_cache(KEPT)
     def problem_at(value: float) -> HarmonicBalance:
@@ -166,15 +174,12 @@ def folds_over(
             machines,
             fold.value,
             fold.orbit.H,
-            turns=fold.orbit.turns,
-            is_autonomous=task.is_whirl,
-            omega=fold.orbit.omega,
+            **about,
             state_scale=base.state_scale,
             length_scale=base.length_scale,
         )
         problem.row_scale = base.row_scale
-        if task.is_whirl:
-            problem.fix_phase(problem.join(fold.orbit))
+        problem.fix_phase(problem.join(fold.orbit))
         return problem
 
     return fold_curve(problem_at, fold.orbit, start, low, high, task.steps, report)

@@ -110,9 +110,15 @@ def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
         raise PeriodicError(
             f"{task.name} = {value:g}, where the orbit begins: must be in the range"
         )
-    problem = task.coarse_problem(search.machines, value).modified(begin.H)
+    begin = begin._replace(parameter=value)
+    problem = search.equations_of(begin)
+    x = problem.join(begin)
+    problem.fix_phase(x)
     try:
-        x = newton.solve(problem, problem.join(begin), value)
+        x = newton.solve(problem, x, value)
+        orbit = problem.split(x, value)
+        if task.is_whirl and not _is_forward_whirl(problem.balance, orbit):
+            raise NotConverged()
     except NotConverged as error:
         raise PeriodicError(
             f"the given orbit is not a solution at {task.name} = {value:g}"
@@ -136,7 +142,7 @@ def _whirl_starts(search: BranchSearch) -> Starts:
     task, machines = search.result.task, search.machines
     for value in (*task.seeds, 0.5 * (task.low + task.high), task.high, task.low):
         speed = task.speed_at(value)
-        coarse = task.problem(machines, value, 3, is_autonomous=True, omega=abs(speed))
+        coarse = task.problem(machines, value, 3, omega=abs(speed))
         for guess in (*rolling_whirls(coarse, value), *growing_whirls(coarse, value)):
             problem, x = _of_whirl(search, guess, coarse.length_scale)
             try:
@@ -196,7 +202,6 @@ def _of_whirl(
         search.machines,
         guess.parameter,
         max(task.accuracy.least, 3),
-        is_autonomous=True,
         omega=guess.omega,
         length_scale=max(float(np.abs(guess.b).max()), least_scale),
     )

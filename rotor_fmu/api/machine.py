@@ -221,7 +221,8 @@ def response(
         Whether the machine runs without its unbalance, in a whirl of unknown frequency (dry whirl,
         oil whirl).
     start : Solution, optional
-        A motion of `at` or `points` of an earlier result, from which alone branches are followed.
+        A motion of `at` or `points` of an earlier result, from which alone branches are followed,
+        with its own period.
     branches : bool, optional
         Whether branches that begin at period doublings and branch points are followed too; not with
         `whirl`.

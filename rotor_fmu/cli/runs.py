@@ -1,5 +1,7 @@
 """`rotor-fmu run-down`, `variables` and `host-env`."""
 
+import sys
+import sysconfig
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, replace
@@ -9,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from ..display import choose
-from ..errors import writable_folder
+from ..errors import InputError, writable_folder
 from ..model.settings import PRESETS
 from ..output_options import with_options_of, with_output_options, write_json
 from ..units import in_si
@@ -218,9 +220,25 @@ def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
     return {variable.name: asdict(variable) for variable in table}
 
 
+def host_environment() -> dict[str, str]:
+    """Return the environment variables for a plain program that loads the FMU into itself, by name.
+
+    The wrapper does not link Python's library, so it must be loaded before; and Python finds the
+    packages of this environment by the `python` that is first in PATH. Raises `InputError` where
+    Python has no shared library, or on other systems than Linux.
+    """
+    if not sys.platform.startswith("linux"):
+        raise InputError(f"host-env: platform {sys.platform}: must be linux")
+    folder = sysconfig.get_config_var("LIBDIR") or ""
+    library = Path(folder, sysconfig.get_config_var("INSTSONAME") or "")
+    if ".so" not in library.name or not library.is_file():
+        raise InputError(
+            f"host-env: {sys.executable}: must be a Python with a shared library (libpython3.*.so)"
+        )
+    return {"LD_PRELOAD": str(library), "PATH": f"{Path(sys.executable).parent}:$PATH"}
+
+
 def host_env() -> None:
     """Print the environment that a C host needs to run the FMU on this machine."""
-    from ..runs.host_env import host_environment
-
     for name, value in host_environment().items():
         typer.echo(f'export {name}="{value}"')

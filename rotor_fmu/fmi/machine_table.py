@@ -6,7 +6,6 @@ set.
 import math
 import struct
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -72,14 +71,6 @@ _ROW = struct.Struct("<3q")
 _SPAN = struct.Struct("<2q2d")
 
 
-class FmuInterface(NamedTuple):
-    """The interface of an FMU: the machine, and its variables in the order of their references."""
-
-    rotor: Rotor
-    table: Sequence[Variable]
-    is_free: bool
-
-
 class _Texts:
     """Texts, each once, by their place in what follows."""
 
@@ -94,39 +85,35 @@ class _Texts:
         return self._places[text]
 
 
-def table_bytes(fmu_interface: FmuInterface, sources: str, guid: str) -> bytes:
-    """Return the file's content; sources: its library's digest, 16 characters; guid: the FMU's.
+def table_bytes(
+    rotor: Rotor, table: Sequence[Variable], is_free: bool, sources: str, guid: str
+) -> bytes:
+    """Return the file's content; table: the FMU's variables in the order of their references;
+    sources: its library's digest, 16 characters; guid: the FMU's.
 
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """
-    index = {variable.name: i for i, variable in enumerate(fmu_interface.table)}
+    index = {variable.name: i for i, variable in enumerate(table)}
     structure, beyond = assembled(
-        machine_with_oil(fmu_interface.rotor),
-        int(fmu_interface.table[index[REDUCTION.name]].start or 0),
+        machine_with_oil(rotor), int(table[index[REDUCTION.name]].start or 0)
     )
-    block = new_block(structure, len(observed_names(fmu_interface.rotor)))
+    block = new_block(structure, len(observed_names(rotor)))
     where = {field.path: _offset(block, i) for i, field in enumerate(LAYOUT.fields)}
     record = where["memory.record"]
     texts = _Texts()
-    observed_at = next(i for i, v in enumerate(fmu_interface.table) if v.is_observed)
-    variables = b"".join(_rows(fmu_interface, texts, observed_at))
-    writes = b"".join(
-        [
-            *_writes(fmu_interface.rotor, index, where),
-            *_record_writes(fmu_interface.is_free, index, record),
-        ]
-    )
+    observed_at = next(i for i, v in enumerate(table) if v.is_observed)
+    variables = b"".join(_rows(rotor, table, is_free, texts, observed_at))
+    writes = b"".join([*_writes(rotor, index, where), *_record_writes(is_free, index, record)])
     needs = [
         _ROW.pack(index[a], index[b], _HEAD.size + texts.place(why))
         for a, b, why in _NEEDS
         if a in index
     ]
     warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
-    closed = closed_at(
-        interface_names(fmu_interface.rotor), LAYOUT.view_in_python(block).structure.interfaces
-    )
+    interfaces = interface_names(rotor)
+    closed = closed_at(interfaces, LAYOUT.view_in_python(block).structure.interfaces)
     known = (*of_settings.prefixed(PREFIX), *SENTENCES[len(of_settings.SENTENCES) :])
-    names = choice(interface_names(fmu_interface.rotor))
+    names = choice(interfaces)
     own = [text.replace("{where}", closed).replace("{names}", names) for text in known]
     codes = (*CODES, *(each.code for each in beyond))
     said = (with_code(text, code) for text, code in zip((*own, *warnings), codes, strict=True))
@@ -136,7 +123,7 @@ def table_bytes(fmu_interface: FmuInterface, sources: str, guid: str) -> bytes:
         for code, of in enumerate(beyond, len(SENTENCES))
     )
     # texts stand behind the head, so that their places are known first
-    parts = [_padded(texts.bytes)]
+    parts = [texts.bytes + bytes(-len(texts.bytes) % 8)]
     begins = []
     for part in (
         variables,
@@ -144,37 +131,31 @@ def table_bytes(fmu_interface: FmuInterface, sources: str, guid: str) -> bytes:
         b"".join(needs),
         struct.pack(f"<{len(sentences)}q", *sentences),
         spans,
+        block.tobytes(),
     ):
         begins.append(_HEAD.size + sum(map(len, parts)))
         parts.append(part)
-    begins.append(_HEAD.size + sum(map(len, parts)))
-    parts.append(block.tobytes())
     body = b"".join(parts)
-    inputs = sum(v.causality == "input" for v in fmu_interface.table)
-    assert all(v.causality == "input" for v in fmu_interface.table[:inputs])
+    inputs = sum(v.causality == "input" for v in table)
+    assert all(v.causality == "input" for v in table[:inputs])
+
+    def in_record(*names: str) -> list[int]:
+        """Return the places of fields of the record in the block."""
+        return [record + _field(RECORD, name)[1] for name in names]
+
     head = _HEAD.pack(
         *(MAGIC, sources.encode(), guid.encode(), LARGEST, 0),
-        *(_HEAD.size + len(body), len(fmu_interface.table), observed_at, inputs),
-        *(index["tau_drive" if fmu_interface.is_free else "speed"], fmu_interface.is_free),
+        *(_HEAD.size + len(body), len(table), observed_at, inputs),
+        *(index["tau_drive" if is_free else "speed"], is_free),
         *(len(GIVEN), 1 + NAMES.index("tolerance")),
         *(len(writes) // _ROW.size, len(needs), len(sentences), len(beyond)),
         *(len(block), *(LAYOUT.extent(block, group).stop for group in ("memory", "tangent"))),
-        *(
-            record + _field(RECORD, name)[1]
-            for name in (
-                *("is_free", "continues", "stops_at_contact", "has_sensitivities"),
-                "is_past_limit",
-            )
-        ),
+        *in_record("is_free", "continues", "stops_at_contact", "has_sensitivities"),
+        *in_record("is_past_limit"),
         *(where[f"memory.{name}"] for name in ("loads", "load_rates")),
         *(where["outputs.observed"], where["outputs.derivatives"]),
-        *(
-            record + _field(RECORD, name)[1]
-            for name in (
-                *("t", "t_of_host", "omega", "alpha", "drive"),
-                *("surveyed_at", "surveyed_from", "surveyed_to"),
-            )
-        ),
+        *in_record("t", "t_of_host", "omega", "alpha", "drive"),
+        *in_record("surveyed_at", "surveyed_from", "surveyed_to"),
         *begins,
     )
     sum_of_all = struct.pack("<Q", checksum(head + body, CHECKSUM_AT))
@@ -198,23 +179,21 @@ def _field(record: np.dtype, name: str) -> tuple[np.dtype, int]:
     return kind, at
 
 
-def _padded(data: bytes) -> bytes:
-    return data + bytes(-len(data) % 8)
-
-
 def _offset(block: np.ndarray, i: int) -> int:
     """Return where an array of the layout begins in a block [bytes]."""
     header = block[: 8 * LAYOUT.header_length].view(np.int64)
     return int(header[1 + len(LAYOUT.size_names) + i])
 
 
-def _rows(fmu_interface: FmuInterface, texts: _Texts, observed_at: int) -> list[bytes]:
-    quantities = {name: of.quantity for name, of in fmu_interface.rotor.parameters().items()}
-    quantities |= {name: of for name, _, of, _ in coupling_parameters(fmu_interface.is_free)}
-    outputs = {str(name): output for name, output in observed(fmu_interface.rotor)}
-    loads = [name for pair in load_names(fmu_interface.rotor) for name in pair]
+def _rows(
+    rotor: Rotor, table: Sequence[Variable], is_free: bool, texts: _Texts, observed_at: int
+) -> list[bytes]:
+    quantities = {name: of.quantity for name, of in rotor.parameters().items()}
+    quantities |= {name: of for name, _, of, _ in coupling_parameters(is_free)}
+    outputs = {str(name): output for name, output in observed(rotor)}
+    loads = [name for pair in load_names(rotor) for name in pair]
     rows = []
-    for i, v in enumerate(fmu_interface.table):
+    for i, v in enumerate(table):
         role, at, unset, shift = MACHINE, 0, math.nan, 0.0
         if v.name in _ROLES:
             role = _ROLES[v.name]

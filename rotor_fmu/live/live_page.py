@@ -8,7 +8,7 @@ from typing import Any
 
 from ..about import __version__
 from ..display import current
-from ..fmi.machine_table import FmuInterface, table_bytes
+from ..fmi.machine_table import table_bytes
 from ..fmi.packing.machine_files import Machine
 from ..library.build import library, sources_digest
 from ..library.platforms import WASM
@@ -43,8 +43,7 @@ def solver_page(machine: Machine, given: Mapping[str, float] | None = None) -> s
 
 def solver_table(machine: Machine) -> bytes:
     """Return the table of a machine as the page's solver reads it."""
-    fmu_interface = FmuInterface(machine.rotor, machine.table, machine.is_free)
-    return table_bytes(fmu_interface, sources_digest(), "")
+    return table_bytes(machine.rotor, machine.table, machine.is_free, sources_digest(), "")
 
 
 def page_data(machine: Machine) -> dict[str, Any]:

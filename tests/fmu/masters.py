@@ -9,8 +9,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
+from rotor_fmu.cli.runs import host_environment
 from rotor_fmu.errors import InputError
-from rotor_fmu.runs.host_env import host_environment
 
 from ..processes import run_python
 

@@ -17,7 +17,7 @@ THRESHOLD = DAMPING * OMEGA / DRIVE
 
 
 @pytest.fixture(scope="module")
-def driven():
+def machine():
     """A Jeffcott rotor in a stator, on bearings whose cross coupling is proportional to the
     speed."""
     mounts = bearings(OMEGA**2, DAMPING, 1.0)
@@ -38,7 +38,12 @@ mu = 0.0
 node = 2
 name = "disc"
 """
-    return rf.response(rf.parse(rigid(parts=mounts + wall)), speed=(150.0, 300.0), whirl=True)
+    return rf.parse(rigid(parts=mounts + wall))
+
+
+@pytest.fixture(scope="module")
+def driven(machine):
+    return rf.response(machine, speed=(150.0, 300.0), whirl=True)
 
 
 def radius(motion):
@@ -67,6 +72,15 @@ def test_beyond_it_the_whirl_has_the_frequency_at_which_the_damping_balances_the
     assert point.is_stable
     assert point.orbit.omega == pytest.approx(omega, rel=1e-4)
     assert np.hypot(x, y) == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_branch_is_followed_from_one_of_its_whirls(machine, driven):
+    start = driven.points[len(driven.points) // 2]
+    (branch,) = rf.response(machine, speed=(150.0, 300.0), whirl=True, start=start).branches
+    assert set(branch.ends) == {"the whirl begins there, at rest", "end of the range"}
+    resting, last = sorted((branch.points[0], branch.points[-1]), key=lambda p: p.value)
+    assert (resting.value, last.value) == (pytest.approx(THRESHOLD, rel=1e-3), 300.0)
+    assert last.orbit.omega == pytest.approx(DRIVE * 300.0 / DAMPING, rel=1e-4)
 
 
 @pytest.mark.slow
@@ -131,7 +145,7 @@ def test_all_whirls_are_found_that_begin_close_together():
     k = np.array([1.0, 1.002]) * OMEGA**2
     machine = stations([0.0, 0.1], 0.01, 1e-3, [(of, DRIVE) for of in k])
     task = Task(150.0, 300.0, is_whirl=True)
-    problem = task.problem(machines_of(machine.rotor, task), 150.0, 3, is_autonomous=True, omega=1)
+    problem = task.problem(machines_of(machine.rotor, task), 150.0, 3, omega=1)
     begins = [small for _, small in beginning_whirls(problem, 150.0, 300.0)]
     expected = DAMPING * np.sqrt(k) / DRIVE
     assert [begin.parameter for begin in begins] == pytest.approx(expected, rel=1e-5)
@@ -150,7 +164,7 @@ def test_a_mode_that_grows_within_a_fiftieth_of_the_range_begins_and_ceases_ther
     mounts = mounts.replace("node =", f"speed = {speeds}\nnode =")
     rotor = rf.parse(rigid(parts=mounts)).rotor
     task = Task(150.0, 300.0, is_whirl=True)
-    problem = task.problem(machines_of(rotor, task), 150.0, 3, is_autonomous=True, omega=1)
+    problem = task.problem(machines_of(rotor, task), 150.0, 3, omega=1)
     begins = [small.parameter for _, small in beginning_whirls(problem, 150.0, 300.0)]
     expected = PchipInterpolator(speeds, [0.0, peak, 0.0]).solve(1.0, extrapolate=False)
     assert np.ptp(expected) < 0.02 * 150.0

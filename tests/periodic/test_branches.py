@@ -189,6 +189,14 @@ def test_a_branch_of_twice_the_period_begins_at_each_period_doubling(doubled):
     assert not any(p.is_stable for p in between)
 
 
+def test_a_branch_is_followed_from_a_motion_of_twice_the_period_that_no_option_tells(doubled):
+    start = doubled.branches[1].points[40]
+    found = rf.response(sagging(), speed=(240.0, 400.0), start=start, harmonics=40, step=0.4)
+    (branch,) = found.branches
+    assert branch.ends == ("joins a branch of a shorter period",) * 2
+    assert {p.orbit.turns for p in branch.points} == {2}
+
+
 def test_the_table_says_where_a_real_multiplier_crosses_the_unit_circle(doubled):
     crossings = {row[1]: row[3] for row in doubled.table().rows}
     assert crossings["period doubling"] == pytest.approx(-1.0, abs=1e-5)

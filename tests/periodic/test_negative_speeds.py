@@ -110,8 +110,8 @@ def test_a_whirl_turned_the_other_way_is_the_mirrored_one(rotor, at, turns):
 @pytest.mark.parametrize("sense", [1, -1])
 def test_the_circle_from_which_an_oil_whirl_is_sought_turns_with_the_rotor(sense):
     rotor, speed = image_of_machine(oil_whirler(), sense), sense * 1400.0
-    task = Task(*sorted((speed, 1.1 * speed)))
-    problem = task.problem(machines_of(rotor, task), speed, 3, is_autonomous=True, omega=abs(speed))
+    task = Task(*sorted((speed, 1.1 * speed)), is_whirl=True)
+    problem = task.problem(machines_of(rotor, task), speed, 3, omega=abs(speed))
     *_, circle = guesses = list(growing_whirls(problem, speed))
     assert len(guesses) == len(_SIZES) + 1
     cosine, sine = circle.b[1:3, 0] + 1j * circle.b[1:3, 1]

@@ -60,8 +60,8 @@ def test_the_branch_begins_where_rest_loses_its_stability(whirl, threshold):
 def test_far_beyond_the_threshold_a_large_whirl_is_found_that_carries_its_load_itself(threshold):
     """From a guess about the place of rest Newton's method does not get there."""
     speed = 2.0 * threshold
-    task = Task(speed, 1.1 * speed)
-    problem = task.problem(machines_of(_rotor(), task), speed, 3, is_autonomous=True, omega=speed)
+    task = Task(speed, 1.1 * speed, is_whirl=True)
+    problem = task.problem(machines_of(_rotor(), task), speed, 3, omega=speed)
     guess = list(growing_whirls(problem, speed))[_SIZES.index(0.9)]
     x = problem.join(guess)
     problem.fix_phase(x)
@@ -127,9 +127,9 @@ THIN = 0.4, 0.03, 2.0, "length = 0.0075\nviscosity = 0.003"
 
 def test_a_large_whirl_in_which_the_mode_about_rest_is_another_is_that_of_a_run_in_time():
     """About rest, at 0.66 of the clearance, the mode is an ellipse at 0.36 of the speed."""
-    task = Task(0.9 * PAST, PAST)
+    task = Task(0.9 * PAST, PAST, is_whirl=True)
     machines = machines_of(flexible(*THIN), task)
-    problem = task.problem(machines, PAST, 3, is_autonomous=True, omega=PAST)
+    problem = task.problem(machines, PAST, 3, omega=PAST)
     *_, guess = growing_whirls(problem, PAST)
     x = problem.join(guess)
     problem.fix_phase(x)
@@ -163,9 +163,9 @@ def test_a_large_whirl_in_which_the_mode_about_rest_is_another_is_that_of_a_run_
 def test_of_the_multipliers_of_a_whirl_that_nearly_fills_its_film_one_is_1():
     """That along its own motion: with the stiffness of so thin a film the journals' modes are far
     faster than the motion, but with its damping, which is larger still, not."""
-    task = Task(900.0, 925.0)
+    task = Task(900.0, 925.0, is_whirl=True)
     machines = machines_of(flexible(*HEAVY, eta_v=0.0), task)
-    problem = task.problem(machines, 900.0, 7, is_autonomous=True, omega=900.0)
+    problem = task.problem(machines, 900.0, 7, omega=900.0)
     *_, circle = growing_whirls(problem, 900.0)
     x = problem.join(circle)
     problem.fix_phase(x)

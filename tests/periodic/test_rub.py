@@ -214,7 +214,7 @@ def test_the_first_guess_of_a_whirl_that_rolls_is_balanced(v):
     machine, speed = jeffcott(0.05, 20.0, 0.1, 0.0), v * CLEARANCE * OMEGA / RADIUS
     task = Task(speed, 2.0 * speed, is_whirl=True)
     machines = machines_of(machine.rotor, task)
-    problem = task.problem(machines, speed, 3, is_autonomous=True, omega=speed)
+    problem = task.problem(machines, speed, 3, omega=speed)
     guess = next(rolling_whirls(problem, speed))
     omega, r = rolling(v)
     assert guess.omega / OMEGA == pytest.approx(omega, rel=1e-5)

@@ -10,7 +10,7 @@ from ...model.machine.toml import parse_rotor, rig_toml
 from ...model.settings import choose
 from ..description import TIME, Described, description, guid
 from ..interface import interface
-from ..machine_table import FILE, FmuInterface, table_bytes
+from ..machine_table import FILE, table_bytes
 from ..solver_parameters import NO_STARTS, REALTIME, chosen_at_build
 from ..variables import Variable
 from .archive import DESCRIPTION, xml_bytes
@@ -70,10 +70,9 @@ def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]
     content = f"{of.identifier} {fmi} {sources} {machine.toml}"
     of = replace(of, guid=guid(machine.table, content), step=machine.step)
     known = machine.table if fmi == 2 else (*machine.table, TIME)
-    fmu_interface = FmuInterface(machine.rotor, known, machine.is_free)
     return {
         **documents(of, machine.table, fmi),
         DESCRIPTION: xml_bytes(description(of, machine.table, fmi)),
-        TABLE: table_bytes(fmu_interface, sources, of.guid),
+        TABLE: table_bytes(machine.rotor, known, machine.is_free, sources, of.guid),
         ROTOR_FILE: machine.toml.encode(),
     }
