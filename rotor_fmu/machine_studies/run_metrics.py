@@ -107,7 +107,11 @@ def _size_around(metric: Metric, window: Window, at: int) -> float:
     return float(np.sqrt(np.mean(_around(metric, window, at) ** 2)))
 
 
-@_kind("value at the end of {of}", also=("phi",), least=partial(_size_around, at=-1))
+def _last_size(metric: Metric, window: Window) -> float:
+    return _size_around(metric, window, -1)
+
+
+@_kind("value at the end of {of}", also=("phi",), least=_last_size)
 def _last(metric: Metric, window: Window) -> float:
     return float(window.steps.quantity(metric.of)[-1])
 

@@ -80,7 +80,9 @@ def machine_values(where: str, rotor: Rotor, given: Mapping[str, object]) -> dic
     `where`."""
     own = rotor.parameters()
     known = {v.name: v for v in interface(rotor, False) if v.name in own}
-    return {n: value_of(f"{where} {n}", known[known_name(where, n, known)], given[n]) for n in given}
+    return {
+        n: value_of(f"{where} {n}", known[known_name(where, n, known)], v) for n, v in given.items()
+    }
 
 
 def value_of(where: str, variable: Variable, given: object) -> float:

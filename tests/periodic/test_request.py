@@ -21,7 +21,7 @@ from .machines import FAINT_RUB
         ({"harmonics": "few"}, "harmonics = 'few': must be an integer from 1 to 500"),
         ({"period": True}, "period = True: must be an integer from 1 to 16"),
         ({"seeds": 5}, "^seeds = 5: must be a list of numbers$"),
-        ({"parameters": {"contact[1].mu": "a"}}, r"contact\[1\].mu = 'a': must be a number$"),
+        ({"parameters": {"contact[1].mu": "a"}}, r"contact\[1\].mu = a: must be a number$"),
         ({"share": "a"}, "^share = 'a': must be a number$"),
         ({"speed": ("a", 65.0)}, r"^speed = \('a', 65.0\): must be a list of numbers$"),
         ({"start": 3}, "^start = 3: must be a motion of `at` or `points` of an earlier result$"),
