@@ -14,6 +14,7 @@ from .errors import InputError, optional
 
 # what one of it is in the SI unit above it
 _OTHERS = {
+    "rad": {"deg": math.pi / 180.0},
     "rad/s": {"rpm": math.pi / 30.0, "Hz": 2.0 * math.pi},
     "rad/s2": {"rpm/s": math.pi / 30.0, "Hz/s": 2.0 * math.pi},
     "s": {"ms": 1e-3, "min": 60.0},
