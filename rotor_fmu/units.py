@@ -69,11 +69,6 @@ _OURS = (
 _ANGLES = ("radian", "degree", "revolution", "turn", "cycle", "hertz", "per_minute", "cpm", "rpm")
 
 
-def units_for(si: str) -> dict[str, float]:
-    """Return the units of a quantity that need no pint, and the factor of each to SI [1]."""
-    return {si: 1.0, **_OTHERS.get(si, {})}
-
-
 def split(text: str) -> tuple[float, str] | None:
     """Return a number and the unit behind it, empty where there is none; None if the text does not
     begin with a number."""
@@ -92,8 +87,6 @@ def in_si(shown: str, text: str, si: str) -> float:
         others = f", in {si}{f' or with {examples} behind it' if examples else ''}"
         raise InputError(f"{shown} {text}: must be a number{'' if si == '1' else others}")
     number, unit = parts
-    if _NO_UNIT.search(re.sub(r"^1\s*/|\s*(\^|\*\*)\s*", r"\1", unit)):
-        raise InputError(f"{shown} {text}: the unit {unit!r} is unknown; {_must_be(si)}")
     return number * factor(f"{shown} {text}", unit, si) if unit else number
 
 
@@ -125,13 +118,16 @@ def factor(shown: str, unit: str, si: str) -> float:
     for name, question in _AMBIGUOUS.items():
         if re.search(rf"(?<![A-Za-z_]){name}s?(?![A-Za-z_])", unit):
             raise InputError(f"{shown}: {question}")
+    unknown = InputError(f"{shown}: the unit {unit!r} is unknown; {_must_be(si)}")
+    if _NO_UNIT.search(re.sub(r"^1\s*/|\s*(\^|\*\*)\s*", r"\1", unit)):
+        raise unknown
     optional("pint", "units", shown)
     registry = _registry()
     try:
         asked = registry.parse_expression(_spelled(unit))
         asked = asked if hasattr(asked, "units") else registry.Quantity(asked)
     except Exception as error:  # its reader raises many kinds, of Python's tokenizer too
-        raise InputError(f"{shown}: the unit {unit!r} is unknown; {_must_be(si)}") from error
+        raise unknown from error
     is_turning = any(name in str(asked.units) for name in _ANGLES)
     try:
         result = float(asked.to(_spelled(si)).magnitude)
