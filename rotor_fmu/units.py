@@ -43,7 +43,7 @@ _MEASURED = {
     "kg.m": ("an unbalance", "g.mm, oz.in"),
     "kg.m2": ("a moment of inertia", "kg.mm2, lb.in2"),
     "Pa.s": ("a viscosity", "mPa.s, cP"),
-    "J/(kg.K)": ("a specific heat", "kJ/(kg.K)"),
+    "J/(kg.K)": ("a specific heat", "kJ/(kg.K), BTU/(lb.degF)"),
     "degC": ("a temperature", ""),
     "1": ("a number", "percent"),
 }
@@ -146,8 +146,10 @@ def _must_be(si: str) -> str:
 
 
 def _spelled(unit: str) -> str:
-    """Return a unit as pint reads it: `kg.m2` and `oz-in` have `**` and `*`."""
-    text = unit.replace("µ", "u").replace("μ", "u").replace("·", "*").replace("⋅", "*")
+    """Return a unit as pint reads it: `kg.m2` and `oz-in` have `**` and `*`, and a degree of
+    temperature within a unit is that of a difference."""
+    text = re.sub(r"(?:deg|°)([CF])\b", r"delta_deg\1", unit)
+    text = text.replace("µ", "u").replace("μ", "u").replace("·", "*").replace("⋅", "*")
     text = re.sub(r"(?<=[A-Za-z0-9)])[.\-](?=[A-Za-z(])", "*", text)
     return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text)
 

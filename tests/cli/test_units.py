@@ -59,6 +59,9 @@ LBF = POUND * G
         ("20 cP", "Pa.s", 0.02),
         ("2 bar", "Pa", 2e5),
         ("2 kJ/(kg.K)", "J/(kg.K)", 2000.0),
+        ("2 kJ/(kg.°C)", "J/(kg.K)", 2000.0),
+        ("0.45 cal/(g.degC)", "J/(kg.K)", 1882.8),
+        ("1 ft.lbf/(lb.degF)", "J/(kg.K)", 1.8 * 9.80665 * 12 * INCH),
         ("40 degC", "degC", 40.0),
     ],
 )
