@@ -79,7 +79,7 @@ def end_stopped() -> NoReturn:
 def _one_line(error: "typer.TyperException") -> str:
     """Return the parser's error in one line: of a value that cannot be read the option once, with
     what was typed behind it; of a missing argument its name as the help shows it; of one too many
-    what a machine file follows."""
+    what a machine file follows; of an option before the command where it belongs."""
     param: Any = getattr(error, "param", None)
     if getattr(param, "param_type_name", "") == "argument" and hasattr(error, "param_type"):
         return f"{param.metavar or param.name.upper()}: must be given"
@@ -92,6 +92,8 @@ def _one_line(error: "typer.TyperException") -> str:
     options = [option for of in getattr(command, "params", ()) for option in of.opts]
     is_extra = "extra argument" in error.format_message() and "--rotor" in options
     hint = ["a machine file follows --rotor"] if is_extra else []
+    if hasattr(command, "commands") and not getattr(error, "possibilities", True):
+        hint = ["options follow the command"]
     return "; ".join([" ".join(error.format_message().split()), *hint])
 
 

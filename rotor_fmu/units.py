@@ -14,6 +14,7 @@ from .errors import InputError, optional
 
 # what one of it is in the SI unit above it
 _OTHERS = {
+    "rad": {"deg": math.pi / 180.0},
     "rad/s": {"rpm": math.pi / 30.0, "Hz": 2.0 * math.pi},
     "rad/s2": {"rpm/s": math.pi / 30.0, "Hz/s": 2.0 * math.pi},
     "s": {"ms": 1e-3, "min": 60.0},
@@ -42,7 +43,7 @@ _MEASURED = {
     "kg.m": ("an unbalance", "g.mm, oz.in"),
     "kg.m2": ("a moment of inertia", "kg.mm2, lb.in2"),
     "Pa.s": ("a viscosity", "mPa.s, cP"),
-    "J/(kg.K)": ("a specific heat", "kJ/(kg.K)"),
+    "J/(kg.K)": ("a specific heat", "kJ/(kg.K), BTU/(lb.degF)"),
     "degC": ("a temperature", ""),
     "1": ("a number", "percent"),
 }
@@ -68,11 +69,6 @@ _OURS = (
 _ANGLES = ("radian", "degree", "revolution", "turn", "cycle", "hertz", "per_minute", "cpm", "rpm")
 
 
-def units_for(si: str) -> dict[str, float]:
-    """Return the units of a quantity that need no pint, and the factor of each to SI [1]."""
-    return {si: 1.0, **_OTHERS.get(si, {})}
-
-
 def split(text: str) -> tuple[float, str] | None:
     """Return a number and the unit behind it, empty where there is none; None if the text does not
     begin with a number."""
@@ -91,8 +87,6 @@ def in_si(shown: str, text: str, si: str) -> float:
         others = f", in {si}{f' or with {examples} behind it' if examples else ''}"
         raise InputError(f"{shown} {text}: must be a number{'' if si == '1' else others}")
     number, unit = parts
-    if _NO_UNIT.search(re.sub(r"^1\s*/|\s*(\^|\*\*)\s*", r"\1", unit)):
-        raise InputError(f"{shown} {text}: the unit {unit!r} is unknown; {_must_be(si)}")
     return number * factor(f"{shown} {text}", unit, si) if unit else number
 
 
@@ -124,13 +118,16 @@ def factor(shown: str, unit: str, si: str) -> float:
     for name, question in _AMBIGUOUS.items():
         if re.search(rf"(?<![A-Za-z_]){name}s?(?![A-Za-z_])", unit):
             raise InputError(f"{shown}: {question}")
+    unknown = InputError(f"{shown}: the unit {unit!r} is unknown; {_must_be(si)}")
+    if _NO_UNIT.search(re.sub(r"^1\s*/|\s*(\^|\*\*)\s*", r"\1", unit)):
+        raise unknown
     optional("pint", "units", shown)
     registry = _registry()
     try:
         asked = registry.parse_expression(_spelled(unit))
         asked = asked if hasattr(asked, "units") else registry.Quantity(asked)
     except Exception as error:  # its reader raises many kinds, of Python's tokenizer too
-        raise InputError(f"{shown}: the unit {unit!r} is unknown; {_must_be(si)}") from error
+        raise unknown from error
     is_turning = any(name in str(asked.units) for name in _ANGLES)
     try:
         result = float(asked.to(_spelled(si)).magnitude)
@@ -149,8 +146,10 @@ def _must_be(si: str) -> str:
 
 
 def _spelled(unit: str) -> str:
-    """Return a unit as pint reads it: `kg.m2` and `oz-in` have `**` and `*`."""
-    text = unit.replace("µ", "u").replace("μ", "u").replace("·", "*").replace("⋅", "*")
+    """Return a unit as pint reads it: `kg.m2` and `oz-in` have `**` and `*`, and a degree of
+    temperature within a unit is that of a difference."""
+    text = re.sub(r"(?:deg|°)([CF])\b", r"delta_deg\1", unit)
+    text = text.replace("µ", "u").replace("μ", "u").replace("·", "*").replace("⋅", "*")
     text = re.sub(r"(?<=[A-Za-z0-9)])[.\-](?=[A-Za-z(])", "*", text)
     return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text)
 

@@ -26,7 +26,8 @@ _COMPUTED = (
 )
 # a key of each of those that ROSS 2.3 saves under the name of a bearing by coefficients: a magnetic
 # bearing, a plain journal bearing, tilting pads
-_COMPUTED_BY = ("kp_pid", "n_pad", "pivot_angle")
+_CONTROLLED = "kp_pid"
+_COMPUTED_BY = (_CONTROLLED, "n_pad", "pivot_angle")
 _COEFFICIENTS = tuple(f"{of}{axes}" for of in "kc" for axes in ("xx", "xy", "yx", "yy"))
 _MASSES = ("mxx", "mxy", "myx", "myy")
 _NOT_LATERAL = ("kzz", "czz", "mzz", "radial_clearance", "seal_leakage")
@@ -102,9 +103,13 @@ class _Reader:
         if not is_computed or "kxx" not in values or "cxx" not in values:
             other = ", or save its coefficients as a BearingElement" if is_computed else ""
             raise QuantityError(f"{key}: a {kind} of ROSS is not supported; remove it{other}")
-        self._notes.append(
-            f"{key}: imported by its coefficients; what ROSS computed them from is left out"
-        )
+        note = f"{key}: imported by its coefficients; what ROSS computed them from is left out"
+        if _CONTROLLED in values and isinstance(values.get("frequency"), list):
+            note += (
+                ", and the frequency of vibration, over which its control has them, is taken for "
+                "the speed, which holds for synchronous vibration alone"
+            )
+        self._notes.append(note)
         own = {name: of for name, of in values.items() if name in _OF_BEARINGS}
         return Element(key, "SealElement" if "Seal" in kind else "BearingElement", own)
 

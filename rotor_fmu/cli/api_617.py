@@ -1,6 +1,5 @@
 """`rotor-fmu critical-map`, `stability` and `unbalance`, by API 617 and 684, and `balance`."""
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,8 +10,17 @@ from ..errors import InputError, writable_folder
 from ..files import write_csv
 from ..output_options import with_output_options
 from ..screen import progress_of
-from ..units import in_si, split
-from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
+from ..units import in_si
+from .nodes import (
+    Clearances,
+    CrossCouplings,
+    Stages,
+    ask_if_meant,
+    check_nodes,
+    clearances_of,
+    cross_couplings,
+    unbalances_of,
+)
 from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
 from .show_result import machine_in_units, print_answer, say
 from .speeds import (
@@ -151,8 +159,8 @@ def unbalance(
     at the peaks between them. These nodes are the probes.
 
     node: Node to show, counted from 1; repeatable; default: the nodes with the largest orbits.
-    at: NODE:AMOUNT:DEGREES, such as 4:50g.mm:90, or in kg.m; replaces the machine's own unbalances;
-        repeatable.
+    at: NODE:AMOUNT:ANGLE, such as 4:50g.mm:90, or in kg.m and with a unit behind the angle, which
+        is else in degrees; replaces the machine's own unbalances; repeatable.
     mode: Place the unbalances that API 617 prescribes (4W/N) for this mode, from 1.
     factor: With --mode: multiple of the residual unbalance 4W/N; default: 2.
     out: Folder for picture and CSV.
@@ -160,7 +168,7 @@ def unbalance(
     from ..model.linear.unbalance_check import SPEEDS
 
     speeds, machine = speed_range(speed, SPEEDS), machine_in_units(rotor, units)
-    given = [_unbalance(text) for text in at] if at else None
+    given = unbalances_of(at) or None
     ends = operating_range(operating, rated, machine)
     gaps = clearances_of(clearance)
     if mode is not None and given:
@@ -227,19 +235,6 @@ def _say_where_it_holds(
     )
 
 
-def _unbalance(text: str) -> tuple[int, float, float]:
-    try:
-        node, amount, *phase = text.split(":")
-        number = int(node)
-        degrees = float(phase[0]) if phase else 0.0
-        is_known = len(phase) < 2 and math.isfinite(degrees)
-    except ValueError:
-        is_known = False
-    if not is_known or split(amount) is None:
-        raise InputError(f"--unbalance {text}: must be NODE:AMOUNT or NODE:AMOUNT:DEGREES")
-    return number, in_si(f"--unbalance {text}: amount", amount, "kg.m"), math.radians(degrees)
-
-
 def _write_response(result: Any, nodes: list[int], path: Path) -> None:
     """A row a speed: of each node the amplitudes 0-p, the phases and the semi-axes."""
     columns = {"speed [rad/s]": result.speeds}
@@ -279,6 +274,8 @@ def balance(
         raise InputError("--speed and --plane: must be given, such as --speed 1500rpm --plane 4")
     speeds, machine = [one_speed(text) for text in speed], machine_in_units(rotor, units)
     amount = None if trial is None else in_si("--trial", trial, "kg.m")
+    if trial is not None and amount is not None:
+        ask_if_meant("--trial", trial, "amount", amount, "kg.m")
     check_nodes(machine, "--plane", plane)
     check_nodes(machine, "--node", node or ())
     from ..balancing.trial_runs import balance as balanced

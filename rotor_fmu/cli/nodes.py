@@ -1,4 +1,5 @@
-"""Nodes, and what options put at them: clearances of seals, impellers, cross couplings."""
+"""Nodes, and what options put at them: unbalances, clearances of seals, impellers, cross
+couplings."""
 
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated
@@ -7,7 +8,7 @@ import typer
 
 from ..errors import InputError
 from ..model.machine.rotor import Rotor
-from ..units import in_si
+from ..units import in_si, split
 
 if TYPE_CHECKING:
     from ..model.linear import Stage
@@ -53,12 +54,43 @@ def clearances_of(texts: list[str] | None) -> dict[int, float]:
     result = {}
     for text in texts or []:
         node, (radius,) = _at_node("--clearance", text, "NODE:RADIUS", ("m",))
+        ask_if_meant("--clearance", text, "clearance", radius, "m")
         if not radius > 0:
             raise InputError(f"--clearance {text}: must be NODE:RADIUS, RADIUS above 0")
         if node in result:
             raise InputError(f"--clearance {text}: node {node} has another one already")
         result[node] = radius
     return result
+
+
+def unbalances_of(texts: list[str] | None) -> list[tuple[int, float, float]]:
+    """Return node, amount [kg.m] and angle [rad] of each `NODE:AMOUNT` or `NODE:AMOUNT:ANGLE`."""
+    return [_unbalance(text) for text in texts or []]
+
+
+def _unbalance(text: str) -> tuple[int, float, float]:
+    option, form = "--unbalance", "NODE:AMOUNT or NODE:AMOUNT:ANGLE"
+    pieces = text.split(":")
+    if len(pieces) == 2:
+        pieces.append("0")
+    angle = split(pieces[-1])
+    if angle is None:
+        raise InputError(f"{option} {text}: must be {form}")
+    if not angle[1]:
+        pieces[-1] += "deg"
+    node, (amount, phase) = _at_node(option, text, form, ("kg.m", "rad"), pieces)
+    ask_if_meant(option, text, "amount", abs(amount), "kg.m")
+    return node, amount, phase
+
+
+def ask_if_meant(option: str, text: str, name: str, value: float, unit: str) -> None:
+    """Warn of the value of an option, in an SI unit, that a part's quantity of this name would not
+    have."""
+    from ..machine_file.loading import to_screen
+    from ..machine_file.plausibility import implausible_number
+
+    for sentence in implausible_number(f"{option} {text}: {name}", name, value, unit):
+        to_screen(sentence)
 
 
 def cross_couplings(
@@ -82,9 +114,12 @@ def _coupling(text: str) -> tuple[int, float]:
     return node, q
 
 
-def _at_node(option: str, text: str, form: str, units: Sequence[str]) -> tuple[int, list[float]]:
-    """Return the node and the values, in SI units, of `NODE:VALUE:...`; form: how it is written."""
-    node, *values = text.split(":")
+def _at_node(
+    option: str, text: str, form: str, units: Sequence[str], pieces: Sequence[str] = ()
+) -> tuple[int, list[float]]:
+    """Return the node and the values, in SI units, of `NODE:VALUE:...`; form: how it is written;
+    pieces: the text's, where something was added to them."""
+    node, *values = pieces or text.split(":")
     if len(values) != len(units) or not node.strip().isdecimal():
         raise InputError(f"{option} {text}: must be {form}")
     given = zip(values, units, strict=True)

@@ -11,7 +11,7 @@ import typer
 
 from ..display import Shown, choose, current
 from ..errors import InputError, known_name, writable_folder
-from ..machine_file.loading import load_rotor
+from ..machine_file.loading import load_rotor, warn_of_changes
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
 from ..screen import progress_of
@@ -119,6 +119,7 @@ def _computed(
     from ..periodic.request import compute_response, response_request
 
     request = response_request(machine, **options)
+    warn_of_changes("--set", machine, request.rotor)
     writable_folder(out)
     from ..periodic.saved_events import saved_log
 

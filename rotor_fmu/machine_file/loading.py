@@ -126,12 +126,13 @@ def _has_tables(value: list[Any]) -> bool:
     return bool(value) and all(isinstance(item, dict) for item in value)
 
 
-def _to_screen(warning: str) -> None:
+def to_screen(warning: str) -> None:
+    """Print a warning in a line of standard error."""
     print(f"rotor-fmu: warning: {warning}", file=sys.stderr, flush=True)
 
 
 def load_rotor(
-    path: Path | None, warn: Callable[[str], None] = _to_screen, option: str = "--rotor"
+    path: Path | None, warn: Callable[[str], None] = to_screen, option: str = "--rotor"
 ) -> tuple[str, Rotor]:
     """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
     one; warn: is given the notes on an import from ROSS, and warnings of implausible values;
@@ -148,3 +149,11 @@ def load_rotor(
     for warning in warnings:
         warn(f"{path}: {warning}" if path else warning)
     return text, rotor
+
+
+def warn_of_changes(option: str, rotor: Rotor, changed: Rotor) -> None:
+    """Print the warnings of implausible values that an option gave a machine."""
+    before = implausible_values(rotor)
+    for sentence in implausible_values(changed):
+        if sentence not in before:
+            to_screen(f"{option} {sentence}")

@@ -57,6 +57,12 @@ def implausible_values(rotor: Rotor) -> list[str]:
     return [*_ranges(rotor), *_relations(rotor)]
 
 
+def implausible_number(shown: str, name: str, value: float, unit: str) -> list[str]:
+    """Return the sentence about a number, in an SI unit, that stands for a part's quantity of this
+    name, if it is probably meant in another unit; shown: what the number is called."""
+    return [*_warning(shown, value, unit, _OF_PARTS[name])]
+
+
 def _ranges(rotor: Rotor) -> Iterator[str]:
     of_model = _SOFT[0] <= rotor.material.young < _SOFT[1]
     known = {n: usual for n, usual in _MATERIAL.items() if not (of_model and n == "density")}

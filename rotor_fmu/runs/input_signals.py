@@ -15,7 +15,7 @@ from ..model.machine.rotor import Rotor
 from ..model.near_names import near_names
 from ..model.simulation import Simulation
 from ..operating_speeds import operating_speeds
-from ..units import in_si, split, units_for
+from ..units import factor, in_si, split
 
 _ROUNDING = 1e-11  # of an input's values: what is no bend of its course
 _SLIVER = 1e-9  # of an interval: a bend so near to its end is its end
@@ -272,10 +272,8 @@ def _column(path: Path, text: str, known: Mapping[str, str]) -> tuple[str, float
         near = near_names(text.partition(" ")[0], known, 3)
         hint = f"did you mean {', '.join(near)}?" if near else f"known are {', '.join(known)}"
         raise InputError(f"{path}: column {text!r} is unknown; {hint}")
-    units = units_for(known[name])
-    if unit is not None and unit not in units:
-        raise InputError(f"{path}: column {name!r} in {unit!r}: must be in {' or '.join(units)}")
-    return name, units[unit] if unit else 1.0
+    shown = f"{path}: column {text!r}"
+    return name, 1.0 if unit is None else factor(shown, unit, known[name])
 
 
 def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[float]:

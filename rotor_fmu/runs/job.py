@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import MOST_ROWS, InputError, check_one_of
-from ..fmi.binding import build_simulation
+from ..fmi.binding import build_simulation, changed_rotor
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
 from ..fmi.variables import start_values
-from ..machine_file.loading import load_rotor
+from ..machine_file.loading import load_rotor, warn_of_changes
 from ..model.machine.rotor import Rotor
 from ..model.quantities import check_size
 from ..model.settings import PRESETS, Settings
@@ -80,12 +80,14 @@ def prepare(
     signals = make_signals(table, stop, constants, followed, recorded)
     parameters = {name: value for name, value in values.items() if name not in inputs}
     try:
-        return make_job(toml, rotor, parameters, signals, stop, step)
+        job = make_job(toml, rotor, parameters, signals, stop, step)
     except InputError as error:
         is_from_rest = followed.first == 0 and not speed_by
         if not is_from_rest or not isinstance(error.__cause__, EquilibriumError):
             raise
         raise InputError(f"{error}; or let it begin at a speed that carries it, --from") from error
+    warn_of_changes("--set", rotor, changed_rotor(rotor, table, start_values(table) | values))
+    return job
 
 
 def make_job(

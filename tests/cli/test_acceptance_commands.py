@@ -126,7 +126,7 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
             ["unbalance", "--clearance", "4:0.2mm", "--clearance", "4:0.3mm"],
             "--clearance 4:0.3mm: node 4 has another one already",
         ),
-        (["unbalance", "--unbalance", "4:50g:0"], "--unbalance 4:50g:0: amount 50g: "),
+        (["unbalance", "--unbalance", "4:50g:0"], "--unbalance 4: 50g: must be an unbalance"),
         (["stability", "--rated", "50Hz", "--node", "99"], "--node 99: must be from 1"),
         (
             ["unbalance", "--range", "60:100Hz", "--mode", "1", "--factor", "nan"],

@@ -76,6 +76,11 @@ def test_a_reduction_that_no_fmu_can_have_is_refused_in_one_line(input_error, mo
     assert expected in input_error("build", "--reduction", modes, "--out", "new/folder")
 
 
+def test_an_option_before_the_command_is_told_where_it_belongs(input_error):
+    said = input_error("--rotor", "drop.toml", "run-down")
+    assert said.endswith("No such option: --rotor; options follow the command")
+
+
 @pytest.mark.parametrize(
     ("command", "expected"),
     [

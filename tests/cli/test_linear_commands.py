@@ -183,6 +183,8 @@ def test_speeds_are_read_in_any_unit():
         (["campbell", "--speed", "0rpm:5Hz"], "must have one unit"),
         (["campbell", "--harmonic", "-1"], "harmonic = -1: must be > 0"),
         (["unbalance", "--unbalance", "5"], "--unbalance 5: must be NODE:AMOUNT"),
+        (["unbalance", "--unbalance", "5:1g.m:up"], "--unbalance 5:1g.m:up: must be NODE:AMOUNT"),
+        (["unbalance", "--unbalance", "5:1g.m:9mm"], "--unbalance 5: 9mm: must be an angle, in"),
         (["unbalance", "--node", "12"], "--node 12: must be from 1 to 8"),
         (["static", "--contacts", "open"], "the machine is not held"),
     ],
@@ -254,9 +256,10 @@ def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
 
 
 @pytest.mark.usefixtures("without_peaks")
-def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path):
+@pytest.mark.parametrize("angle", ["90", "90deg", "0.25turn"])
+def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path, angle):
     """The amplitudes are those of the answer; an unbalance may be given in g mm."""
-    given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", "4:50g.mm:90")
+    given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", f"4:50g.mm:{angle}")
     command("unbalance", *given)
     head, *rows = (tmp_path / "out" / "unbalance.csv").read_text().splitlines()
     assert head.startswith("speed [rad/s],node[5].x [m],node[5].y [m],node[5].x_phase [rad]")

@@ -25,7 +25,9 @@ from rotor_fmu.runs.run_down import Run
         ("t,speed\n0,400\n", "column 't' is unknown; known are time, speed, disc[1].fx, "),
         ("time,bearing[1].mu\n0,1\n", "column 'bearing[1].mu' is unknown; known are"),
         ("time,speed [rpm\n0,1\n", "column 'speed [rpm' is unknown; did you mean speed"),
-        ("time,speed [mph]\n0,4\n", "column 'speed' in 'mph': must be in rad/s or rpm or Hz"),
+        ("time,speed [mph]\n0,4\n", "column 'speed [mph]': must be a speed of rotation, in"),
+        ("time,speed [2 rpm]\n0,4\n", "'speed [2 rpm]': the unit '2 rpm' is unknown; must be"),
+        ("time,speed []\n0,4\n", "column 'speed []': must be a speed of rotation, in rad/s"),
         ("# by hand\ntime,speed\n\n0,4\n1,x\n", "line 5: speed = x: must be a finite number"),
         ("time,speed,speed\n0,1,2\n", "column 'speed' is given twice"),
         ("time,speed\n0,400\n1,\n", "line 3: speed = (nothing): must be a finite number"),
@@ -134,15 +136,16 @@ def test_runs_differ_at_their_ends_by_a_share_of_each_column():
 
 
 def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
-    (tmp_path / "one.csv").write_text("time,speed\n0.25,300\n1.5,30\n")
-    other = "# recorded by hand\ntime [ms];speed [rpm]\n250;{}\n\n1500;{}\n"
+    (tmp_path / "one.csv").write_text("time,speed,disc[1].fx\n0.25,300,0\n1.5,30,44.482216152605\n")
+    other = "# by hand\ntime [ms];speed [rpm];disc[1].fx [lbf]\n250;{};0\n\n1500;{};10\n"
     first, second = (f"{v * 30 / math.pi:.17g}".replace(".", ",") for v in (300, 30))
     (tmp_path / "other.csv").write_text(other.format(first, second))
     one, two = (
         read_signals(tmp_path / f"{name}.csv", interface(rig())) for name in ("one", "other")
     )
     np.testing.assert_allclose(two.t, one.t, rtol=1e-12)
-    np.testing.assert_allclose(two.values["speed"], one.values["speed"], rtol=1e-12)
+    for name in ("speed", "disc[1].fx"):
+        np.testing.assert_allclose(two.values[name], one.values[name], rtol=1e-12)
 
 
 @pytest.mark.parametrize("way", ["run-down", "run-up"])

@@ -59,6 +59,9 @@ LBF = POUND * G
         ("20 cP", "Pa.s", 0.02),
         ("2 bar", "Pa", 2e5),
         ("2 kJ/(kg.K)", "J/(kg.K)", 2000.0),
+        ("2 kJ/(kg.°C)", "J/(kg.K)", 2000.0),
+        ("0.45 cal/(g.degC)", "J/(kg.K)", 1882.8),
+        ("1 ft.lbf/(lb.degF)", "J/(kg.K)", 1.8 * 9.80665 * 12 * INCH),
         ("40 degC", "degC", 40.0),
     ],
 )
@@ -213,6 +216,7 @@ def test_a_table_has_a_unit_a_column():
     [
         ("kxx = [20, 21]", "kxx = [20, 21, 22]", "linear_bearing[1].kxx: 3 given, 2 needed"),
         ('"MN/m"', '"mm"', "linear_bearing[1].units.kxx = 'mm': must be a stiffness"),
+        ('"MN/m"', '"2 MN/m"', "units.kxx = '2 MN/m': the unit '2 MN/m' is unknown; must be a st"),
         ('kyy = "N/um', 'kxy = "N/um', "units.kxy: no number of that name is here; did you"),
         ("{ speed", "1 # { speed", "linear_bearing[1].units = 1: must be a table"),
         ("node = 1", 'node = 1\nhousing = "3 mm"', "housing = '3 mm': no housing of that name"),
@@ -266,6 +270,7 @@ def test_ranges_and_what_stands_at_nodes_take_every_unit_of_their_quantity():
         (lambda: clearances_of(["6:3rpm"]), "--clearance 6: 3rpm: must be a length, in m or such"),
         (lambda: clearances_of(["6:0mm"]), "--clearance 6:0mm: must be NODE:RADIUS, RADIUS above"),
         (lambda: number_range("1:2psi", 2, "--stiffness", "N/m"), "must be a stiffness, in N/m"),
+        (lambda: number_range("1:2 3 N/m", 2, "--stiffness", "N/m"), "the unit '3 N/m' is unknown"),
     ],
 )
 def test_a_unit_of_another_quantity_is_refused_in_options_too(read, message):

@@ -106,3 +106,44 @@ def test_a_command_says_it_and_goes_on_and_python_warns(tmp_path, process):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rf.load()
+
+
+MEANT = {
+    "4:50": "4:-50g.mm",
+    "4:20": "4:20mm",
+    "50": "50g.mm",
+    "disc[1].phase=90": "disc[1].phase=90deg",
+}
+RAMP = ("--direct", "--from", "100", "--to", "99", "--rate", "100")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (
+            ["unbalance", "--speed", "100", "--unbalance", "4:50"],
+            "--unbalance 4:50: amount = 50 kg.m: is that what is meant; 50 g.mm?",
+        ),
+        (
+            ["unbalance", "--speed", "100", "--range", "90:100", "--clearance", "4:20"],
+            "--clearance 4:20: clearance = 20 m: is that what is meant; 20 mm?",
+        ),
+        (
+            ["balance", "--speed", "100", "--plane", "99", "--trial", "50"],
+            "--trial 50: amount = 50 kg.m: is that what is meant; 50 g.mm?",
+        ),
+        (
+            ["run-down", *RAMP, "--set", "disc[1].phase=90"],
+            "--set disc[1].phase = 90 rad: is that what is meant; 90 deg?",
+        ),
+        (
+            ["response", "--speed", "5:6", "--set", "disc[1].phase=90"],
+            "--set disc[1].phase = 90 rad: is that what is meant; 90 deg?",
+        ),
+    ],
+)
+def test_an_option_is_asked_about_by_the_rule_of_the_file(process, tmp_path, arguments, expected):
+    said = process(*arguments, "--out", str(tmp_path)).stderr
+    assert f"rotor-fmu: warning: {expected}" in said
+    arguments = [MEANT.get(text, text) for text in arguments]
+    assert "warning" not in process(*arguments, "--out", str(tmp_path)).stderr

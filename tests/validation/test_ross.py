@@ -112,6 +112,8 @@ def test_so_are_those_that_ross_saves_under_the_name_of_a_bearing_by_coefficient
     result = parse_ross(text.replace(head, head + computed + "\n", 1))
     assert result.tables == parse_ross(text).tables
     assert "BearingElement_bearing 0: imported by its coefficients" in result.notes[0]
+    # a controller's coefficients are those of a frequency of vibration, not of the speed
+    assert ("for synchronous vibration alone" in result.notes[0]) == ("kp_pid" in computed)
 
 
 def test_where_formulations_differ_it_is_by_a_little_and_said_how():
