@@ -60,7 +60,7 @@ VARIABLES: tuple[Listed, ...] = (
     ("w", "input", "rad/s", 0.0, None, "speed of the rotor"),
     ("w_target", "input", "rad/s", 1400.0, None, "speed that the drive is to reach"),
     ("kp", "parameter", "A/m", 12000.0, 0.0, "proportional gain"),
-    ("ki", "parameter", "A/m.s", 1e5, 0.0, "integral gain"),
+    ("ki", "parameter", "A/(m.s)", 1e5, 0.0, "integral gain"),
     ("kd", "parameter", "A.s/m", 16.0, 0.0, "derivative gain"),
     ("f_filter", "parameter", "Hz", 2000.0, 1e-3, "corner of the low pass behind the sensors"),
     ("i_bias", "parameter", "A", 3.0, 1e-9, "bias current; a coil carries at most twice as much"),

@@ -1,6 +1,7 @@
 """What holds for every FMU of the examples that the rotor is coupled with."""
 
 import math
+import re
 from dataclasses import dataclass
 
 import fmpy
@@ -68,6 +69,14 @@ def test_the_description_is_valid_and_says_what_the_table_does(partner, built):
         description.modelVariables, partner.coupling.variables, strict=True
     ):
         assert (variable.name, variable.unit) == (listed.name, listed.unit)
+
+
+def test_a_unit_is_written_as_in_modelica(partner):
+    """A quotient has one factor below its line, or several in parentheses."""
+    written = re.compile(r"[^/]+(/(\([^/()]+\)|[^./()]+))?")
+    assert [
+        v.name for v in partner.coupling.variables if not written.fullmatch(v.unit or "1")
+    ] == []
 
 
 def test_building_twice_gives_the_same_bytes(partner, built, tmp_path):

@@ -295,3 +295,24 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
     names = ("rolling_bearing[1].fx", "rolling_bearing[1].largest", "rolling_bearing[2].torque")
     of_fmu, of_simulation = of_both(machine_of, text, names, 300.0)
     assert of_fmu == of_simulation
+
+
+def test_an_angular_contact_bearing_is_one_of_radial_quantities_as_the_page_says():
+    """The axial preload s and a radial motion d with the velocity v, ball by ball, each compressed
+    along the line of its contact, which is inclined by the angle a."""
+    K, C, a, s, d, v = 8e9, 200.0, 0.4, 5e-6, 1e-6, 1e-3
+    towards = np.cos(2.0 * math.pi * np.arange(8) / 8)
+    compressed = d * towards * math.cos(a) + s * math.sin(a)
+    normal = K * compressed**1.5 + C * v * towards * math.cos(a)
+    part = replace(
+        _IN_BALLS,
+        outer_depth=0.0,
+        inner_depth=0.0,
+        k=K * math.cos(a) ** 2.5,
+        c=C * math.cos(a) ** 2,
+        clearance=-s * math.tan(a),
+        contact_angle=a,
+    )
+    here = Kinematics(complex(d), complex(v), 0.0, 0.0, 0.0)
+    force = interpreted(ROLLING_BEARING.force)(_record(part), _NONE, here, np.zeros(2))
+    assert abs(force) == pytest.approx(np.sum(normal * towards) * math.cos(a), rel=1e-9)
