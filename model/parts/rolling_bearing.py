@@ -57,7 +57,9 @@ class RollingQuantities:
     count: float = quantity("1", "balls or rollers", _COUNT)
     pitch_diameter: float = quantity("m", "diameter of the circle of the elements' centres")
     element_diameter: float = quantity("m", "diameter of a ball or roller")
-    contact_angle: float = quantity("rad", "contact angle", _CONTACT_ANGLE, 0.0)
+    contact_angle: float = quantity(
+        "rad", "contact angle, for the speed of the cage", _CONTACT_ANGLE, 0.0
+    )
     k: float = contact_quantity("k")
     c: float = contact_quantity("c", 100.0)
     delta_c: float = contact_quantity("delta_c", 2e-7)
