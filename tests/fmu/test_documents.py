@@ -16,6 +16,7 @@ from rotor_fmu.about import __version__
 from rotor_fmu.fmi.description import default_experiment, summary
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.archive import contents_of, wrap
+from rotor_fmu.fmi.packing.documents import rows
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
@@ -43,6 +44,19 @@ def test_an_fmu_that_cannot_be_made_says_why_in_one_line(said, reason, monkeypat
     monkeypatch.setattr(subprocess, "run", lambda *_, **__: failed)
     with pytest.raises(OSError, match=rf"cannot make an FMU of entry\.py: .*{reason}$"):
         wrap(tmp_path / "entry.py", [], tmp_path / "raw.fmu")
+
+
+def test_the_table_names_the_parameters_that_a_host_may_tune(fmu):
+    """Those that FMPy reads from the description, of a machine whose parts are one of a kind."""
+    variables = fmpy.read_model_description(str(fmu)).modelVariables
+    tunable = {v.name.replace("[1]", "[i]") for v in variables if v.variability == "tunable"}
+    listed = {
+        name
+        for name, causality, *_ in rows(interface(parse_rotor(rig_toml())))
+        if "tunable" in causality
+    }
+    assert "bearing[i].mu" in listed
+    assert listed == {name for name in tunable if not re.search(r"\[\d\]", name)}
 
 
 class Links(HTMLParser):

@@ -141,7 +141,8 @@ def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
             name = name.replace(f"{kind}[1]", f"{kind}[i]")
             text = text.replace(f"{kind} 1", f"{kind} i")
         text = re.sub(r" at z = \S+ m", "", text)
-        listed.append((name, variable.causality, _unit(variable), _start(variable), text))
+        causality = f"{'tunable ' if variable.is_tunable else ''}{variable.causality}"
+        listed.append((name, causality, _unit(variable), _start(variable), text))
     return listed
 
 
