@@ -77,7 +77,9 @@ def _refuse_balance(where: str, part: Any) -> None:
     """Raise `QuantityError` for a quantity of a heat balance that is not made."""
     for field in fields(HeatQuantities):
         if field.name not in KEPT and getattr(part, field.name) != field.default:
-            raise QuantityError(f"{where}.{field.name}: needs {where}.temperature, for its balance")
+            raise QuantityError(
+                f"{where}.{field.name}: needs {where}.temperature, for the heat balance"
+            )
 
 
 def _check_balance(where: str, part: Any) -> None:

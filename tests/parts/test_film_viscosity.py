@@ -291,16 +291,16 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
         ({"viscosity": 0.02}, ".speed: needs journal_bearing[1].viscosity, a list over it"),
         (
             {"viscosity": 0.02, "speed": (), "temperature": ()},
-            ".static_load: needs journal_bearing[1].temperature, for its balance",
+            ".static_load: needs journal_bearing[1].temperature, for the heat balance",
         ),
         (
             {"viscosity": 0.02, "speed": (), "temperature": (), "inlet_temperature": 30.0},
-            ".inlet_temperature: needs journal_bearing[1].temperature, for its balance",
+            ".inlet_temperature: needs journal_bearing[1].temperature, for the heat balance",
         ),
         (
             {"temperature": (), "viscosity": (0.04, 0.02), "speed": (0.0, 9.0), "static_load": 0.0}
             | {"heat_share": 0.5},
-            ".heat_share: needs journal_bearing[1].temperature, for its balance",
+            ".heat_share: needs journal_bearing[1].temperature, for the heat balance",
         ),
     ],
 )
