@@ -273,8 +273,9 @@ def balance(
     if not speed or not plane:
         raise InputError("--speed and --plane: must be given, such as --speed 1500rpm --plane 4")
     speeds, machine = [one_speed(text) for text in speed], machine_in_units(rotor, units)
-    amount = None if trial is None else in_si("--trial", trial, "kg.m")
-    if trial is not None and amount is not None:
+    amount = None
+    if trial is not None:
+        amount = in_si("--trial", trial, "kg.m")
         ask_if_meant("--trial", trial, "amount", amount, "kg.m")
     check_nodes(machine, "--plane", plane)
     check_nodes(machine, "--node", node or ())

@@ -81,7 +81,7 @@ class MachineSubject:
         """Units that the machine's file asks to be shown."""
         return machine_of(self.runs.toml, False).rotor.units
 
-    def value(self, where: str, name: str, given: object) -> float:
+    def value(self, name: str, where: str, given: object) -> float:
         """Return a value of what can be varied; of a choice its name will do, of a truth itself."""
         variable = self.runs.settable.get(name)
         if variable is None:

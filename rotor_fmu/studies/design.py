@@ -7,7 +7,7 @@ design serves every distribution. Run i takes the grid's point i mod g and the s
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from hashlib import sha256
 from typing import Any
 
@@ -273,10 +273,10 @@ def axis_of(
     targets: Sequence[str],
     table: Mapping[str, Any],
     unit: str = "",
-    read: Callable[[str, object], float] | None = None,
+    read: Callable[[str, object], float] = number,
 ) -> Axis:
     """Return the axis that a table of [vary] describes: `values`, `grid` or `distribution`; unit:
-    of what is set; read: returns a listed value, by default a number in this unit. `InputError`."""
+    of what is set; read: returns a listed value. `InputError`."""
     where = f"vary {name}"
     given = [key for key in ("values", "grid", "distribution") if key in table]
     if len(given) != 1:
@@ -284,7 +284,7 @@ def axis_of(
         raise InputError(f"{where}: must have one of {ways}")
     allowed = {"names", given[0]}
     if given[0] == "values":
-        values = _listed(where, table["values"], read or partial(number, unit=unit))
+        values = _listed(where, table["values"], read)
     elif given[0] == "grid":
         values = _grid(where, table["grid"], unit)
     else:

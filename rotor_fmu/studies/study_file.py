@@ -42,7 +42,7 @@ class Subject(Protocol):
         """Units in which it asks to be shown, empty for the usual ones."""
         ...
 
-    def value(self, where: str, name: str, given: object) -> float:
+    def value(self, name: str, where: str, given: object) -> float:
         """Return a value of what can be varied from what a list in the file has; `InputError`,
         which begins with `where`."""
         ...
@@ -146,12 +146,8 @@ def _axes(table: dict[str, Any], subject: Subject) -> Iterable[Axis]:
         if len(of) > 1:
             (unit, one), (another, other) = list(of.items())[:2]
             raise InputError(f"vary {name}: {one} is in {unit}, {other} in {another}")
-        read = partial(_value, subject, result[0])
+        read = partial(subject.value, result[0])
         yield axis_of(name, result, given, next(iter(of), ""), read)
-
-
-def _value(subject: Subject, target: str, where: str, given: object) -> float:
-    return subject.value(where, target, given)
 
 
 def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:

@@ -60,7 +60,7 @@ class Function:
     def __init__(self, function):
         self._function = function
 
-    def value(self, where, name, given):
+    def value(self, name, where, given):
         return number(where, given, self.units[name])
 
     def model(self, axes):
