@@ -255,10 +255,7 @@ def _held_speeds(simulation: Simulation, how: Excitation, monitor: Monitor) -> I
     for _ in _over_kick(simulation, how, float(how.speeds[0])):
         monitor.record()
     for speed in how.speeds.tolist():
-        turn = math.tau / abs(speed) if speed else math.inf
-        held = simulation.time + n["settle"]
-        for t in _instants(simulation.time, held, turn):
-            simulation.advance(t, speed, how.no_loads)
+        simulation.advance(simulation.time + n["settle"], speed, how.no_loads)
         begun, per_turn = simulation.time, 0
         if n["measure"]:
             count = max(1, round(n["measure"] / n["step"]))

@@ -162,15 +162,3 @@ def test_a_kick_moves_the_rotor_that_would_rest_and_turns_as_it_is_told_to(tmp_p
     impulse = 5e-3 * np.exp(0.5e-3j * rate)
     expected = impulse / 100 * math.sin(100 * 10.5e-3) * math.exp(-5 * 10.5e-3)
     assert complex(data.x.values[0], data.y.values[0]) == pytest.approx(expected, rel=0.03)
-
-
-def test_an_advance_of_a_held_speed_is_a_turn_however_long_it_settles(tmp_path):
-    """`max_iterations` limits an advance, not how long a run may settle: 40 turns, of more than
-    25 steps each."""
-    path = tmp_path / "study.toml"
-    path.write_text(
-        f'{JEFFCOTT}[run]\nkind = "constant"\nspeed = 50\nsettle = 5\nturns = 1\n'
-        '[vary]\n"solver.max_iterations" = { values = [1000] }\n[keep]\nend = { last = "w" }\n'
-    )
-    run_study(read_study(path), tmp_path / "out", here, quiet)
-    assert studies.open(tmp_path / "out").status.values.tolist() == ["ok"]
