@@ -225,8 +225,7 @@ def _critical(
         after = _excess(b, places[1][mode], harmonic)
         if before != 0.0 and before * after <= 0:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
-            # what nothing holds has a frequency of rounding, in which it meets a speed of rounding
-            if at >= 0 and there.is_held[at] and there.has_peak[at]:
+            if at >= 0 and there.has_peak[at]:
                 log_dec = float(there.log_dec[at])
                 whirl = there.whirl[at]
                 result.append(CriticalSpeed(int(mode), there.speed, whirl, log_dec, harmonic))

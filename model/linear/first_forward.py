@@ -200,7 +200,7 @@ def _pair(followed: _Followed, amount: float) -> Pair:
     roots = found.eigenvalues
     grows = roots.real > (_ROUNDING + found.residuals) * np.abs(roots)
     is_low = roots.imag <= _HIGHEST * abs(found.speed)
-    counts = (grows | (is_low & (found.forwardness > -_IN_DOUBT))) & found.is_held
+    counts = grows | (is_low & (found.forwardness > -_IN_DOUBT))
     if len(found.growing):
         return Pair(first, complex(found.growing[0]))
     return Pair(first, max((first, *roots[counts].tolist()), key=lambda r: r.real / r.imag))
@@ -210,8 +210,7 @@ def _place(found: Modes) -> int:
     """Return the place of the mode of the rotor alone, before cross coupling is tried: without
     gyroscopic moments both circles of a mode are one, and neither is backward."""
     is_backward = found.forwardness <= -_IN_DOUBT  # as a whole, though some nodes whirl forward
-    counts = found.is_held & ~is_backward
-    places = [i for i, word in enumerate(found.whirl) if word != BACKWARD and counts[i]]
+    places = [i for i, word in enumerate(found.whirl) if word != BACKWARD and not is_backward[i]]
     if not places:
         raise LinearError(
             f"all of the {len(found.whirl)} lowest modes at {found.speed:g} rad/s whirl backward"

@@ -20,9 +20,6 @@ from .system_at_speed import Linear, LinearError
 FORWARD, BACKWARD, PLANAR, MIXED = "forward", "backward", "planar", "mixed"
 _DEGENERATE = 1e-7  # relative distance of two eigenvalues that are one
 _PLANAR = 1e-3  # forwardness below which an orbit is a line
-# Of the lowest elastic frequency: what is slower may be a free motion, whose eigenvalue is there
-# twice, and so comes out off by the root of rounding.
-_FREE = 1e-6
 LEAST_GROWTH = 1e-9  # a share of growth that is more than rounding
 _ERRORS = 10.0  # residuals of a mode, below which its growth may be rounding
 DEFAULT_COUNT = 8
@@ -69,8 +66,8 @@ class Modes(Spectrum):
     housing_x, housing_y: shape (m, housings); is_degenerate: shape (m,), whether a mode shares its
     eigenvalue, so that it may whirl either way; decays: eigenvalues of modes that do not oscillate
     [1/s], slowest first; residuals: the residual of each mode's equation, shape (m,) [1], about the
-    relative error of its eigenvalue; lowest_elastic: the lowest elastic frequency of the shaft as
-    it is supported at rest [rad/s].
+    relative error of its eigenvalue; is_held: whether no motion has frequency 0, as one that
+    nothing holds; such motions are not among the modes.
     """
 
     speed: float
@@ -86,7 +83,7 @@ class Modes(Spectrum):
     is_degenerate: np.ndarray
     decays: np.ndarray
     residuals: np.ndarray
-    lowest_elastic: float
+    is_held: bool
 
     @property
     def sharing(self) -> np.ndarray:
@@ -99,31 +96,22 @@ class Modes(Spectrum):
         return self.residuals <= DOUBTFUL
 
     @property
-    def is_held(self) -> np.ndarray:
-        """Which modes are faster than rounding makes those that nothing holds; shape (m,)."""
-        return self.natural > self._rounding
-
-    @property
     def is_of_housings(self) -> np.ndarray:
         """Which modes are motions of housings alone, while the rotor rests; shape (m,)."""
         return np.asarray(~np.hstack([self.x, self.y]).any(axis=1))
 
     @property
     def growing(self) -> np.ndarray:
-        """Those of `decays` that grow by more than rounding [1/s]: motions away from equilibrium
-        that do not oscillate, as with a negative stiffness."""
-        return self.decays[self.decays > self._rounding]
+        """Those of `decays` that grow [1/s]: motions away from equilibrium that do not oscillate,
+        as with a negative stiffness."""
+        return self.decays[self.decays > 0.0]
 
     @property
     def growth(self) -> float:
-        """The largest share of growth of a mode that something holds, Re lambda / |lambda|, less
-        what may be rounding; of what does not oscillate, its sign; -1 of none [1]."""
-        shares = (-self.damping_ratio - _ERRORS * self.residuals)[self.is_sound & self.is_held]
+        """The largest share of growth of a mode, Re lambda / |lambda|, less what may be rounding;
+        of what does not oscillate, its sign; -1 of none [1]."""
+        shares = (-self.damping_ratio - _ERRORS * self.residuals)[self.is_sound]
         return max([*shares, *([1.0] if len(self.growing) else [])], default=-1.0)
-
-    @property
-    def _rounding(self) -> float:
-        return _FREE * self.lowest_elastic
 
     @property
     def forwardness(self) -> np.ndarray:
@@ -197,19 +185,20 @@ def modes_of(
     that tilt follow each mode, not a vibration at the frequency that they follow in `linear`."""
     linear = machine.with_own_states(linear, of_all=pads_whirl)
     scale, strain = float(machine.structure.numbers[0].lowest_omega), linear.strain
-    values, shapes, residuals, decays = lowest(ShiftedInverse(linear, scale, strain.by_d), count)
+    found = lowest(ShiftedInverse(linear, scale, strain.by_d), count)
+    values, shapes, residuals, decays, is_held = found
     if strain.kappa_h > 0.0:
         # hysteresis is another one in modes faster than the rotation; both lists are of the same
         # modes, by ascending frequency, but for decays, which it makes oscillate a little: a double
         # one, of critical damping, with a share of about the root of kappa_h / 2
         fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), count + len(decays))
-        decay = [v.imag <= strain.kappa_h**0.5 * np.abs(v) for v in (values, fast[0])]
+        decay = [v.imag <= strain.kappa_h**0.5 * np.abs(v) for v in (values, fast.values)]
         slow = values.imag <= abs(linear.speed)
         rest = np.flatnonzero(~decay[1])[int(np.sum(slow & ~decay[0])) :]
         slow |= decay[0]
-        values = np.concatenate([values[slow], fast[0][rest]])
-        shapes = np.hstack([shapes[:, slow], fast[1][:, rest]])
-        residuals = np.concatenate([residuals[slow], fast[2][rest]])
+        values = np.concatenate([values[slow], fast.values[rest]])
+        shapes = np.hstack([shapes[:, slow], fast.shapes[:, rest]])
+        residuals = np.concatenate([residuals[slow], fast.residuals[rest]])
     result = np.argsort(np.abs(values))[:count]
     values, shapes = values[result], shapes[:, result]
     _untangle(values, shapes, machine, in_planes)
@@ -229,7 +218,7 @@ def modes_of(
         is_degenerate=_sharing(values).sum(axis=1) > 1,
         decays=decays,
         residuals=residuals[result],
-        lowest_elastic=scale,
+        is_held=is_held,
     )
 
 

@@ -2,6 +2,8 @@
 eigenvalues 1 / (lambda - sigma) they are: they come out exact to rounding however stiff the shaft
 is, its stiffness being inverted only."""
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
@@ -15,6 +17,9 @@ _SHIFT = 0.3  # of the lowest elastic frequency
 _REAL = 1e-5
 _DECAYS = 8  # eigenvalues looked for beyond those asked for: oil films add so many that decay
 DOUBTFUL = 1e-6  # a residual that is said
+# Of the lowest elastic frequency: what is slower may be a motion that nothing holds, whose
+# eigenvalue 0 is there twice, and so comes out off by the root of rounding, as any pair.
+ZERO = 1e-6
 # Of Arnoldi's method, which needs one or two; where damping crowds the eigenvalues of a stiff shaft
 # it needs thousands, or never ends, and all of them cost less, up to so many states.
 RESTARTS, _DENSE_IF_CROWDED = 6, 2000
@@ -77,12 +82,22 @@ class ShiftedInverse:
         return np.max([a / np.where(b > 0, b, 1.0) for a, b in zip(*norms, strict=True)], axis=0)
 
 
-def lowest(
-    inverse: ShiftedInverse, count: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return eigenvalues of modes that oscillate, by ascending frequency, their shapes and
-    residuals, and the decays."""
+class Lowest(NamedTuple):
+    """Eigenvalues of modes that oscillate [1/s], by ascending frequency, their shapes and
+    residuals; decays: eigenvalues of those that do not [1/s]; is_held: whether none was 0."""
+
+    values: np.ndarray
+    shapes: np.ndarray
+    residuals: np.ndarray
+    decays: np.ndarray
+    is_held: bool
+
+
+def lowest(inverse: ShiftedInverse, count: int) -> Lowest:
+    """Return at least `count` modes, where there are so many."""
     values, states = _eigen(inverse, count)
+    is_zero = np.abs(values) <= ZERO * inverse.scale
+    values, states = values[~is_zero], states[:, ~is_zero]
     # of two that are conjugate one is looked at
     one = values.imag >= -_REAL * np.abs(values)
     values, states = values[one], states[:, one]
@@ -91,7 +106,8 @@ def lowest(
     result = np.flatnonzero(values.imag > _REAL * np.abs(values))
     result = result[np.argsort(values.imag[result])]
     decays = np.sort(values[is_real].real)[::-1]
-    return values[result], states[: inverse.size, result], residuals[result], decays
+    shapes = states[: inverse.size, result]
+    return Lowest(values[result], shapes, residuals[result], decays, not is_zero.any())
 
 
 def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -118,6 +134,7 @@ def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]
                     raise LinearError("the modes did not converge") from error
                 return inverse.eigenvalues(inverted), states
         values = inverse.eigenvalues(inverted)
-        if len(values) == size or np.sum(values.imag > _REAL * np.abs(values)) >= count:
+        whirls = (np.abs(values) > ZERO * inverse.scale) & (values.imag > _REAL * np.abs(values))
+        if len(values) == size or np.sum(whirls) >= count:
             return values, states
         wanted *= 2

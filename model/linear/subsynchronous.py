@@ -69,9 +69,7 @@ def subsynchronous_whirl(
     own, synchronous = (
         modes_of(machine, linear, DEFAULT_COUNT, pads_whirl=whirl) for whirl in (True, False)
     )
-    of_own, of_synchronous = (
-        found.is_held & (found.damped < abs(speed)) for found in (own, synchronous)
-    )
+    of_own, of_synchronous = (found.damped < abs(speed) for found in (own, synchronous))
     if not of_own.any():
         return None
     least = np.flatnonzero(of_own)[own.log_dec[of_own].argmin()]

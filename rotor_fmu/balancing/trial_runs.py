@@ -191,7 +191,7 @@ def _settling(rotor: Rotor, speed: float) -> float:
     """Return in how many turns a machine settles at a speed [rad/s], infinite without damping."""
     found, in_pads = modes(rotor, speed), subsynchronous_whirl(rotor, speed)
     of_pads = [in_pads.growth] if in_pads else []
-    roots = [*found.eigenvalues.real[found.is_held], *found.decays, *of_pads]
+    roots = [*found.eigenvalues.real, *found.decays, *of_pads, *([] if found.is_held else [0.0])]
     growth = float(np.max(roots, initial=-math.inf))
     if found.growth > LEAST_GROWTH or (in_pads and in_pads.is_growing):
         raise InputError(

@@ -32,18 +32,15 @@ class Modes(Displayed, linear.Modes):
     def table(self) -> Table:
         """Return a table with one row for each mode."""
         d = current()
-        title = f"Modes at {state_in_words(self.speed, self.contacts)}"
+        title = self.titled_state("Modes")
         if len(self.growing):
             title += f"; UNSTABLE: a motion grows without oscillating, {self.growing[0]:.4g} 1/s"
-        is_doubtful = ~self.is_sound & self.is_held
-        if is_doubtful.any():
+        if not self.is_sound.all():
             title += (
-                f"; of mode {_numbers(is_doubtful)} rounding leaves residuals up to "
-                f"{np.max(self.residuals[is_doubtful]):.1g}:"
+                f"; of mode {_numbers(~self.is_sound)} rounding leaves residuals up to "
+                f"{np.max(self.residuals):.1g}:"
                 " its stiffnesses and masses lie too far apart"
             )
-        if not self.is_held.all():
-            title += f"; nothing holds mode {_numbers(~self.is_held)}, of frequency 0 but rounding"
         if self.is_of_housings.any():
             title += f"; in mode {_numbers(self.is_of_housings)} housings move alone"
         columns = (
@@ -51,20 +48,23 @@ class Modes(Displayed, linear.Modes):
             (f"f_d [{d.frequency_unit}]", self.damped * d.speed),
             (f"f_n [{d.frequency_unit}]", self.natural * d.speed),
             ("omega_d [rad/s]", self.damped),
-            ("damping ratio", np.where(self.is_held, clean_damping(self.damping_ratio), np.nan)),
-            ("log dec", np.where(self.is_held, clean_damping(self.log_dec), np.nan)),
+            ("damping ratio", clean_damping(self.damping_ratio)),
+            ("log dec", clean_damping(self.log_dec)),
             ("whirl", self.whirl),
         )
         return Table.of(title, columns)
 
+    def titled_state(self, what: str) -> str:
+        """Return what is shown with where it holds, and whether motions are not among it."""
+        title = f"{what} at {state_in_words(self.speed, self.contacts)}"
+        unheld = "; motions of frequency 0, which nothing holds, are not shown"
+        return title if self.is_held else title + unheld
+
     def caption(self, mode: int, damping: str = "") -> str:
-        """Return in words which mode this is, counted from 0, how it moves, and its damping, or
-        that nothing holds it, so that its frequency and its damping are rounding."""
-        is_held = self.is_held[mode]
-        frequency = shown_speed(self.damped[mode] if is_held else 0.0)
+        """Return in words which mode this is, counted from 0, how it moves, and its damping."""
+        frequency = f"{shown_speed(self.damped[mode])} {current().frequency_unit}"
         housings = "housings alone" if self.is_of_housings[mode] else ""
-        last = damping if is_held else "held by nothing"
-        words = (f"{frequency} {current().frequency_unit}", self.whirl[mode], housings, last)
+        words = (frequency, self.whirl[mode], housings, damping)
         return f"{mode + 1}: {', '.join(filter(None, words))}"
 
     def figure(self) -> Figure:
@@ -97,8 +97,7 @@ class Modes(Displayed, linear.Modes):
                 axes.set_ylabel("Shape [1]")
         if shown:
             legend_below(figure, 2, panels[0].get_legend_handles_labels()[0])
-        title = f"Modes at {state_in_words(self.speed, self.contacts)}"
-        entitle(figure, self.titled(title))
+        entitle(figure, self.titled(self.titled_state("Modes")))
         return figure
 
 
@@ -140,8 +139,8 @@ def mode_shapes_figure(result: Modes) -> Figure:
         axes.tick_params(labelsize=7, pad=-2)
         axes.set_xlabel(f"z [{current().length_unit}]", fontsize=7, labelpad=-4)
         axes.set_title(result.caption(i), fontsize=9, y=0.98)
-    state = state_in_words(result.speed, result.contacts)
-    entitle(figure, result.titled(f"Mode shapes at {state}; x across, y up"))
+    title = result.titled_state("Mode shapes")
+    entitle(figure, result.titled(f"{title}; x across, y up"))
     return figure
 
 

@@ -140,7 +140,6 @@ def test_a_mode_that_whirls_backward_but_for_some_nodes_is_not_the_first_forward
         whirl=("mixed", "backward", "mixed", "forward"),
         forwardness=np.array([-0.84, -0.23, 0.3, 0.9]),
         damping_ratio=np.full(4, 0.05),
-        is_held=np.full(4, True),
     )
     assert first_forward._place(lowest) == 2
 

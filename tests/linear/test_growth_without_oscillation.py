@@ -9,7 +9,7 @@ from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear import answers, stability_answers
-from rotor_fmu.linear.mode_answers import mode_shapes_figure, shapes_for_page
+from rotor_fmu.linear.mode_answers import mode_shapes_figure
 from tests.linear.api_617 import ROOT, SHAFT
 
 PULLING = "[[{kind}]]\nnode = {node}\nkxx = {k}\nkyy = {ky}\ncxx = 2e3\ncyy = 2e3\n"
@@ -55,30 +55,35 @@ def test_a_rotor_that_nothing_holds_does_not_grow_by_rounding():
     assert campbell(free, [0.0, 100.0], contacts="open").threshold is None
 
 
-def test_what_nothing_holds_is_said_and_has_no_critical_speed():
-    """A rotor on one bearing alone, about which it may tilt."""
-    hinged = parse_rotor(SHAFT + PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7))
-    table = answers.modes(hinged, 0.0).table()
-    assert "; nothing holds mode 1, of frequency 0 but rounding" in table.title
-    assert "too far apart" not in table.title
-    dampings = [row[4:6] for row in table.rows]
-    assert np.isnan(dampings).tolist() == [[True, True], *[[False, False]] * (len(dampings) - 1)]
-    assert not campbell(hinged, [0.0, 200.0, 400.0]).critical
+HINGED = SHAFT + PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7)
+NOT_SHOWN = "; motions of frequency 0, which nothing holds, are not shown"
+
+
+@pytest.mark.parametrize("text", [HINGED, HINGED.replace("node = 1", "node = 3"), SHAFT])
+@pytest.mark.parametrize("speed", [0.0, 300.0])
+def test_what_nothing_holds_is_said_and_is_no_mode(text, speed):
+    """Rounding makes it a pair that oscillates or two motions that do not, as it falls."""
+    result = answers.modes(parse_rotor(text), speed)
+    assert not result.is_held
+    assert NOT_SHOWN in result.table().title
+    assert len(result.natural) == 8
+    assert result.natural[0] > 1.0
+    assert not np.any(np.abs(result.decays) < 1.0)
+    assert result.is_sound.all()
+
+
+def test_what_nothing_holds_has_no_critical_speed():
+    assert not campbell(parse_rotor(HINGED), [0.0, 200.0, 400.0]).critical
 
 
 def test_every_picture_of_modes_says_what_nothing_holds():
-    """In the place of a frequency and a damping that are rounding."""
-    hinged = parse_rotor(SHAFT + PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7))
-    shown = answers.modes(hinged, 0.0)
-    titles = [
-        [axes.get_title() or axes.get_title(loc="left") for axes in figure.axes[:2]]
-        for figure in (shown.figure(), mode_shapes_figure(shown))
-    ]
-    titles.append([mode["caption"] for mode in shapes_for_page(shown)["modes"][:2]])
-    for of_first, of_second in titles:
-        assert of_first.startswith("1: 0 Hz, ")
-        assert of_first.endswith(", held by nothing")
-        assert "held by nothing" not in of_second
+    for text, is_free in (
+        (HINGED, True),
+        (HINGED + PULLING.format(kind="linear_bearing", node=4, k=1e7, ky=1e7), False),
+    ):
+        shown = answers.modes(parse_rotor(text), 0.0)
+        for figure in (shown.figure(), mode_shapes_figure(shown)):
+            assert (NOT_SHOWN in figure.get_suptitle()) == is_free
 
 
 def test_rounding_of_what_nothing_holds_is_no_logarithmic_decrement():
