@@ -100,7 +100,7 @@ def path_of(name: str, value: Any) -> Path:
     return Path(value)
 
 
-def rows(name: str, values: Any, form: str) -> list[tuple[int, float, float]]:
+def rows(name: str, values: Any, form: str) -> list[tuple[Any, float, float]]:
     """Return a list of a node and two numbers each, or `InputError`; form: what they are."""
     try:
         return [(node, number(name, a), number(name, b)) for node, a, b in values]

@@ -12,33 +12,22 @@ forces, that stiffness included, the sensitivity of loop j is the j-th diagonal 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 
-from ..arguments import listed, number, numbers, shown_value
+from ..arguments import listed, numbers
 from ..machine.rotor import Rotor
 from ..quantities import NOT_NEGATIVE, quantity
 from .amplification import with_peaks
 from .linear_machine import LinearError, shared_machine
 from .modes import DEFAULT_COUNT, check_speed, modes_of
+from .places import AnyPlace, as_place
 from .static import check_node
 
 _PADE = 12  # order of the approximation of a delay, for poles alone, of up to 2.5 of their periods
 _UNSTABLE = 1e-6  # share of growth of a pole that is more than rounding
-
-
-class Place(NamedTuple):
-    """A place on a rigid part of the shaft, `offset` [m] beyond a node (from 1) along the shaft: it
-    moves as the node's slope takes it, and a force there has a moment about the node."""
-
-    node: int
-    offset: float = 0.0
-
-
-AnyPlace = int | tuple[int, float]  # a node (from 1), or a place
 
 
 @dataclass(frozen=True)
@@ -141,7 +130,7 @@ def frequency_response(
     if not nodes:
         raise LinearError("nodes: at least one must be given")
     plant = _Plant(rotor, speed, contacts)
-    at_force, places = _place(force), [_place(node) for node in nodes]
+    at_force, places = as_place(force), [as_place(node) for node in nodes]
     push, read = plant.selection([at_force]), plant.selection(places)
 
     def answer(w: float) -> np.ndarray:
@@ -204,14 +193,6 @@ def sensitivity(
     )
 
 
-def _place(of: AnyPlace) -> Place:
-    if not isinstance(of, tuple):
-        return Place(of)
-    if len(of) != 2:
-        raise LinearError(f"{shown_value('place', of)}: must be a node, or a node and an offset")
-    return Place(of[0], number("offset", of[1]))
-
-
 def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
     at = np.array(numbers("frequencies", frequencies))
     if len(at) < 1 or not (np.isfinite(at) & (at > 0)).all():
@@ -231,7 +212,7 @@ class _Plant:
         """Return x, y of places by the unknowns, shape (2 n, N)."""
         expand = self.machine.expand.tocsr()
         rows = []
-        for node, offset in map(_place, places):
+        for node, offset in map(as_place, places):
             at = 4 * (check_node(self.machine, node) - 1)
             rows.append(expand[at : at + 2] + offset * expand[at + 2 : at + 4])
         return sp.vstack(rows).toarray()

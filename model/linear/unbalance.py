@@ -18,6 +18,7 @@ from ..machine.rotor import Rotor
 from . import orbit
 from .linear_machine import shared_machine
 from .modes import check_speed
+from .places import Place, PlacedAmount, as_place
 from .real_matrices import to_complex
 from .static import check_node
 from .support_loads import support_loads
@@ -98,12 +99,13 @@ def unbalance_response(
     speeds: Sequence[float] | np.ndarray,
     *,
     contacts: str | None = None,
-    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    unbalances: Sequence[PlacedAmount] | None = None,
 ) -> UnbalanceResponse:
     """Return the steady response at speeds [rad/s] to the machine's unbalances, or to given ones.
 
-    unbalances: (node from 1, amount [kg.m], angle from the shaft's mark [rad]); contacts: `open` or
-    `pinned`; None: open where the machine is held without them. Raises `LinearError`.
+    unbalances: (node from 1 or `Place`, amount [kg.m], angle from the shaft's mark [rad]);
+    contacts: `open` or `pinned`; None: open where the machine is held without them. Raises
+    `LinearError`.
     """
     return steady_whirl(rotor, contacts, unbalances).response(speeds)
 
@@ -111,22 +113,25 @@ def unbalance_response(
 def steady_whirl(
     rotor: Rotor,
     contacts: str | None = None,
-    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    unbalances: Sequence[PlacedAmount] | None = None,
 ) -> "SteadyWhirl":
     """Return the `SteadyWhirl` of a machine under its unbalances, or under those given instead; see
     `unbalance_response` for these and `contacts`. The last one is kept: a response and its checks
     are about the same speeds."""
     if unbalances is not None:
         listed = rows("unbalances", unbalances, "(node, amount, angle)")
-        unbalances = tuple((check_node(rotor, node), a, phase) for node, a, phase in listed)
-    return _kept(rotor, contacts, unbalances)
+        placed = tuple((as_place(at), a, phase) for at, a, phase in listed)
+        for at, _, _ in placed:
+            check_node(rotor, at.node)
+        return _kept(rotor, contacts, placed)
+    return _kept(rotor, contacts, None)
 
 
-def _of(node: int, amount: float, phase: float) -> complex:
+def _of(at: Place, amount: float, phase: float) -> complex:
     """Return an unbalance as a complex number; `LinearError` unless it is finite."""
     if not np.isfinite([amount, phase]).all():
         raise LinearError(
-            f"unbalance at node {node} = {amount:g} kg.m at {phase:g} rad: must be finite"
+            f"unbalance at node {at.node} = {amount:g} kg.m at {phase:g} rad: must be finite"
         )
     return complex(amount * np.exp(1j * phase))
 
@@ -147,7 +152,7 @@ class SteadyWhirl:
         self,
         rotor: Rotor,
         contacts: str | None,
-        unbalances: tuple[tuple[int, float, float], ...] | None,
+        unbalances: tuple[tuple[Place, float, float], ...] | None,
     ) -> None:
         self.machine = machine = shared_machine(rotor, contacts)
         if unbalances is None:
@@ -155,8 +160,11 @@ class SteadyWhirl:
             at = np.concatenate([own.dof, own.slope])
             each = np.concatenate([whole, own.offset * whole])
         else:
-            at = np.array([2 * (node - 1) for node, _, _ in unbalances], int)
-            each = np.array([_of(*unbalance) for unbalance in unbalances], complex)
+            whole = np.array([_of(*unbalance) for unbalance in unbalances], complex)
+            places = np.array([at for at, _, _ in unbalances], float).reshape(-1, 2)
+            at = 2 * (places[:, 0].astype(int) - 1)
+            at = np.concatenate([at, at + 1])
+            each = np.concatenate([whole, places[:, 1] * whole])
         pull, size = np.zeros((2, machine.across.shape[1] // 2), dtype=complex)
         np.add.at(pull, at, each)
         np.add.at(size, at, np.abs(each))

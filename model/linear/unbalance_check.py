@@ -13,6 +13,7 @@ from ..machine.rotor import Rotor
 from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import LinearError
 from .linearization import OPEN
+from .places import PlacedAmount
 from .static import check_node, lowest_speed
 from .supports import walls
 from .unbalance import SteadyWhirl, steady_whirl
@@ -70,15 +71,15 @@ class ClearanceLevel:
 class UnbalanceCheck:
     """The response of a machine to unbalance in its operating range, against API 617 and 684.
 
-    low, high: minimum and maximum continuous speed [rad/s]; unbalances: (node from 1, amount
-    [kg.m], angle [rad]), None: the machine's own; limit: of vibration at the probes, peak-to-peak
-    [m]; scale: factor on the unbalance with which the probes reach that limit [1].
+    low, high: minimum and maximum continuous speed [rad/s]; unbalances: (node from 1 or `Place`,
+    amount [kg.m], angle [rad]), None: the machine's own; limit: of vibration at the probes,
+    peak-to-peak [m]; scale: factor on the unbalance with which the probes reach that limit [1].
     """
 
     contacts: str
     low: float
     high: float
-    unbalances: tuple[tuple[int, float, float], ...] | None
+    unbalances: tuple[PlacedAmount, ...] | None
     criticals: tuple[ProbeCritical, ...]
     probes: tuple[ProbeLevel, ...]
     limit: float
@@ -101,7 +102,7 @@ def unbalance_check(
     high: float,
     probes: Sequence[int],
     *,
-    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    unbalances: Sequence[PlacedAmount] | None = None,
     clearances: Mapping[int, float] | None = None,
     contacts: str | None = None,
 ) -> UnbalanceCheck:
@@ -156,7 +157,7 @@ def critical_peaks(
     top: float,
     nodes: Sequence[int],
     *,
-    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    unbalances: Sequence[PlacedAmount] | None = None,
     contacts: str | None = None,
 ) -> tuple[ProbeCritical, ...]:
     """Return the peaks of x and y of nodes (from 1) up to the speed `top` [rad/s], negative where
@@ -169,7 +170,7 @@ def critical_peaks(
 
 
 def _driven_whirl(
-    rotor: Rotor, contacts: str | None, unbalances: Sequence[tuple[int, float, float]] | None
+    rotor: Rotor, contacts: str | None, unbalances: Sequence[PlacedAmount] | None
 ) -> SteadyWhirl:
     """Return `steady_whirl`; raises `LinearError` where no unbalance drives it."""
     whirl = steady_whirl(rotor, contacts, unbalances)

@@ -14,6 +14,7 @@ from .amplification import at_pole, tops, with_modes, with_poles
 from .campbell import campbell
 from .linear_machine import LinearMachine
 from .orbit import semi_axes
+from .places import PlacedAmount
 from .static import check_node, lowest_speed
 from .unbalance import SteadyWhirl, UnbalanceResponse, steady_whirl
 
@@ -79,7 +80,7 @@ def response_with_peaks(
     *,
     nodes: Sequence[int] = (),
     contacts: str | None = None,
-    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    unbalances: Sequence[PlacedAmount] | None = None,
 ) -> UnbalanceResponse:
     """Return the response to unbalance at speeds [rad/s], ascending, and at the peaks between them
     of nodes (from 1), by default those with the largest orbits; see `unbalance_response` for the

@@ -11,11 +11,10 @@ edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
 - several lobes between the bearings: an unbalance in each, against each other as the lobes are, W
   the size of the static load of the bearing next to it;
 - more kinetic energy beyond the bearings than between them: an unbalance where each overhung end
-  moves most, W its mass.
+  moves most, also at the centre of a body beyond its node, W its mass.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -23,10 +22,12 @@ import numpy as np
 
 from ..arguments import check_integer, check_positive
 from ..machine.rotor import Rotor
+from ..parts.base import BodyElement
 from ..quantities import STANDARD_GRAVITY
 from ..structure.assembly import assemble
 from ..structure.beam import shaft_element
 from .linear_machine import LinearError
+from .places import Place, PlacedAmount
 from .static import static
 from .undamped import UndampedMachine, without_seals
 
@@ -37,13 +38,28 @@ _LOBE = 0.25  # of the largest amplitude: what is smaller gets no unbalance
 
 
 class PlacedUnbalance(NamedTuple):
-    """An unbalance: node (from 1), amount [kg.m], angle from the shaft's mark [rad], and the mass W
-    from which the amount follows [kg]."""
+    """An unbalance: node (from 1), amount [kg.m], angle from the shaft's mark [rad], the mass W
+    from which the amount follows [kg], and how far beyond the node it stands [m]."""
 
     node: int
     amount: float
     phase: float
     mass: float
+    offset: float = 0.0
+
+    @property
+    def acting(self) -> PlacedAmount:
+        """The unbalance as `unbalance_response` takes it."""
+        return Place(self.node, self.offset) if self.offset else self.node, self.amount, self.phase
+
+
+class _Point(NamedTuple):
+    """A mass [kg] at a place, at z [m], that moves by w in a mode [1]."""
+
+    place: Place
+    z: float
+    mass: float
+    w: float
 
 
 def residual_unbalance(mass: float, speed: float) -> float:
@@ -76,8 +92,8 @@ def placed_unbalances(
     weighed = replace(rotor, gravity=STANDARD_GRAVITY, gravity_angle=0.0, inclination=0.0)
     bearings = _bearing_masses(weighed, undamped, speed)
     return [
-        PlacedUnbalance(node, factor * residual_unbalance(mass, speed), phase, mass)
-        for node, phase, mass in _places(rotor, shapes[mode - 1], bearings)
+        PlacedUnbalance(at.node, factor * residual_unbalance(mass, speed), phase, mass, at.offset)
+        for at, phase, mass in _places(rotor, shapes[mode - 1], bearings)
     ]
 
 
@@ -93,43 +109,57 @@ def _bearing_masses(rotor: Rotor, undamped: UndampedMachine, speed: float) -> di
     return dict(sorted(result.items()))
 
 
+def _points(rotor: Rotor, shape: np.ndarray) -> list[_Point]:
+    """Return the masses of the nodes, and of bodies whose centre lies beyond their node."""
+    z, mass = rotor.nodes, assemble(rotor).mass_sum[::2].copy()
+    beyond = []
+    for _, body in rotor.elements_of_kind(BodyElement):
+        if body.offset:
+            i = body.node - 1
+            mass[i] -= body.mass
+            moved = float(shape[i] @ (1.0, body.offset))
+            beyond.append(
+                _Point(Place(body.node, body.offset), z[i] + body.offset, body.mass, moved)
+            )
+    at_nodes = zip(z, mass.tolist(), shape[:, 0].tolist(), strict=True)
+    return [*(_Point(Place(i), *each) for i, each in enumerate(at_nodes, 1)), *beyond]
+
+
 def _places(
     rotor: Rotor, shape: np.ndarray, bearings: dict[int, complex]
-) -> list[tuple[int, float, float]]:
-    """Return node, angle and mass W of each unbalance."""
+) -> list[tuple[Place, float, float]]:
+    """Return place, angle and mass W of each unbalance."""
+    z = rotor.nodes
     first, last = min(bearings), max(bearings)
-    mass = assemble(rotor).mass_sum[::2]
-    energy = mass * shape**2
-    between = energy[first - 1 : last].sum()
-    if energy.sum() > 2 * between:
-        ends = list(_ends(rotor, mass, first, last))
-        moved = [max(nodes, key=lambda node: abs(shape[node - 1])) for nodes, _ in ends]
-        return [
-            (node, 0.0 if shape[node - 1] > 0 else math.pi, beyond)
-            for node, (_, beyond) in zip(moved, ends, strict=True)
-            if abs(shape[node - 1]) > _LOBE
-        ]
-    lobes = _lobes(shape, first, last)
+    points = _points(rotor, shape)
+    left = [point for point in points if point.z < z[first - 1]]
+    right = [point for point in points if point.z > z[last - 1]]
+    outside, whole = (sum(p.mass * p.w**2 for p in some) for some in (left + right, points))
+    if 2 * outside > whole:
+        largest = max(abs(point.w) for point in points)
+        result = []
+        # what the element next to a bearing adds to the mass of the bearing's node lies beyond too
+        for end, nodes, beside, at_bearing in (
+            (left, first - 1, first - 2, 2),
+            (right, len(z) - last, last - 1, 0),
+        ):
+            moved = max(end, key=lambda point: abs(point.w), default=None)
+            if moved and abs(moved.w) > _LOBE * largest:
+                mass = sum(point.mass for point in end)
+                if nodes:
+                    element = shaft_element(rotor.sections[beside])
+                    mass += float(element.translation[at_bearing, ::2].sum())
+                result.append((moved.place, 0.0 if moved.w > 0 else math.pi, mass))
+        return result
+    lobes = _lobes(shape[:, 0], first, last)
     if len(lobes) == 1:
-        return [(lobes[0], 0.0, abs(sum(bearings.values())))]
-    result, z = [], rotor.nodes
+        return [(Place(lobes[0]), 0.0, abs(sum(bearings.values())))]
+    result = []
     for node in lobes:
-        is_against = (shape[node - 1] > 0) != (shape[lobes[0] - 1] > 0)
+        is_against = (shape[node - 1, 0] > 0) != (shape[lobes[0] - 1, 0] > 0)
         nearest = min(bearings, key=lambda bearing: abs(z[bearing - 1] - z[node - 1]))
-        result.append((node, math.pi if is_against else 0.0, abs(bearings[nearest])))
+        result.append((Place(node), math.pi if is_against else 0.0, abs(bearings[nearest])))
     return result
-
-
-def _ends(rotor: Rotor, mass: np.ndarray, first: int, last: int) -> Iterator[tuple[range, float]]:
-    """Yield the nodes (from 1) of each end beyond the bearings, with its mass [kg]: that of its
-    nodes, and what the element next to the bearing adds to the mass of the bearing's node."""
-    left = range(1, first), first - 2, 2
-    right = range(last + 1, len(mass) + 1), last - 1, 0
-    for nodes, beside, at_bearing in (left, right):
-        if nodes:
-            element = shaft_element(rotor.sections[beside])
-            share = element.translation[at_bearing, ::2].sum()
-            yield nodes, float(share + sum(mass[node - 1] for node in nodes))
 
 
 def _lobes(shape: np.ndarray, first: int, last: int) -> list[int]:

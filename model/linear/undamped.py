@@ -207,15 +207,15 @@ class UndampedMachine:
         return float(m * part.k ** (1.0 / m) * load ** (1.0 - 1.0 / m))
 
     def planar_shapes(self, speed: float) -> np.ndarray:
-        """Return the deflections of the modes at standstill along the nodes, the largest 1, by
-        ascending frequency, shape (m, n); with the mean of both direct stiffnesses that each
-        bearing has at a speed [rad/s]."""
+        """Return deflections and slopes of the modes at standstill along the nodes, the largest
+        deflection 1, by ascending frequency, shape (m, n, 2) [1, 1/m]; with the mean of both direct
+        stiffnesses that each bearing has at a speed [rad/s]."""
         own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
         own[own == 0.0] = _SOFT * self.rigid_stiffness
         inverse = self._inverse(own, self.mass.toarray().astype(complex))
         _, shapes = _solve(_half(inverse, _ACROSS)[0], 2 * self._nodes)
-        w = shapes[: 2 * self._nodes : 2].T
-        return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
+        both = shapes[: 2 * self._nodes].T.reshape(-1, self._nodes, 2)
+        return np.array([(s / s[np.argmax(np.abs(s[:, 0])), 0]).real for s in both])
 
     def _inverse(self, stiffness: float | np.ndarray, mass: np.ndarray) -> np.ndarray:
         """Return K^-1 times a mass matrix, with the stiffness in x and y of each bearing [N/m]."""

@@ -11,7 +11,7 @@ from . import base as of
 @dataclass(frozen=True)
 class Unbalance(of.Part):
     """An unbalance `amount` [kg.m] at the angle `phase` [rad] from the shaft's mark; its small mass
-    adds to no inertia."""
+    adds to no inertia. It stands `offset` [m] beyond the node (from 1) along z."""
 
     KIND: ClassVar[str] = "unbalance"
     TEXT: ClassVar[str] = "an unbalance at a node"
@@ -19,7 +19,8 @@ class Unbalance(of.Part):
     node: int
     amount: float = quantity("kg.m", "unbalance", NOT_NEGATIVE, is_tunable=True)
     phase: float = quantity("rad", "angle of the unbalance", ANY, 0.0, is_tunable=True)
+    offset: float = quantity("m", "axial distance of the unbalance from the node", ANY, 0.0)
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
         """Yield one unbalance."""
-        yield of.UnbalanceElement(self.node, 1.0, 0.0, self.amount, self.phase)
+        yield of.UnbalanceElement(self.node, 1.0, 0.0, self.amount, self.phase, self.offset)

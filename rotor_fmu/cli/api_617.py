@@ -168,7 +168,7 @@ def unbalance(
     from ..model.linear.unbalance_check import SPEEDS
 
     speeds, machine = speed_range(speed, SPEEDS), machine_in_units(rotor, units)
-    given = unbalances_of(at) or None
+    given: Any = unbalances_of(at) or None
     ends = operating_range(operating, rated, machine)
     gaps = clearances_of(clearance)
     if mode is not None and given:
@@ -186,7 +186,7 @@ def unbalance(
     if mode is not None and ends is not None:
         times = FACTOR if factor is None else factor
         placed = placed_unbalances(machine, mode, ends[1], factor=times, contacts=contacts)
-        given = [(p.node, p.amount, p.phase) for p in placed]
+        given = [p.acting for p in placed]
     if len(speeds) == 0:
         speeds = usual_speeds(machine, contacts, ends, SPEEDS)
     acting: dict[str, Any] = {"contacts": contacts, "unbalances": given}

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from ..display import current
 from ..errors import InputError, meant, read_text, toml_tables
 from ..model.linear import frequency_response as model
+from ..model.linear.places import Place
 from ..model.machine.rotor import Rotor
 from ..model.machine.table_reader import make
 from ..model.one_thread import on_one_thread
@@ -165,16 +166,16 @@ def _shown(node: int, offset: float) -> str:
     return f"{node} {offset * d.length:+.4g} {d.length_unit}" if offset else str(node)
 
 
-def place_of(rotor: Rotor, text: str, option: str) -> model.Place:
+def place_of(rotor: Rotor, text: str, option: str) -> Place:
     """Return the node (from 1) of a number, or the place where the part of a name has its port or
     its probe; `InputError` otherwise."""
     probes, ports = rotor.elements_of_kind(ProbeElement), rotor.elements_of_kind(PortElement)
     beyond = {name: e.offset for name, e in probes} | {name: e.offset for name, e in ports}
     named = {name: part.node for name, part in rotor.named_parts() if hasattr(part, "node")}
     if text in named:
-        return model.Place(int(named[text]), beyond.get(text, 0.0))
+        return Place(int(named[text]), beyond.get(text, 0.0))
     if text.isdecimal() and 1 <= int(text) <= len(rotor.nodes):
-        return model.Place(int(text))
+        return Place(int(text))
     raise InputError(
         f"{option} {text}: must be a node from 1 to {len(rotor.nodes)}, or a part's name; "
         f"{meant(text, named)}"

@@ -18,6 +18,7 @@ from ..linear.linear_tables import clean_damping, numbers
 from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_films_are_left, where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
+from ..model.linear.places import Place, PlacedAmount, as_place
 from ..model.linear.subsynchronous import SubsynchronousWhirl, subsynchronous_whirl
 from ..model.linear.unbalance import steady_whirl
 from ..model.linear.unbalance_check import OF_INTEREST, SPEEDS, highest_of_interest
@@ -84,7 +85,7 @@ def machine_report(
         mode = 1
     if mode is not None:
         placed = placed_unbalances(rotor, mode, high)
-        unbalances = [(p.node, p.amount, p.phase) for p in placed]
+        unbalances = [p.acting for p in placed]
     at_speed = answers.modes(rotor, high, count=_MODES)
     diagram = answers.campbell(rotor, speeds)
     over_stiffness = acceptance.critical_map(rotor)
@@ -191,16 +192,23 @@ def _at_rest(at_rest: answers.Static) -> list[str]:
     return ["<p>Gravity does not act across the shaft: it is straight, and no bearing loaded.</p>"]
 
 
-def _acting(unbalances: Sequence[tuple[int, float, float]] | None, mode: int | None) -> str:
+def _acting(unbalances: Sequence[PlacedAmount] | None, mode: int | None) -> str:
     if unbalances is None:
         return "The machine's own unbalances act."
     d = current()
     listed = ", ".join(
-        f"{amount * d.unbalance:.4g} {d.unbalance_unit} at node {node} "
+        f"{amount * d.unbalance:.4g} {d.unbalance_unit} {_where(as_place(at))} "
         f"({math.degrees(phase):.4g} deg)"
-        for node, amount, phase in unbalances
+        for at, amount, phase in unbalances
     )
     return f"Unbalances placed by API 617 for mode {mode}: {listed}."
+
+
+def _where(place: Place) -> str:
+    if not place.offset:
+        return f"at node {place.node}"
+    d = current()
+    return f"{place.offset * d.length:.4g} {d.length_unit} beyond node {place.node}"
 
 
 def _contact(rub: RubCheck) -> list[str]:

@@ -18,6 +18,7 @@ from ..display import current
 from ..linear.answers import static
 from ..model.linear.amplification import with_tops
 from ..model.linear.linearization import OPEN
+from ..model.linear.places import PlacedAmount, as_place
 from ..model.linear.supports import touching, walls
 from ..model.linear.unbalance import SteadyWhirl, steady_whirl
 from ..model.linear.unbalance_check import close_speeds, highest_of_interest
@@ -128,18 +129,19 @@ class RubCheck:
         return f"The rub lasts in the operating range ({names}), {how}. {force}"
 
 
-def with_unbalances(
-    rotor: Rotor, unbalances: Sequence[tuple[int, float, float]] | None, scale: float
-) -> Rotor:
+def with_unbalances(rotor: Rotor, unbalances: Sequence[PlacedAmount] | None, scale: float) -> Rotor:
     """Return the machine with these unbalances, or with its own, times a factor.
 
-    unbalances: (node from 1, amount [kg.m], angle [rad]).
+    unbalances: (node from 1 or place, amount [kg.m], angle [rad]).
     """
     if unbalances is None:
         parts = [_times(part, scale) for part in rotor.parts]
         return replace(rotor, parts=tuple(parts))
     bare = [_times(part, 0.0) for part in rotor.parts if not isinstance(part, Unbalance)]
-    placed = [Unbalance(node, scale * amount, phase) for node, amount, phase in unbalances]
+    placed = [
+        Unbalance(node, scale * amount, phase, offset)
+        for (node, offset), amount, phase in ((as_place(at), a, phi) for at, a, phi in unbalances)
+    ]
     return replace(rotor, parts=(*bare, *placed))
 
 
@@ -155,14 +157,14 @@ def rub_check(
     rotor: Rotor,
     low: float,
     high: float,
-    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    unbalances: Sequence[PlacedAmount] | None = None,
     scale: float = 1.0,
     say: Callable[[str], None] = lambda text: None,
 ) -> RubCheck:
     """Return what the machine does where its response to unbalance closes a clearance.
 
-    low, high: operating range [rad/s]; unbalances: (node from 1, amount [kg.m], angle [rad]), None:
-    the machine's own; scale: factor on them; say: is given what takes long.
+    low, high: operating range [rad/s]; unbalances: (node from 1 or place, amount [kg.m], angle
+    [rad]), None: the machine's own; scale: factor on them; say: is given what takes long.
     """
     machine = with_unbalances(rotor, unbalances, scale)
     top = max(1.25 * high, rotor.operation.trip_speed or 0.0)
