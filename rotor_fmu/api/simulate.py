@@ -1,17 +1,20 @@
 """A run of a machine, recorded at the solver's own steps."""
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
 
 from ..errors import InputError, check_one_of, check_positive, known_name, listed, mapped, number
+from ..fmi.binding import changed_rotor
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
-from ..fmi.variables import Variable
+from ..fmi.variables import Variable, start_values
+from ..machine_file.loading import warn_of_changes
 from ..model.settings import PRESETS
-from ..model.simulation import warn
+from ..model.simulation import RotorWarning, warn
 from ..model.time_loop.recorder import Record
 from ..runs.input_signals import Signals
 from ..runs.job import Job, make_job
@@ -166,11 +169,18 @@ def plan(
         raise InputError(f"parameters: {name} is an input: give it as speed or among loads")
     try:
         values = parse_settings(table, [f"{name}={value}" for name, value in given.items()])
-        return make_job(machine.toml, machine.rotor, values, signals, stop, step)
+        job = make_job(machine.toml, machine.rotor, values, signals, stop, step)
     except ValueError as error:
         said = str(error).removeprefix("--set ")
         is_argument = said.partition(" ")[0] in arguments
         raise InputError(said.removeprefix(PREFIX) if is_argument else said) from error
+    changed = changed_rotor(machine.rotor, table, start_values(table) | values)
+    warn_of_changes("parameters:", machine.rotor, changed, warn=_warn)
+    return job
+
+
+def _warn(text: str) -> None:
+    warnings.warn(RotorWarning(text), stacklevel=5)
 
 
 def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float | None) -> Signals:

@@ -62,6 +62,13 @@ class ResponseRequest(NamedTuple):
     rotor: Rotor
     task: Task
 
+    def ends(self) -> list[Rotor]:
+        """Return the machines with the ends of a quantity that is varied; none where the speed
+        is."""
+        task = self.task
+        values = () if task.name == SPEED else (task.low, task.high)
+        return [self.rotor.with_values({task.name: value}) for value in values]
+
 
 def compute_response(
     request: ResponseRequest,
