@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from textwrap import fill
 from typing import Any, BinaryIO
@@ -14,6 +15,8 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont, fontManager
+from matplotlib.ft2font import FT2Font
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator
 
@@ -26,6 +29,7 @@ COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", SKY, BLACK, GREY)
 # Widths of a number at an axis, of its digits and of the gap to the next, in sizes of its letters.
 _ASSUMED, _DIGIT, _BETWEEN = 3.0, 0.64, 0.6  # the first one is Matplotlib's
 _WRITTEN = 0.85  # of the width of a picture, in the lines of a title
+_BOXES = "Last Resort High-Efficiency"  # which Matplotlib takes last: it draws kinds of letters
 DASHED, DOTTED, LIMIT = (0, (4, 2)), (0, (1, 1.5)), (0, (4, 3))  # of lines
 
 
@@ -50,6 +54,29 @@ class PlainFigure(Figure):
             # labels of ticks are empty until they are drawn for the first time
             written = text.get_text()
             text.set_parse_math(not written or "mathdefault" in written)
+            if not written.isascii() and (further := _further_fonts(written)):
+                text.set_fontfamily([*dict.fromkeys([*text.get_fontfamily(), *further])])
+
+
+@cache
+def _further_fonts(text: str) -> tuple[str, ...]:
+    """Return installed fonts that have the letters of a text which the usual font lacks, such as
+    those of Japanese; those that no font has are drawn as boxes."""
+    printed = {ord(letter) for letter in text if letter.isprintable()}
+    lacking = printed - _letters(findfont(FontProperties()))
+    result = []
+    for font in fontManager.ttflist if lacking else ():
+        if font.name != _BOXES and lacking & (letters := _letters(font.fname)):
+            result.append(font.name)
+            lacking -= letters
+        if not lacking:
+            break
+    return tuple(result)
+
+
+@cache
+def _letters(file: str) -> frozenset[int]:
+    return frozenset(FT2Font(file).get_charmap())
 
 
 class _ApartLocator(AutoLocator):
