@@ -6,7 +6,16 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..errors import InputError, check_one_of, check_positive, known_name, listed, mapped, number
+from ..errors import (
+    InputError,
+    check_one_of,
+    check_positive,
+    known_name,
+    listed,
+    mapped,
+    number,
+    switch,
+)
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
 from ..fmi.variables import Variable
@@ -101,7 +110,7 @@ def simulate(
     '390.0 rad/s'
     """
     job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
-    if verify:
+    if switch("verify", verify):
         finer_job(job)  # refused before anything is run
     run, recording = _recorded(job, _record(machine, record, per_turn))
     if verify:
