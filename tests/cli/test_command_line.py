@@ -29,6 +29,8 @@ JEFFCOTT = Path(__file__).parents[2] / "examples" / "jeffcott_rub" / "jeffcott.t
         (["--set", "tau=1"], "--set tau: is an output, which the model computes"),
         (["--step", "1e-9"], "--step 1e-09 s: would give 4e+10 rows"),
         (["--rate", "1e-300"], "stop = 4e+302 s: would give 1e+305 rows at the communication step"),
+        (["--rate", "1e300"], "speed_rate = -1e+300 rad/s2: must not exceed 1e+30 in size"),
+        (["--rate", "1e20"], "stop = 4e-18 s: must be at least 1e-15 s"),
         (["--hold", "1e300"], "stop = 1e+300 s: would give 2.5e+302 rows at the communication st"),
         (["--preset", "robusd"], "did you mean robust?"),
         (["--set", "gravity"], "--set gravity: must be NAME=VALUE"),
