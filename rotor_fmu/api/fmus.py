@@ -172,7 +172,7 @@ def simulate_fmu(
         with zipfile.ZipFile(file) as archive:
             toml = archive.read(_MACHINE).decode()
             is_free = b'name="tau_drive"' in archive.read("modelDescription.xml")
-    except (OSError, KeyError, UnicodeDecodeError, zipfile.BadZipFile) as error:
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(f"{file}: is not the FMU of a machine") from error
     if is_free:
         raise InputError(f"{file}: is driven by a torque; simulate_fmu drives by a speed")

@@ -54,6 +54,12 @@ NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
         ({"stop": 1.0, "speed": "3000rpm"}, "speed = '3000rpm': must be a number, or times and"),
         ({"stop": 1.0, "speed": True}, "speed = True: must be a number"),
         ({"stop": True}, "stop = True: must be a number"),
+        (
+            {"stop": 1.0, "speed": (400, 0)},
+            r"speed = \(400, 0\): must be a number, or times and val",
+        ),
+        ({"stop": 1.0, "speed": [[10**400], [1.0]]}, "speed = .*: must be a number, or times and"),
+        ({"stop": 1.0, "record": [["w"]]}, r"^record: name = \['w'\]: must be text"),
         ({"stop": 1.0, "record": 3}, "^record = 3: must be a list of names"),
         ({"stop": 1.0, "loads": 3}, "^loads = 3: must be a dictionary"),
         ({"stop": 1.0, "parameters": [1, 2]}, r"^parameters = \[1, 2\]: must be a dictionary"),
@@ -193,6 +199,7 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
         (lambda: rf.parse(None), "toml = None: must be the text of a machine's file"),
         (lambda: rf.read_run(None), "folder = None: must be a path"),
         (lambda: rf.simulate_fmu(None, speed=1.0), "fmu = None: must be a path"),
+        (lambda: rf.simulate_fmu("a\0b", speed=1.0), r"a\\x00b: is not the FMU of a machine"),
         (lambda: rf.build_fmu(RIG, None), "folder = None: must be a path"),
         (
             lambda: rf.build_fmu(RIG, platforms="linux64"),
