@@ -17,7 +17,8 @@ from ..arguments import numbers, rows
 from ..machine.rotor import Rotor
 from . import orbit
 from .linear_machine import shared_machine
-from .modes import check_speed
+from .linearization import check_contacts
+from .modes import checked_speed
 from .real_matrices import to_complex
 from .static import check_node
 from .support_loads import support_loads
@@ -116,6 +117,7 @@ def steady_whirl(
     """Return the `SteadyWhirl` of a machine under its unbalances, or under those given instead; see
     `unbalance_response` for these and `contacts`. The last one is kept: a response and its checks
     are about the same speeds."""
+    check_contacts(contacts)
     if unbalances is not None:
         listed = rows("unbalances", unbalances, "(node, amount, angle)")
         unbalances = tuple((check_node(rotor, node), a, phase) for node, a, phase in listed)
@@ -185,7 +187,7 @@ class SteadyWhirl:
         return self._solved(float(speed)).loads()
 
     def _solve(self, speed: float) -> _Solved:
-        check_speed(speed)
+        speed = checked_speed(speed)
         machine = self.machine
         if speed == 0.0 and not machine.is_held:  # it turns about its centre of mass
             return self._solve(_CREEPING * float(machine.structure.numbers[0].lowest_omega))

@@ -18,6 +18,7 @@ from ..errors import (
     number,
     numbers,
     shown_value,
+    switch,
 )
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
@@ -140,12 +141,12 @@ def response_request(
         held,
         period,
         constant_loads(rotor, mapped("loads", loads)),
-        Accuracy(share, min(3, harmonics), harmonics * period, stability),
+        Accuracy(share, min(3, harmonics), harmonics * period, switch("stability", stability)),
         ContinuationSteps(longest=step),
         searched,
-        whirl,
+        switch("whirl", whirl),
         None if start is None else start.orbit,
-        branches,
+        switch("branches", branches),
     )
     check(rotor, task)
     return ResponseRequest(rotor, task)
