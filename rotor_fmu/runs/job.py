@@ -1,7 +1,6 @@
 """A run as the user specified it: checked before anything is written, then carried out."""
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from ..fmi.binding import build_simulation, changed_rotor
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
 from ..fmi.variables import start_values
-from ..machine_file.loading import load_rotor, warn_of_changes
+from ..machine_file.loading import load_rotor, to_screen, warn_of_changes
 from ..model.machine.rotor import Rotor
 from ..model.quantities import check_size
 from ..model.settings import PRESETS, Settings
@@ -64,10 +63,9 @@ def prepare(
     inputs = {v.name for v in table if v.causality == "input"}
     constants = {name: value for name, value in values.items() if name in inputs}
     if recorded is not None and recorded.t[-1] < stop:
-        print(
-            f"rotor-fmu: warning: {signal_file} ends at {recorded.t[-1]:g} s; its last values are "
-            f"held until --stop = {stop:g} s",
-            file=sys.stderr,
+        to_screen(
+            f"{signal_file} ends at {recorded.t[-1]:g} s; its last values are held until "
+            f"--stop = {stop:g} s"
         )
     for name in constants:
         if recorded is not None and name in recorded.values:
