@@ -50,6 +50,9 @@ class PlainFigure(Figure):
             engine.execute(self)
 
     def _take_as_written(self) -> None:
+        for axes in self.axes:
+            _fit(axes.xaxis.label, self.bbox.width)
+            _fit(axes.yaxis.label, self.bbox.height)
         for text in self.findobj(Text):
             # labels of ticks are empty until they are drawn for the first time
             written = text.get_text()
@@ -77,6 +80,13 @@ def _further_fonts(text: str) -> tuple[str, ...]:
 @cache
 def _letters(file: str) -> frozenset[int]:
     return frozenset(FT2Font(file).get_charmap())
+
+
+def _fit(label: Text, room: float) -> None:
+    """Make a label as small as its longest word needs, the name of a part: in a room [pixels]."""
+    longest = max(map(len, label.get_text().split()), default=1)
+    widest = 72.0 * room / label.figure.dpi / (_DIGIT * longest)
+    label.set_fontsize(min(label.get_fontsize(), widest))
 
 
 class _ApartLocator(AutoLocator):
@@ -139,15 +149,16 @@ def style(axes: Axes) -> None:
 def entitle(where: Axes | Figure, text: str, size: float = 10, pad: float | None = None) -> None:
     """Write a title at the left above axes or a figure, a long one in several lines; pad: between
     it and the axes [pt]."""
+    figure = where if isinstance(where, Figure) else where.figure
     is_wrapped = not is_math_text(text)  # Matplotlib would measure it as a formula
     if not is_wrapped:
-        figure = where if isinstance(where, Figure) else where.figure
         across = 72.0 * figure.bbox.width / figure.dpi / size  # sizes of its letters
         text = fill(text, int(_WRITTEN * across / _DIGIT))
     if isinstance(where, Figure):
-        where.suptitle(text, fontsize=size, x=0.01, ha="left", wrap=is_wrapped)
+        title = where.suptitle(text, fontsize=size, x=0.01, ha="left", wrap=is_wrapped)
     else:
-        where.set_title(text, loc="left", fontsize=size, pad=pad, wrap=is_wrapped)
+        title = where.set_title(text, loc="left", fontsize=size, pad=pad, wrap=is_wrapped)
+    _fit(title, _WRITTEN * figure.bbox.width)
 
 
 def legend_below(

@@ -1,7 +1,6 @@
 """A run as the user specified it: checked before anything is written, then carried out."""
 
 import math
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from ..fmi.binding import build_simulation, changed_rotor
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
 from ..fmi.variables import start_values
-from ..machine_file.loading import load_rotor, warn_of_changes
+from ..machine_file.loading import load_rotor, to_screen, warn_of_changes
 from ..model.machine.rotor import Rotor
 from ..model.quantities import check_size
 from ..model.settings import PRESETS, Settings
@@ -65,7 +64,7 @@ def prepare(
     inputs = {v.name for v in table if v.causality == "input"}
     constants = {name: value for name, value in values.items() if name in inputs}
     for warning in _beyond(recorded, stop) if recorded is not None else ():
-        print(f"rotor-fmu: warning: {signal_file} {warning}", file=sys.stderr)
+        to_screen(f"{signal_file} {warning}")
     for name in constants:
         if recorded is not None and name in recorded.values:
             raise InputError(f"--set {name}: {signal_file} gives it too")
