@@ -96,6 +96,18 @@ def test_what_was_probably_meant_is_said(old, new, expected):
     assert any(expected in warning for warning in warnings)
 
 
+@pytest.mark.parametrize("given", ["20.0", "[30.0, 20.0]\nspeed = [100.0, 200.0]"])
+def test_a_viscosity_in_millipascal_seconds_is_asked_about(given):
+    toml = (ROOT / "examples" / "oil_film" / "rotor.toml").read_text()
+    shown = given.strip("[").split(".")[0]
+    warnings = implausible_values(
+        parse_rotor(toml.replace("viscosity = 0.02", f"viscosity = {given}"))
+    )
+    assert len(warnings) == 2
+    for warning in warnings:
+        assert f".viscosity = {shown} Pa.s: is that what is meant; {shown} mPa.s?" in warning
+
+
 def test_a_command_says_it_and_goes_on_and_python_warns(tmp_path, process):
     file = tmp_path / "rig.toml"
     file.write_text(rig_toml().replace("density = 7800.0", "density = 7.8"))
