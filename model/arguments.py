@@ -41,7 +41,19 @@ def number(name: str, value: Any) -> float:
     given = value.item() if getattr(value, "ndim", None) == 0 else value
     if isinstance(given, bool) or not isinstance(given, Real):
         raise InputError(f"{shown_value(name, value)}: must be a number")
-    return float(given)
+    try:
+        return float(given)
+    except OverflowError:  # an integer of hundreds of digits
+        raise InputError(f"{shown_value(name, value)}: must be a finite number") from None
+
+
+def switch(name: str, value: Any) -> bool:
+    """Return an argument that is true or false, of Python or numpy, as a bool; `InputError` for
+    anything else, which Python would take for one of them."""
+    given = value.item() if getattr(value, "ndim", None) == 0 else value
+    if not isinstance(given, bool):
+        raise InputError(f"{shown_value(name, value)}: must be True or False")
+    return given
 
 
 def check_integer(

@@ -22,6 +22,7 @@ from .model.arguments import number as number
 from .model.arguments import numbers as numbers
 from .model.arguments import path_of as path_of
 from .model.arguments import shown_value as shown_value
+from .model.arguments import switch as switch
 from .model.errors import InputError as InputError
 from .model.errors import printable as printable
 from .model.near_names import near_names
@@ -87,7 +88,7 @@ def _one_line(error: "typer.TyperException") -> str:
         if values := _typed().get(option):
             reason = " ".join(str(getattr(error, "message", error)).split())
             said = re.sub(r"^Input should (.*?)(, unable .*)?$", r"must \1", reason)
-            return f"{option} {', '.join(values)}: {said}"
+            return printable(f"{option} {', '.join(values)}: {said}")
     command: Any = getattr(getattr(error, "ctx", None), "command", None)
     options = [option for of in getattr(command, "params", ()) for option in of.opts]
     is_extra = "extra argument" in error.format_message() and "--rotor" in options
@@ -182,6 +183,8 @@ def writable_folder(path: Path, option: str = "--out") -> Path:
     nothing was written there."""
     if path.suffix.lower() in _FILES and not path.exists():
         raise InputError(f"{option} {path}: is a folder for files, and is called like one of them")
+    if "\0" in str(path):
+        raise InputError(f"{option} {path}: cannot be written to: has a NUL in its name")
     try:
         _made.extend(folder for folder in (path, *path.parents) if not folder.exists())
         path.mkdir(parents=True, exist_ok=True)
@@ -191,6 +194,17 @@ def writable_folder(path: Path, option: str = "--out") -> Path:
         reason = error.strerror or str(error)
         raise InputError(f"{option} {path}: cannot be written to: {reason}") from error
     return path
+
+
+def writable_file(path: Path, what: str, option: str = "--out") -> None:
+    """Make the folder of a file that is to be written; `InputError` with the option that gave it if
+    that cannot be, or if a folder, a device or a pipe is there, which a file would replace; what:
+    whose name it is, such as `the page's`."""
+    writable_folder(path.parent, option)
+    if path.is_dir():
+        raise InputError(f"{option} {path}: is a folder; give {what} name in it")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{option} {path}: is a device or a pipe, not a file")
 
 
 MOST_ROWS = 2e6  # of a run at its communication points, all of which are in memory

@@ -19,9 +19,11 @@ else:
 def unfinished(path: Path) -> Iterator[Path]:
     """A path beside `path` to write to, which takes its place when all is written; what ends the
     writing before, Ctrl-C too, leaves what was there and nothing else. An `OSError`, as of a full
-    disk, is raised with the file's name, `InputError` where a folder has that name."""
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder, where a file of this name is to be written")
+    disk, is raised with the file's name, `InputError` where a folder, or a device, which a file
+    would replace, has that name."""
+    if path.exists() and not path.is_file():
+        kind = "a folder" if path.is_dir() else "a device or a pipe"
+        raise InputError(f"{path}: is {kind}, where a file of this name is to be written")
     # the suffix last: writers choose formats by it
     part = path.with_name(f"{path.stem}.part{path.suffix}")
     with named(path, str(part)):

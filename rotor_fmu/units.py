@@ -141,8 +141,9 @@ def factor(shown: str, unit: str, si: str) -> float:
 
 
 def _must_be(si: str) -> str:
-    measured, examples = _MEASURED.get(si, ("of another kind", ""))
-    return f"must be {measured}, in {si}{f' or such as {examples}' if examples else ''}"
+    measured, examples = _MEASURED.get(si, ("", ""))
+    kind = f"{measured}, " if measured else ""
+    return f"must be {kind}in {si}{f' or such as {examples}' if examples else ''}"
 
 
 def _spelled(unit: str) -> str:

@@ -5,14 +5,14 @@ import numpy as np
 from rotor_fmu.runs.recording import Recording
 
 
-def recorded(stop=6.0, step=1e-3, speed=300.0, rate=-20.0, **about):
+def recorded(stop=6.0, step=1e-3, speed=300.0, rate=-20.0, disc="disc[2]", **about):
     """A run-down with orders in closed form, a contact and two sinks: forward 1x of 80 um, backward
-    1x of 20 um on disc 2."""
+    1x of 20 um on a disc."""
     t = np.arange(0.0, stop, step)
     phi = speed * t + rate * t**2 / 2
     z = 40e-6 * np.exp(1j * (phi - 0.6)) + 10e-6 * np.exp(-1j * phi)
     columns = {"phi": phi, "w": speed + rate * t}
-    for name, of in (("disc[1]", z), ("disc[2]", 2 * z), ("bearing[1]", 0.5 * z)):
+    for name, of in (("disc[1]", z), (disc, 2 * z), ("bearing[1]", 0.5 * z)):
         columns |= {f"{name}.x": of.real, f"{name}.y": of.imag}
     columns["bearing[1].psi"] = np.mod(np.angle(z), 2 * np.pi)
     columns["bearing[1].fn"] = np.where(z.real > 0, 5.0, 0.0)

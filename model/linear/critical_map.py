@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from ..arguments import numbers
+from ..arguments import numbers, switch
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
 from ..structure.structure import total_mass
@@ -91,7 +91,8 @@ def critical_map(
     if not ascends or not np.isfinite(values).all():
         raise LinearError("stiffness: must be at least 2 finite values, ascending from above 0")
     check_count(count)
-    machine = UndampedMachine(rotor, contacts, rigid_pedestals)
+    machine = UndampedMachine(rotor, contacts, switch("rigid_pedestals", rigid_pedestals))
+    count, synchronous = min(count, machine.mass.shape[0]), switch("synchronous", synchronous)
     low, high = (share * machine.rigid_stiffness for share in _FAR)
     for value in values[[0, -1]]:
         if not low <= value <= high:

@@ -22,7 +22,7 @@ from ..machine.rotor import Rotor
 from ..quantities import NOT_NEGATIVE, quantity
 from .amplification import with_peaks
 from .linear_machine import LinearError, shared_machine
-from .modes import DEFAULT_COUNT, check_speed, modes_of
+from .modes import DEFAULT_COUNT, checked_speed, modes_of
 from .places import AnyPlace, as_place
 from .static import check_node
 
@@ -141,7 +141,7 @@ def frequency_response(
     else:
         receptance = np.array([answer(w) for w in at])
     return FrequencyResponse(
-        speed=speed,
+        speed=plant.linear.speed,
         contacts=plant.machine.contacts,
         frequencies=at,
         force=at_force.node,
@@ -185,7 +185,7 @@ def sensitivity(
     at, rows = with_peaks(answer, at, poles)
     scale = np.maximum(np.abs(poles), plant.machine.structure.numbers[0].lowest_omega)
     return Sensitivity(
-        speed=speed,
+        speed=plant.linear.speed,
         frequencies=at,
         loops=tuple(f"{loop.name} {axis}" for loop in loops for axis in "xy"),
         sensitivity=rows,
@@ -204,9 +204,8 @@ class _Plant:
     """The machine at a speed: displacements of places by forces on places."""
 
     def __init__(self, rotor: Rotor, speed: float, contacts: str | None) -> None:
-        check_speed(speed)
         self.machine = shared_machine(rotor, contacts)
-        self.linear = self.machine.at(speed)
+        self.linear = self.machine.at(checked_speed(speed))
 
     def selection(self, places: Sequence[AnyPlace]) -> np.ndarray:
         """Return x, y of places by the unknowns, shape (2 n, N)."""

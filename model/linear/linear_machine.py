@@ -14,10 +14,9 @@ from threading import get_ident
 
 import numpy as np
 
-from ..arguments import is_one_of
 from ..machine.rotor import Rotor
 from .bearing_equilibrium import check_films
-from .linearization import CONTACTS, Linearization
+from .linearization import Linearization, check_contacts
 from .real_matrices import in_plane, to_complex, x_and_y
 from .system_at_speed import Linear, LinearError
 
@@ -127,8 +126,7 @@ class LinearMachine(Linearization):
 def shared_machine(rotor: Rotor, contacts: str | None = None) -> LinearMachine:
     """Return the machine for linear analyses: the one that was made for the last of them, where it
     is of the same rotor, as a command and a report have several. Raises as `LinearMachine`."""
-    if not is_one_of(contacts, (None, *CONTACTS)):
-        return LinearMachine(rotor, contacts)  # which refuses them
+    check_contacts(contacts)  # before what is no word, and cannot be looked up, is
     return _of_thread(rotor, contacts, get_ident())
 
 

@@ -54,6 +54,12 @@ _FAR = 1e9  # what is more than any displacement [m]
 _WAYS = (1, 1j, -1, -1j)  # right, up, left, down
 
 
+def check_contacts(contacts: object) -> None:
+    """Raise `LinearError` for a word about contacts, which may be None, that is not known."""
+    if contacts is not None:
+        check_one_of(f"contacts = {contacts}", contacts, CONTACTS, LinearError)
+
+
 class Linearization:
     """A machine's matrices, linearized wherever it may be.
 
@@ -63,8 +69,7 @@ class Linearization:
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
-        if contacts is not None:
-            check_one_of(f"contacts = {contacts}", contacts, CONTACTS, LinearError)
+        check_contacts(contacts)
         self.rotor = rotor = machine_with_oil(rotor)
         self.structure = assemble(rotor)
         # to read them of a record takes longer than all that is done with them at a speed

@@ -12,6 +12,7 @@ import numpy as np
 from ..arguments import check_integer, number
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
+from ..quantities import check_size
 from .linear_machine import LinearMachine, shared_machine
 from .orbit import AT_REST, backward_part, forward_part, lengths_of_nodes, semi_axes
 from .shifted_inverse import DOUBTFUL, ShiftedInverse, lowest
@@ -167,9 +168,8 @@ def machine_modes(
 ) -> Modes:
     """Return `modes` of a machine that is linear already; in_planes: whether shapes of a double
     eigenvalue are rather motions in a plane than circles."""
-    check_speed(speed)
     check_count(count)
-    return modes_of(machine, machine.at(speed), count, in_planes=in_planes)
+    return modes_of(machine, machine.at(checked_speed(speed)), count, in_planes=in_planes)
 
 
 @on_one_thread
@@ -222,10 +222,14 @@ def modes_of(
     )
 
 
-def check_speed(speed: float) -> None:
-    """Raise `LinearError` unless the speed is a finite number."""
-    if not math.isfinite(number("speed", speed)):
-        raise LinearError(f"speed = {speed}: must be finite")
+def checked_speed(speed: float, name: str = "speed") -> float:
+    """Return a speed [rad/s] that may be of any type of number; `LinearError` unless it is finite,
+    and of a size with which one can calculate."""
+    result = number(name, speed)
+    if not math.isfinite(result):
+        raise LinearError(f"{name} = {speed}: must be finite")
+    check_size(f"{name} = {result:g} rad/s", result)
+    return result
 
 
 def check_count(count: int) -> None:

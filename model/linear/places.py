@@ -1,5 +1,6 @@
 """Places on rigid parts of the shaft."""
 
+import math
 from typing import NamedTuple
 
 from ..arguments import number, shown_value
@@ -24,4 +25,7 @@ def as_place(of: AnyPlace) -> Place:
         return Place(of)
     if len(of) != 2:
         raise LinearError(f"{shown_value('place', of)}: must be a node, or a node and an offset")
-    return Place(of[0], number("offset", of[1]))
+    place = Place(of[0], number("offset", of[1]))
+    if not math.isfinite(place.offset):
+        raise LinearError(f"offset = {place.offset}: must be finite")
+    return place

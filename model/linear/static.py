@@ -12,7 +12,7 @@ from ..machine.rotor import Rotor
 from ..quantities import STANDARD_GRAVITY
 from ..structure.structure import total_mass
 from .linear_machine import CHANGE, LinearError, LinearMachine, shared_machine
-from .modes import check_speed
+from .modes import checked_speed
 from .support_loads import support_loads
 
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
@@ -57,7 +57,7 @@ def static(
     open where the machine is held without them. Raises `LinearError` for a machine that is not held
     and for an unknown node.
     """
-    check_speed(speed)
+    speed = checked_speed(speed)
     machine = shared_machine(rotor, contacts)
     s = machine.structure
     force = np.zeros(machine.across.shape[1])

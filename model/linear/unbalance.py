@@ -17,8 +17,9 @@ from ..arguments import numbers, rows
 from ..machine.rotor import Rotor
 from . import orbit
 from .linear_machine import shared_machine
-from .modes import check_speed
-from .places import Place, PlacedAmount, as_place
+from .linearization import check_contacts
+from .modes import checked_speed
+from .places import AnyPlace, Place, PlacedAmount, as_place
 from .real_matrices import to_complex
 from .static import check_node
 from .support_loads import support_loads
@@ -118,13 +119,16 @@ def steady_whirl(
     """Return the `SteadyWhirl` of a machine under its unbalances, or under those given instead; see
     `unbalance_response` for these and `contacts`. The last one is kept: a response and its checks
     are about the same speeds."""
+    check_contacts(contacts)
     if unbalances is not None:
         listed = rows("unbalances", unbalances, "(node, amount, angle)")
-        placed = tuple((as_place(at), a, phase) for at, a, phase in listed)
-        for at, _, _ in placed:
-            check_node(rotor, at.node)
-        return _kept(rotor, contacts, placed)
-    return _kept(rotor, contacts, None)
+        unbalances = tuple((_place(rotor, at), a, phase) for at, a, phase in listed)
+    return _kept(rotor, contacts, unbalances)
+
+
+def _place(rotor: Rotor, at: AnyPlace) -> Place:
+    place = as_place(at)
+    return Place(check_node(rotor, place.node), place.offset)
 
 
 def _of(at: Place, amount: float, phase: float) -> complex:
@@ -193,7 +197,7 @@ class SteadyWhirl:
         return self._solved(float(speed)).loads()
 
     def _solve(self, speed: float) -> _Solved:
-        check_speed(speed)
+        speed = checked_speed(speed)
         machine = self.machine
         if speed == 0.0 and not machine.is_held:  # it turns about its centre of mass
             return self._solve(_CREEPING * float(machine.structure.numbers[0].lowest_omega))

@@ -13,6 +13,7 @@ from ..machine.rotor import Rotor
 from .amplification import Margin, Peak, largest, margin, peaks
 from .linear_machine import LinearError
 from .linearization import OPEN
+from .modes import checked_speed
 from .places import PlacedAmount
 from .static import check_node, lowest_speed
 from .supports import walls
@@ -118,6 +119,7 @@ def unbalance_check(
     low, high = number("low", low), number("high", high)
     if not (0 < low <= high < math.inf):
         raise LinearError(f"operating range = {low:g} to {high:g} rad/s: must ascend from above 0")
+    checked_speed(high, "high")
     probes = listed("probes", probes, "nodes")
     whirl = _driven_whirl(rotor, contacts, unbalances)
     checked = _gaps(rotor, whirl, mapped("clearances", clearances))
@@ -163,7 +165,7 @@ def critical_peaks(
     """Return the peaks of x and y of nodes (from 1) up to the speed `top` [rad/s], negative where
     the shaft turns backward, by ascending speed, with their amplification factors; see
     `unbalance_check` for the rest."""
-    check_positive("highest speed", abs(number("highest speed", top)), "rad/s", LinearError)
+    check_positive("speed", abs(checked_speed(top)), "rad/s", LinearError)
     whirl = _driven_whirl(rotor, contacts, unbalances)
     nodes = listed("nodes", nodes, "nodes")
     return tuple(_criticals(whirl, nodes, close_speeds(rotor, top, contacts)))

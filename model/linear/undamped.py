@@ -25,7 +25,7 @@ from ..parts.linear_bearing import Seal
 from ..structure.strain_solver import Solve, StrainedMatrices
 from ..structure.structure import total_mass
 from .linear_machine import LinearError, LinearMachine, shared_machine
-from .linearization import OPEN, PINNED
+from .linearization import OPEN, PINNED, check_contacts
 from .orbit import AT_REST, lengths_of_nodes
 from .real_matrices import Between, differences, x_and_y
 from .shifted_inverse import RESTARTS
@@ -62,6 +62,7 @@ class UndampedMachine:
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None, rigid_pedestals: bool) -> None:
+        check_contacts(contacts)
         self.contacts = contacts or shared_machine(rotor).contacts
         bare = without_seals(rotor)
         self._loaded = machine = shared_machine(bare, self.contacts)

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..arguments import check_integer
 from ..parts.shaft import Material, Section
-from ..quantities import QuantityError, check, quantities
+from ..quantities import ANY, Quantity, QuantityError, check, quantities
 from .table_reader import a_table, make, nearest, number, refuse_unknown, tables_of
 
 _PROFILE_KEYS = (
@@ -21,6 +21,7 @@ _PROFILE_KEYS = (
     "axial_force", "shear", "taper",
 )  # fmt: skip
 _SECTION_KEYS = ("length", "elements", *_PROFILE_KEYS, "layer")
+POSITION = Quantity("m", "position along the shaft", ANY)
 # More do not improve a beam: the rounding error of its stiffness grows with the fourth power.
 MOST_ELEMENTS = 1000
 
@@ -80,11 +81,10 @@ def sections_between(
             f"shaft.diameters: {len(diameters)} given, {len(nodes) - 1} needed "
             "(one for each element between two nodes)"
         )
-    position = quantities(Section)["axial_force"]  # any number
     for i, z in enumerate(nodes, 1):
-        check(f"shaft.nodes[{i}]", position, z)
+        check(f"shaft.nodes[{i}]", POSITION, z)
     for i, diameter in enumerate(diameters, 1):
-        check(f"shaft.element[{i}].diameter", quantities(Section)["outer_left"], diameter)
+        check(f"shaft.diameters[{i}]", quantities(Section)["outer_left"], diameter)
     ends = pairwise(nodes)
     sections = tuple(
         Section.cylinder(float(right - left), float(diameter), material)

@@ -8,11 +8,11 @@ from typing import Any
 
 from ..parts import PARTS
 from ..parts.base import Part
-from ..quantities import ANY, GRAVITY, Quantity, QuantityError, check
+from ..quantities import GRAVITY, QuantityError, check
 from .mesh import Mesh
 from .operating_speeds import Operation
 from .rotor import OF_SHAFT, Rotor
-from .shaft_tables import Materials, sections_between, sections_in_turn
+from .shaft_tables import POSITION, Materials, sections_between, sections_in_turn
 from .table_reader import UnfitKeys, a_table, fits, make, number, refuse_unknown, tables_of
 
 _SHAFT_KEYS = ("nodes", "diameters", "start", *OF_SHAFT)
@@ -20,7 +20,6 @@ _OWN_KEYS = (
     "name", "identifier", "units", "gravity", "gravity_angle", "inclination", "operation",
     "material", "shaft", "section",
 )  # fmt: skip
-_POSITION = Quantity("m", "position along the shaft", ANY)
 
 
 def rig_toml() -> str:
@@ -102,7 +101,7 @@ def _places(data: dict[str, Any]) -> Iterator[tuple[str, float]]:
                 continue
             if "node" in table:
                 raise QuantityError(f"{where}.z: cannot be combined with {where}.node")
-            check(f"{where}.z", _POSITION, table["z"])
+            check(f"{where}.z", POSITION, table["z"])
             yield where, float(table["z"])
 
 
@@ -122,6 +121,7 @@ def _parts(
         try:
             yield make(kind, where, values)
         except UnfitKeys as error:
-            others = [f"[[{other.KIND}]]" for other in PARTS if fits(other, values)]
+            is_misspelt = fits(kind, values)
+            others = [] if is_misspelt else [f"[[{of.KIND}]]" for of in PARTS if fits(of, values)]
             hint = f"; the keys given are those of {' or '.join(others)}" if others else ""
             raise QuantityError(f"{error}{hint}") from error

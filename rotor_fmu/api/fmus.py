@@ -5,7 +5,17 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..errors import InputError, check_one_of, check_positive, listed, mapped, number, path_of
+from ..errors import (
+    InputError,
+    check_one_of,
+    check_positive,
+    listed,
+    mapped,
+    number,
+    path_of,
+    switch,
+    writable_folder,
+)
 from ..model.simulation import RotorWarning, warn
 from ..runs.recording import Recording
 from ..runs.settings_text import parse_starts
@@ -90,7 +100,8 @@ def build_fmu(
     if step is not None:
         check_positive("step", step := number("step", step), "s")
     number("reduction", reduction)  # its range is the FMU's
-    kind = FmuKind(is_native, is_source, fmi)
+    is_free = switch("is_free", is_free)
+    kind = FmuKind(switch("is_native", is_native), switch("is_source", is_source), fmi)
     chosen_step = None if step is None else f"step = {step:g} s"
     options = ("is_native", "is_source", "platforms")
     platforms = None if platforms is None else listed("platforms", platforms, "names")
@@ -105,7 +116,8 @@ def build_fmu(
     for text in machine_warnings(machine.rotor, is_free):
         warnings.warn(RotorWarning(text), stacklevel=2)
     chosen = machine_of(machine.toml, is_free, reduction, step, starts)
-    return kind.build(path_of("folder", folder), chosen, platforms)
+    place = writable_folder(path_of("folder", folder), "folder =")
+    return kind.build(place, chosen, platforms)
 
 
 def simulate_fmu(
@@ -160,7 +172,7 @@ def simulate_fmu(
         with zipfile.ZipFile(file) as archive:
             toml = archive.read(_MACHINE).decode()
             is_free = b'name="tau_drive"' in archive.read("modelDescription.xml")
-    except (OSError, KeyError, UnicodeDecodeError, zipfile.BadZipFile) as error:
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(f"{file}: is not the FMU of a machine") from error
     if is_free:
         raise InputError(f"{file}: is driven by a torque; simulate_fmu drives by a speed")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, path_of, shown_value
-from ..machine_file.loading import load_rotor, si_text
+from ..machine_file.loading import load_rotor, si_text, warn_of_changes
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.simulation import RotorWarning
@@ -244,10 +244,12 @@ def response(
     >>> [(b.kind, round(b.value, 2)) for b in curve.bifurcations]
     [('fold', 202.21), ('grazing', 138.5)]
     """
+    from ..linear.displayed import rotor_of
     from ..periodic.request import compute_response, response_request  # with SciPy
 
+    rotor = rotor_of(machine.rotor if isinstance(machine, Machine) else machine)
     request = response_request(
-        machine.rotor if isinstance(machine, Machine) else machine,
+        rotor,
         speed=speed,
         over=over,
         parameters=parameters,
@@ -262,4 +264,6 @@ def response(
         start=start,
         branches=branches,
     )
+    warn_of_changes("parameters:", rotor, request.rotor, warn=_warn)
+    warn_of_changes("over:", request.rotor, *request.ends(), warn=_warn)
     return compute_response(request)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import meant, optional, path_of
+from ..errors import meant, optional, path_of, writable_folder
 from ..runs.recording import RECORDING, Recording
 
 if TYPE_CHECKING:
@@ -165,7 +165,6 @@ class RecordedSignals:
         Path
             The file written.
         """
-        path = path_of("folder", folder) / RECORDING
-        path.parent.mkdir(parents=True, exist_ok=True)
+        path = writable_folder(path_of("folder", folder), "folder =") / RECORDING
         self.recording.save(path)
         return path

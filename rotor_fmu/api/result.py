@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..display import in_its_units
-from ..errors import check_one_of, path_of
+from ..errors import check_one_of, path_of, switch
 from ..plotting.notebook import png, shown
 from ..runs import check_options
 from ..runs.measuring_points import probe_that_moves_most
@@ -200,7 +200,7 @@ class Result(RecordedSignals):
         from ..run_pictures.view import View
 
         check_one_of(f"kind = {kind!r}", kind, KINDS)
-        check_options(kind, place=place, speed=speed, is_pp=is_pp)
+        check_options(kind, place=place, speed=speed, is_pp=switch("is_pp", is_pp))
         return shown(KINDS[kind](View(self.recording, place, speed, is_pp)))
 
     def _signal(self, place: str | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

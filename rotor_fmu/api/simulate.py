@@ -1,17 +1,30 @@
 """A run of a machine, recorded at the solver's own steps."""
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
 
-from ..errors import InputError, check_one_of, check_positive, known_name, listed, mapped, number
+from ..errors import (
+    InputError,
+    check_one_of,
+    check_positive,
+    known_name,
+    listed,
+    mapped,
+    number,
+    shown_value,
+    switch,
+)
+from ..fmi.binding import changed_rotor
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
-from ..fmi.variables import Variable
+from ..fmi.variables import Variable, start_values
+from ..machine_file.loading import warn_of_changes
 from ..model.settings import PRESETS
-from ..model.simulation import warn
+from ..model.simulation import RotorWarning, warn
 from ..model.time_loop.recorder import Record
 from ..runs.input_signals import Signals
 from ..runs.job import Job, make_job
@@ -101,7 +114,7 @@ def simulate(
     '390.0 rad/s'
     """
     job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
-    if verify:
+    if switch("verify", verify):
         finer_job(job)  # refused before anything is run
     run, recording = _recorded(job, _record(machine, record, per_turn))
     if verify:
@@ -117,6 +130,9 @@ def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | Non
     if per_turn is not None and not 0 < per_turn < math.inf:
         raise InputError(f"per_turn = {per_turn:g}: must be > 0 and finite, or None for every step")
     chosen = usual(machine.rotor) if names is None else listed("record", names, "names")
+    for name in chosen:
+        if not isinstance(name, str):
+            raise InputError(f"record: {shown_value('name', name)}: must be text")
     angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
     return Record(tuple(chosen), angle, RECORDER_ROWS)
 
@@ -166,11 +182,18 @@ def plan(
         raise InputError(f"parameters: {name} is an input: give it as speed or among loads")
     try:
         values = parse_settings(table, [f"{name}={value}" for name, value in given.items()])
-        return make_job(machine.toml, machine.rotor, values, signals, stop, step)
+        job = make_job(machine.toml, machine.rotor, values, signals, stop, step)
     except ValueError as error:
         said = str(error).removeprefix("--set ")
         is_argument = said.partition(" ")[0] in arguments
         raise InputError(said.removeprefix(PREFIX) if is_argument else said) from error
+    changed = changed_rotor(machine.rotor, table, start_values(table) | values)
+    warn_of_changes("parameters:", machine.rotor, changed, warn=_warn)
+    return job
+
+
+def _warn(text: str) -> None:
+    warnings.warn(RotorWarning(text), stacklevel=5)
 
 
 def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float | None) -> Signals:
@@ -196,8 +219,10 @@ def _course(name: str, value: Signal) -> tuple[np.ndarray, np.ndarray]:
         t, values = np.zeros(1), np.array([number(name, value)])
     except InputError as error:
         try:
-            t, values = (np.atleast_1d(np.asarray(part, dtype=float)) for part in cast(Any, value))
-        except (TypeError, ValueError):
+            t, values = (np.asarray(part, dtype=float) for part in cast(Any, value))
+        except (TypeError, ValueError, OverflowError):
+            raise InputError(f"{error}, or times and values") from None
+        if 0 in (t.ndim, values.ndim):  # as FROM and TO, of which neither is a time
             raise InputError(f"{error}, or times and values") from None
     else:
         if not math.isfinite(values[0]):

@@ -23,7 +23,7 @@ from ..model.linear.unbalance_placement import residual_unbalance
 from ..model.machine.rotor import Rotor
 from ..model.parts.port import Sensor
 from ..model.parts.unbalance import Unbalance
-from ..model.quantities import STANDARD_GRAVITY
+from ..model.quantities import STANDARD_GRAVITY, check_size
 from ..model.settings.table import IN_STAGES
 from ..model.structure.assembly import assemble
 from ..model.structure.structure import total_mass
@@ -73,12 +73,13 @@ def balance(
         raise InputError(f"speeds: {given_speeds} rad/s: must be different ones, at least one")
     enough_measurements(2 * len(nodes) * len(speeds), len(planes))
     for speed in speeds:
-        if speed == 0.0 or not math.isfinite(speed):
+        if speed**2 == 0.0 or not math.isfinite(speed):  # by which it is divided
             raise InputError(f"balancing speed = {speed:g} rad/s: must be finite and not 0")
     if trial is None:
         pull = _TRIAL * total_mass(assemble(rotor)) * STANDARD_GRAVITY
         trial = pull / (len(planes) * min(map(abs, speeds)) ** 2)
     check_positive("trial unbalance", trial, "kg.m")
+    check_size(f"trial unbalance = {trial:g} kg.m", trial)
     if not assemble(rotor).unbalance.any():
         raise InputError("the machine has no unbalance: there is nothing to balance")
     service_speed = rotor.operation.service_speed or max(map(abs, speeds))

@@ -283,12 +283,11 @@ def balance(
 
     runs = len(speeds) * (2 + len(plane))
     with progress_of("balance", runs, first=0.0) as update:
-        result = balanced(
-            *(machine, speeds, plane),
-            measured=node,
-            trial=amount,
-            report=lambda done, what: update(
-                done, lambda: f"run {done + 1} of {runs}, {what}", False
-            ),
-        )
+
+        def report(done: int, what: str) -> None:
+            if not done:  # all that was asked for is checked, and nothing was run
+                writable_folder(out)
+            update(done, lambda: f"run {done + 1} of {runs}, {what}", False)
+
+        result = balanced(machine, speeds, plane, measured=node, trial=amount, report=report)
     return print_answer(result, out, "balance")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from ..errors import InputError, check_one_of, writable_folder
+from ..errors import InputError, check_one_of, writable_file
 from ..files import write_text
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options
@@ -68,9 +68,7 @@ def bearing(
 
 def _check_table(table: Path, file: Path | None) -> None:
     """Raise `InputError` where no table can be written, or where the machine's file stands."""
-    writable_folder(table.parent, "--table")
-    if table.is_dir():
-        raise InputError(f"--table {table}: is a folder; give the table's name in it")
+    writable_file(table, "the table's", "--table")
     if file and table.exists() and table.samefile(file):
         raise InputError(f"--table {table}: is the machine's own file; give another")
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import InputError, check_one_of, printable, writable_folder
+from ..errors import InputError, check_one_of, printable, writable_file, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 
@@ -91,7 +91,7 @@ def import_ross(
     from ..model.machine.toml_text import toml_text
 
     result = read("FILE", file)
-    writable_folder(out.parent)
+    writable_file(out, "the machine's")
     head = f"# From {printable(file.name)}, a rotor that ROSS saved.\n"
     head += "".join(f"# {note}\n" for note in result.notes)
     text = f"{head}\n{toml_text(result.tables)}"

@@ -120,6 +120,7 @@ def _computed(
 
     request = response_request(machine, **options)
     warn_of_changes("--set", machine, request.rotor)
+    warn_of_changes("--over", request.rotor, *request.ends())
     writable_folder(out)
     from ..periodic.saved_events import saved_log
 

@@ -170,16 +170,16 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
 
 
 def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
+    from ..machine_file.loading import to_screen
     from ..runs.summary import sentences
     from ..runs.verify_run import table_of
 
     if outcome.apart:
         is_held = outcome.job.signals.is_held(outcome.job.stop)
         why = "" if is_held else ", which holds its inputs over a communication step"
-        typer.echo(
-            f"rotor-fmu: warning: the run recorded without the FMU ends {outcome.apart:.2g} "
-            f"of full scale apart from the FMU's{why}; the pictures are of the recorded one",
-            err=True,
+        to_screen(
+            f"the run recorded without the FMU ends {outcome.apart:.2g} of full scale apart from "
+            f"the FMU's{why}; the pictures are of the recorded one"
         )
     page = out / "report.html"
     for sentence in sentences(report, outcome.recording, page if page.exists() else out):

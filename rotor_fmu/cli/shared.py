@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError, writable_folder
+from ..errors import InputError, writable_file
 
 if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
@@ -55,9 +55,7 @@ def check_count(count: int, most: int) -> None:
 
 def check_page(out: Path) -> None:
     """Raise `InputError` where no page can be written, or what is there is none."""
-    writable_folder(out.parent)
-    if out.is_dir():
-        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    writable_file(out, "the page's")
     if out.is_file():
         with out.open("rb") as file:
             begins = file.read(len(_PAGE))

@@ -30,7 +30,6 @@ from ..plotting.figure_style import (
     LIMIT,
     ORANGE,
     PURPLE,
-    annotate,
     broken_at_turns,
     entitle,
     legend_below,
@@ -105,11 +104,6 @@ class Campbell(Displayed, linear.Campbell):
             at = _speed(self.threshold)
             for axes in panels:
                 axes.axvline(at, color=PURPLE, lw=1.2, ls=":")
-            text = f"unstable above {shown_speed(abs(self.threshold))} {current().speed_unit}"
-            # on the side of the line that has more room
-            ha, away = ("right", -4) if at > speed[[0, -1]].mean() else ("left", 4)
-            within = {"xycoords": ("data", "axes fraction"), "va": "top", "ha": ha}
-            annotate(below, text, (at, 0.97), (away, 0), color=PURPLE, **within)
         seen = {word for words in self.whirl[1:] for word in words if word}
         handles = [
             Line2D([], [], color=c, lw=1.6, label=w) for w, c in WHIRL_COLORS.items() if w in seen
@@ -119,6 +113,8 @@ class Campbell(Displayed, linear.Campbell):
             handles.append(Line2D([], [], color=GREY, lw=1.6, alpha=FAINT, label=label))
         label = "1x, the speed" if self.harmonics == (1.0,) else f"{self._orders} times the speed"
         handles.append(Line2D([], [], color="black", lw=1.0, ls=LIMIT, label=label))
+        if self.threshold is not None:
+            handles.append(Line2D([], [], color=PURPLE, lw=1.2, ls=":", label=self.stability))
         # lines run all over the axes
         legend_below(figure, 5 if len(handles) < 6 else 3, handles)
         highest = 1.05 * np.nanmax(frequency, initial=0.0)

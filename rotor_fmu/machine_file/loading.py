@@ -151,9 +151,13 @@ def load_rotor(
     return text, rotor
 
 
-def warn_of_changes(option: str, rotor: Rotor, changed: Rotor) -> None:
-    """Print the warnings of implausible values that an option gave a machine."""
+def warn_of_changes(
+    option: str, rotor: Rotor, *changed: Rotor, warn: Callable[[str], None] = to_screen
+) -> None:
+    """Warn once of each implausible value that an option gave a machine; changed: the machines that
+    it makes of it."""
     before = implausible_values(rotor)
-    for sentence in implausible_values(changed):
+    found = (sentence for other in changed for sentence in implausible_values(other))
+    for sentence in dict.fromkeys(found):
         if sentence not in before:
-            to_screen(f"{option} {sentence}")
+            warn(f"{option} {sentence}")

@@ -19,6 +19,7 @@ class Usual(NamedTuple):
 
 
 _LENGTHS = (("mm", 1e-3), ("um", 1e-6))
+_VISCOSITIES = (("mPa.s", 1e-3),)
 _DEGREES = (("deg", math.pi / 180),)
 _MATERIAL = {
     "young": Usual(1e8, 2e12, (("GPa", 1e9), ("MPa", 1e6), ("psi", 6894.757))),
@@ -38,6 +39,8 @@ _OF_PARTS = {
     "phase": Usual(-2 * math.pi, 2 * math.pi, _DEGREES),
     "wear_angle": Usual(-2 * math.pi, 2 * math.pi, _DEGREES),
     "mu": Usual(0.0, 2.0, (("percent", 0.01),)),
+    "viscosity": Usual(1e-6, 2.0, _VISCOSITIES),
+    "outer_viscosity": Usual(1e-6, 2.0, _VISCOSITIES),
 }
 _OF_THE_MACHINE = {
     "inclination": Usual(-math.pi, math.pi, _DEGREES),
@@ -83,6 +86,8 @@ def _ranges(rotor: Rotor) -> Iterator[str]:
 def _implausible(where: str, item: Any, usual: dict[str, Usual]) -> Iterator[str]:
     for name, declared in quantities(item).items():
         value = getattr(item, name)
+        if isinstance(value, tuple) and name in usual:  # over the speed, say
+            value = max(value, key=abs)
         if name in usual and isinstance(value, (int, float)):
             shown = f"{where}.{name}" if where else name
             usually = usual[name]

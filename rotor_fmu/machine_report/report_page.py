@@ -283,11 +283,11 @@ def _critical_speeds(check: acceptance.UnbalanceCheck) -> Conclusion:
 
 
 def _probes(check: acceptance.UnbalanceCheck) -> Conclusion:
-    limit = f"{check.limit * current().small:.3g} {current().small_word}"
-    loud = ", ".join(str(p.node) for p in check.probes if p.peak_to_peak > check.limit)
+    limit = f"{check.limit * current().small:.3g} {current().small_word} peak-to-peak"
+    loud = ", ".join(f"node {p.node}" for p in check.probes if p.peak_to_peak > check.limit)
     if loud:
-        return Conclusion(f"Probes above {limit}: node {loud}.", False)
-    return Conclusion(f"All probes stay below {limit} peak-to-peak.", True)
+        return Conclusion(f"Probes above {limit}: {loud}.", False)
+    return Conclusion(f"All probes stay below {limit}.", True)
 
 
 def _clearances(check: acceptance.UnbalanceCheck, left: Sequence[str]) -> Iterator[Conclusion]:

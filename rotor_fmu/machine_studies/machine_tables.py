@@ -14,7 +14,8 @@ import numpy as np
 from ..errors import InputError, check_integer, check_one_of, known_name
 from ..fmi.binding import load_names
 from ..fmi.solver_parameters import OTHER_NAMES, PREFIX, settings_of
-from ..machine_file.loading import load_rotor
+from ..machine_file.loading import load_rotor, warn_of_changes
+from ..model.machine.rotor import Rotor
 from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
@@ -61,7 +62,12 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     for target, value in table_of(tables, "set").items():
         variable = runs.settable[known_name("set", target, runs.settable, OTHER_NAMES)]
         values[target] = value_of(f"set {target}", variable, value)
-    return MachineSubject(replace(runs, values=values), tables)
+    runs = replace(runs, values=values)
+    warn_of_changes("set", runs.machine.rotor, *_machines(runs, {}))
+    if runs.how.over:
+        ends = (runs.how.numbers[end] for end in ("from", "to"))
+        _ask_about(runs, "run over", runs.how.over, *ends)
+    return MachineSubject(runs, tables)
 
 
 @dataclass(frozen=True)
@@ -264,6 +270,8 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
             raise InputError(f"vary {axis.name}: is an integer; list its values")
         for value in axis.stated:
             check(value)
+        if axis.stated and target in runs.machine.units:
+            _ask_about(runs, f"vary {axis.name}:", target, min(axis.stated), max(axis.stated))
     # numbers of a run suit one another, or not
     for point in _points((axis for axis in axes if axis.values), RUN):
         how, _ = runs.split(point)
@@ -279,6 +287,23 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
             first_error = first_error or error
     if first_error is not None:
         raise first_error
+
+
+def _ask_about(runs: MachineRuns, where: str, name: str, *values: float) -> None:
+    """Warn of implausible values of a parameter that is varied."""
+    changed = (machine for value in values for machine in _machines(runs, {name: value}))
+    for machine in _machines(runs, {}):
+        warn_of_changes(where, machine, *changed)
+
+
+def _machines(runs: MachineRuns, values: Mapping[str, float]) -> list[Rotor]:
+    """Return the machine with the values of all runs and others; nothing where it cannot be, which
+    is said elsewhere."""
+    own = {n: v for n, v in {**runs.values, **values}.items() if n in runs.machine.units}
+    try:
+        return [runs.machine.rotor.with_values(own)]
+    except InputError:
+        return []
 
 
 def _points(axes: Iterable[Axis], prefix: str) -> Iterable[dict[str, float]]:

@@ -18,6 +18,7 @@ from ..errors import (
     number,
     numbers,
     shown_value,
+    switch,
 )
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
@@ -61,6 +62,13 @@ class ResponseRequest(NamedTuple):
 
     rotor: Rotor
     task: Task
+
+    def ends(self) -> list[Rotor]:
+        """Return the machines with the ends of a quantity that is varied; none where the speed
+        is."""
+        task = self.task
+        values = () if task.name == SPEED else (task.low, task.high)
+        return [self.rotor.with_values({task.name: value}) for value in values]
 
 
 def compute_response(
@@ -133,12 +141,12 @@ def response_request(
         held,
         period,
         constant_loads(rotor, mapped("loads", loads)),
-        Accuracy(share, min(3, harmonics), harmonics * period, stability),
+        Accuracy(share, min(3, harmonics), harmonics * period, switch("stability", stability)),
         ContinuationSteps(longest=step),
         searched,
-        whirl,
+        switch("whirl", whirl),
         None if start is None else start.orbit,
-        branches,
+        switch("branches", branches),
     )
     check(rotor, task)
     return ResponseRequest(rotor, task)

@@ -1,6 +1,7 @@
 """The picture of a periodic response."""
 
 from collections.abc import Sequence
+from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -17,6 +18,7 @@ from .vertices import pieces
 
 _COLORS = (*COLORS[:4], SKY)
 _LINE = 2e-3  # of a picture's height: less than the width of a line
+_WIDEST = 70  # characters in a line of the legend
 _ENDS = {why: f"the curve is {why.rstrip(': ')}" for why in (LOST, UNFINISHED)}
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
@@ -45,7 +47,7 @@ def response_figure(result: ResponseCurves, names: Sequence[str] | None = None) 
                 if why.startswith((LOST, UNFINISHED)) and branch.points:
                     y = result.amplitude(branch.points[end], name) * small
                     axes.plot(branch.points[end].value * axis.factor, y, "x", color=color, ms=7)
-        label = ", ".join((name, *others))
+        label = fill(", ".join((name, *others)), _WIDEST)
         handles.append(Line2D([], [], color=color, lw=1.8, label=label))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))
     handles.append(Line2D([], [], color=GREY, lw=1.2, ls=DASHED, label="unstable"))

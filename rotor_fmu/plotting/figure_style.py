@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from textwrap import fill
 from typing import Any, BinaryIO
@@ -14,6 +15,8 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont, fontManager
+from matplotlib.ft2font import FT2Font
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator
 
@@ -26,6 +29,7 @@ COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", SKY, BLACK, GREY)
 # Widths of a number at an axis, of its digits and of the gap to the next, in sizes of its letters.
 _ASSUMED, _DIGIT, _BETWEEN = 3.0, 0.64, 0.6  # the first one is Matplotlib's
 _WRITTEN = 0.85  # of the width of a picture, in the lines of a title
+_BOXES = "Last Resort High-Efficiency"  # which Matplotlib takes last: it draws kinds of letters
 DASHED, DOTTED, LIMIT = (0, (4, 2)), (0, (1, 1.5)), (0, (4, 3))  # of lines
 
 
@@ -46,10 +50,43 @@ class PlainFigure(Figure):
             engine.execute(self)
 
     def _take_as_written(self) -> None:
+        for axes in self.axes:
+            _fit(axes.xaxis.label, self.bbox.width)
+            _fit(axes.yaxis.label, self.bbox.height)
         for text in self.findobj(Text):
             # labels of ticks are empty until they are drawn for the first time
             written = text.get_text()
             text.set_parse_math(not written or "mathdefault" in written)
+            if not written.isascii() and (further := _further_fonts(written)):
+                text.set_fontfamily([*dict.fromkeys([*text.get_fontfamily(), *further])])
+
+
+@cache
+def _further_fonts(text: str) -> tuple[str, ...]:
+    """Return installed fonts that have the letters of a text which the usual font lacks, such as
+    those of Japanese; those that no font has are drawn as boxes."""
+    printed = {ord(letter) for letter in text if letter.isprintable()}
+    lacking = printed - _letters(findfont(FontProperties()))
+    result = []
+    for font in fontManager.ttflist if lacking else ():
+        if font.name != _BOXES and lacking & (letters := _letters(font.fname)):
+            result.append(font.name)
+            lacking -= letters
+        if not lacking:
+            break
+    return tuple(result)
+
+
+@cache
+def _letters(file: str) -> frozenset[int]:
+    return frozenset(FT2Font(file).get_charmap())
+
+
+def _fit(label: Text, room: float) -> None:
+    """Make a label as small as its longest word needs, the name of a part: in a room [pixels]."""
+    longest = max(map(len, label.get_text().split()), default=1)
+    widest = 72.0 * room / label.figure.dpi / (_DIGIT * longest)
+    label.set_fontsize(min(label.get_fontsize(), widest))
 
 
 class _ApartLocator(AutoLocator):
@@ -112,15 +149,16 @@ def style(axes: Axes) -> None:
 def entitle(where: Axes | Figure, text: str, size: float = 10, pad: float | None = None) -> None:
     """Write a title at the left above axes or a figure, a long one in several lines; pad: between
     it and the axes [pt]."""
+    figure = where if isinstance(where, Figure) else where.figure
     is_wrapped = not is_math_text(text)  # Matplotlib would measure it as a formula
     if not is_wrapped:
-        figure = where if isinstance(where, Figure) else where.figure
         across = 72.0 * figure.bbox.width / figure.dpi / size  # sizes of its letters
         text = fill(text, int(_WRITTEN * across / _DIGIT))
     if isinstance(where, Figure):
-        where.suptitle(text, fontsize=size, x=0.01, ha="left", wrap=is_wrapped)
+        title = where.suptitle(text, fontsize=size, x=0.01, ha="left", wrap=is_wrapped)
     else:
-        where.set_title(text, loc="left", fontsize=size, pad=pad, wrap=is_wrapped)
+        title = where.set_title(text, loc="left", fontsize=size, pad=pad, wrap=is_wrapped)
+    _fit(title, _WRITTEN * figure.bbox.width)
 
 
 def legend_below(

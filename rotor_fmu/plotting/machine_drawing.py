@@ -149,9 +149,8 @@ def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
     for z, shape in shapes:
         _DRAWN[shape.role](axes, z, shape, size, rotor.length)
     axes.plot([nodes[0], nodes[-1]], [0, 0], color="black", lw=0.6, ls=(0, (8, 2, 1, 2)))
-    is_grounded = any(shape.role in _GROUNDED for _, shape in shapes)
-    low = max(size, thickest) * (1.05 if not is_grounded else 1.1)
-    return -low, max(tallest, thickest)
+    drawn = axes.dataLim
+    return drawn.y0 - 0.1 * size, drawn.y1
 
 
 def _tube(
@@ -232,7 +231,6 @@ def _gauge(axes: Axes, z: float, shape: Shape, size: float, length: float) -> No
 
 
 _SPRING = (0, (2, 1))
-_GROUNDED = ("housing", "stator", "spring", "pedestal")
 _DRAWN: dict[str, Callable[[Axes, float, Shape, float, float], None]] = {
     "body": _body,
     "housing": _stator,

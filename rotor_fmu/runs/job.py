@@ -1,8 +1,7 @@
 """A run as the user specified it: checked before anything is written, then carried out."""
 
 import math
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..fmi.binding import build_simulation, changed_rotor
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
 from ..fmi.variables import start_values
-from ..machine_file.loading import load_rotor, warn_of_changes
+from ..machine_file.loading import load_rotor, to_screen, warn_of_changes
 from ..model.machine.rotor import Rotor
 from ..model.quantities import check_size
 from ..model.settings import PRESETS, Settings
@@ -25,6 +24,7 @@ from .run_down import Job, Run, run_direct, run_fmu, run_recorded
 from .settings_text import parse_settings
 
 _USUAL_ROWS = 1e4
+_SHORTEST = 1e-15  # communication step of an FMU [s]
 
 
 def prepare(
@@ -63,12 +63,8 @@ def prepare(
     values = parse_settings(table, sets)
     inputs = {v.name for v in table if v.causality == "input"}
     constants = {name: value for name, value in values.items() if name in inputs}
-    if recorded is not None and recorded.t[-1] < stop:
-        print(
-            f"rotor-fmu: warning: {signal_file} ends at {recorded.t[-1]:g} s; its last values are "
-            f"held until --stop = {stop:g} s",
-            file=sys.stderr,
-        )
+    for warning in _beyond(recorded, stop) if recorded is not None else ():
+        to_screen(f"{signal_file} {warning}")
     for name in constants:
         if recorded is not None and name in recorded.values:
             raise InputError(f"--set {name}: {signal_file} gives it too")
@@ -106,6 +102,7 @@ def make_job(
     for name, column in signals.values.items():
         largest = float(max(column, key=abs))
         check_size(f"{name} = {largest:g} {units[name]}", largest)
+    check_size(f"speed_rate = {signals.first_rate:g} rad/s2", signals.first_rate)
     parameters = {"speed_rate": signals.first_rate} | dict(parameters)
     everything = start_values(table) | parameters
     everything |= {name: signals.at(name, 0.0) for name in signals.values}
@@ -116,12 +113,26 @@ def make_job(
         raise InputError(str(error)) from error
     fastest = max(operating_speeds(rotor).trip, float(np.abs(signals.values["speed"]).max()))
     step = step or min(_step_of(settings, stop, fastest), stop)
+    if step < _SHORTEST:
+        name = "stop" if step == stop else "step"
+        raise InputError(f"{name} = {step:g} s: must be at least {_SHORTEST:g} s")
     if stop / step > MOST_ROWS:
         raise InputError(
             f"stop = {stop:g} s: would give {stop / step:.3g} rows at the communication step of "
             f"{step:g} s; at most {MOST_ROWS:g} rows: take a longer step or an earlier end"
         )
     return Job(table, parameters, signals, stop, step, toml, rotor, settings)
+
+
+def _beyond(recorded: Signals, stop: float) -> Iterator[str]:
+    """Yield what becomes of a run where a file's signals do not last from 0 s to its end."""
+    first, last = recorded.t[0], recorded.t[-1]
+    if first < 0.0:
+        yield f"begins at {first:g} s; a run begins at 0 s, and what lies before is left out"
+    elif first > 0.0:
+        yield f"begins at {first:g} s; its first values are held from 0 s until then"
+    if last < stop:
+        yield f"ends at {last:g} s; its last values are held until --stop = {stop:g} s"
 
 
 def _check_rows(stop: float, step: float | None, columns: int) -> None:

@@ -74,6 +74,7 @@ def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = F
         design = _design(table_of(tables, "design"), axes)
         model = subject.model(axes)
         _check_names(model.columns, axes)
+        title = _name(tables.get("name", path.stem))
         limits = {}
         columns = {c.name: c for c in model.columns}
         for name, value in table_of(tables, "limits").items():
@@ -83,8 +84,14 @@ def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = F
             limits[name] = number(f"limits {name}", value, unit)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    name = str(tables.get("name", path.stem))
-    return Study(name, model, design, limits, text, subject.display_units)
+    return Study(title, model, design, limits, text, subject.display_units)
+
+
+def _name(given: object) -> str:
+    """Return the study's name, which figures and messages have in one line."""
+    if not isinstance(given, str) or not given.isprintable() or not given.strip():
+        raise InputError(f"name = {given!r}: must be text, not empty, without control characters")
+    return given
 
 
 def _chosen(tables: Tables, is_quick: bool) -> Tables:

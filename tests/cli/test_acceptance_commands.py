@@ -203,6 +203,7 @@ def test_what_runs_of_a_report_say_of_their_numbers_is_concluded_once():
     """Hysteresis, which they take otherwise than the rest of the report does."""
     rotor = replace(load_rotor(Path(JEFFCOTT))[1], eta_h=1e-4, rotating_damping=True)
     concluded = machine_report(rotor, ReportOptions(1400 * RPM, 1800 * RPM)).conclusions
+    assert concluded[1].text == "Probes above 25.4 um peak-to-peak: node 1, node 2, node 3."
     assert concluded[-2].text.startswith("The rub lasts in the operating range")
     assert concluded[-1].text == HYSTERETIC_AS_SLOWER
 

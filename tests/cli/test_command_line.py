@@ -12,6 +12,8 @@ from rotor_fmu.cli import COMMANDS, _loaded
 
 from ..processes import run_anew
 
+JEFFCOTT = Path(__file__).parents[2] / "examples" / "jeffcott_rub" / "jeffcott.toml"
+
 
 @pytest.mark.parametrize(
     ("arguments", "expected"),
@@ -27,6 +29,8 @@ from ..processes import run_anew
         (["--set", "tau=1"], "--set tau: is an output, which the model computes"),
         (["--step", "1e-9"], "--step 1e-09 s: would give 4e+10 rows"),
         (["--rate", "1e-300"], "stop = 4e+302 s: would give 1e+305 rows at the communication step"),
+        (["--rate", "1e300"], "speed_rate = -1e+300 rad/s2: must not exceed 1e+30 in size"),
+        (["--rate", "1e20"], "stop = 4e-18 s: must be at least 1e-15 s"),
         (["--hold", "1e300"], "stop = 1e+300 s: would give 2.5e+302 rows at the communication st"),
         (["--preset", "robusd"], "did you mean robust?"),
         (["--set", "gravity"], "--set gravity: must be NAME=VALUE"),
@@ -91,7 +95,10 @@ def test_an_option_before_the_command_is_told_where_it_belongs(input_error):
         ("unbalance --node 3 --node x", "--node 3, x: "),
         ("plot bode", "RUN: must be given"),
         ("study", "STUDY.toml: must be given"),
+        # before the first run
+        ("balance --speed 9 --plane 4 --out /dev/null", "--out /dev/null: cannot be written to"),
         ("modes --contacts shut", "--contacts shut: must be one of open, pinned"),
+        (f"unbalance --rotor {JEFFCOTT} --speed 0", "--speed 0 rad/s: must be > 0 and finite"),
         ("response --share 0", "--share 0: must be above 0 and below 1"),
         ("response --step=100", "--step 100: must be from 0.0001 to 10"),
         (
@@ -112,6 +119,11 @@ def test_a_refusal_has_the_option_as_it_was_typed_once(input_error, command, exp
     said = input_error(*command.split()).removeprefix("rotor-fmu: ")
     assert said.startswith(expected)
     assert said.count("--") == expected.count("--")
+
+
+def test_what_is_typed_in_two_lines_is_refused_in_one(input_error):
+    said = input_error("modes", "--count", "a\nb")
+    assert said.startswith(r"rotor-fmu: --count a\nb: must be")
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,33 @@ def test_a_full_disk_is_said_with_the_name_of_the_file(tmp_path):
     assert caught.value.filename == str(target)
 
 
+ROSS = Path(__file__).parents[1] / "reference" / "ross" / "rubbing.toml"
+FILMS = Path(__file__).parents[2] / "examples" / "oil_film" / "rotor.toml"
+RUBBING = ("--rotor", str(ROSS))
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with a name are of POSIX")
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("import-ross", str(ROSS), "--out"),
+        ("page", *RUBBING, "--out"),
+        ("report", *RUBBING, "--rated", "100", "--out"),
+        ("bearing", "--rotor", str(FILMS), "--speed", "100", "--table"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_what_is_no_file_is_not_replaced_by_one(input_error, tmp_path, command):
+    """Such as /dev/null, which any program of the machine writes to."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    said = input_error(*command, "pipe")
+    assert said == f"rotor-fmu: {command[-1]} pipe: is a device or a pipe, not a file"
+    with pytest.raises(InputError, match="pipe: is a device or a pipe, where"), unfinished(pipe):
+        pass
+    assert pipe.is_fifo()
+
+
 # What writes, each into a folder of its own, and a file too large for the little that is left.
 WRITERS = {
     "run-down": (["run-down", "--direct", "--stop", "0.5"], 30),

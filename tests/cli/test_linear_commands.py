@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.text import Text
 from rotor_fmu.model.linear import Modes
 from rotor_fmu.model.machine.ross import parse_ross
 from rotor_fmu.model.machine.toml import rig, rig_toml
@@ -294,16 +293,16 @@ def turbocharger():
 
 
 @pytest.mark.parametrize("top", [1.01, 20.0])
-def test_the_threshold_of_stability_is_named_within_the_diagram(turbocharger, top):
+def test_the_threshold_of_stability_is_named_within_the_picture(turbocharger, top):
     """Of a rotor that becomes unstable at the end of the speeds, and soon after their beginning."""
     rotor, threshold = turbocharger
     result = answers.campbell(rotor, np.linspace(100.0, top * threshold, 5), count=2)
     figure = result.figure()
     figure.draw_without_rendering()
-    below = figure.axes[1]
-    (text,) = (text for text in below.texts if text.get_text().startswith("unstable"))
-    box = Text.get_window_extent(text)
-    assert below.bbox.x0 < box.x0 < box.x1 < below.bbox.x1
+    (legend,) = figure.legends
+    (text,) = (text for text in legend.texts if text.get_text().startswith("unstable above "))
+    box = text.get_window_extent()
+    assert figure.bbox.x0 < box.x0 < box.x1 < figure.bbox.x1
 
 
 @pytest.mark.usefixtures("without_peaks")

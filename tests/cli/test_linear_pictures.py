@@ -15,6 +15,7 @@ from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.vibration.influence_coefficients import once_per_turn
 
+from ..known import EXAMPLES
 from ..toml_text import table
 from .test_linear_commands import ROSS, TURBOCHARGER
 
@@ -40,6 +41,16 @@ def test_the_legend_of_a_campbell_diagram_lies_within_it_and_covers_no_line(orde
     box = legend.get_window_extent()
     assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
     assert not box.count_overlaps([axes.bbox for axes in figure.axes])
+
+
+@pytest.mark.parametrize("lowest", [100.0, 800.0])
+def test_the_threshold_in_a_campbell_diagram_is_named_as_in_its_table_and_covers_no_line(lowest):
+    result = answers.campbell(
+        load_rotor(EXAMPLES / "from_ross" / "rubbing.toml")[1], [lowest, 1000.0]
+    )
+    figure = result.figure()
+    assert result.stability in [text.get_text() for text in figure.legends[0].texts]
+    assert not figure.axes[1].texts
 
 
 def test_modes_too_damped_to_peak_are_faint_in_a_campbell_diagram():

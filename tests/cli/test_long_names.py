@@ -8,14 +8,16 @@ import rotor_fmu as rf
 from rotor_fmu.balancing.result import Balancing, Vibration
 from rotor_fmu.linear.displayed import of_machine
 from rotor_fmu.linear.mode_answers import mode_shapes_figure
+from rotor_fmu.run_pictures.run_folder import amplitude
 from rotor_fmu.run_pictures.signal_plots import KINDS
 
 from ..known import EXAMPLES
 from ..toml_text import table
 
 MACHINE = "Boiler feed pump 7 of the second unit at Brunsbuettel after its overhaul in 2019"
-DISC = "impeller_with_a_name_of_forty_characters"
-CONTACT = "wear_ring_with_a_name_of_40_characters_"
+# the longest that a machine file may give
+DISC = "impeller_with_a_name_of_64_characters_which_is_all_that_may_be__"
+CONTACT = "wear_ring_with_a_name_of_64_characters_which_is_all_that_may_be"  # and one for a number
 
 
 def balancing(machine):
@@ -66,6 +68,10 @@ def test_names_lie_within_the_pictures_of_a_run(kind, run):
     assert cut_off(run.plot(kind)) == []
 
 
+def test_names_lie_within_the_picture_of_an_amplitude(run):
+    assert cut_off(amplitude(run.points, DISC, "x", MACHINE)) == []
+
+
 @pytest.mark.parametrize(
     "figure",
     [
@@ -91,7 +97,7 @@ def test_a_name_with_dollar_signs_lies_within_a_picture(machine):
 
 
 def test_names_of_bearings_lie_within_a_critical_speed_map():
-    """Of four with names of forty characters."""
+    """Of four with the longest names."""
     text = table("material", young=2.1e11, density=7800.0)
     text += table("shaft", nodes=[0.0, 0.2, 0.4, 0.6], diameters=[0.03] * 3)
     for node in range(1, 5):

@@ -11,7 +11,7 @@ from rotor_fmu.model.quantities import LARGEST
 import rotor_fmu as rf
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.input_signals import Ramp, Signals, make_signals, read_signals
-from rotor_fmu.runs.job import difference
+from rotor_fmu.runs.job import difference, prepare
 from rotor_fmu.runs.run_down import Run
 
 
@@ -171,6 +171,22 @@ def test_signals_that_end_before_the_run_are_said_to_be_held(process, tmp_path):
     assert (
         "signals.csv ends at 0.01 s; its last values are held until --stop = 0.02 s" in done.stderr
     )
+
+
+@pytest.mark.parametrize(
+    ("first", "expected"),
+    [
+        ("-1", "begins at -1 s; a run begins at 0 s, and what lies before is left out"),
+        ("0", ""),
+        ("0.005", "begins at 0.005 s; its first values are held from 0 s until then"),
+    ],
+)
+def test_signals_that_do_not_begin_with_the_run_are_said_to(tmp_path, capsys, first, expected):
+    file = tmp_path / "signals.csv"
+    file.write_text(f"time,speed\n{first},100\n0.01,100\n")
+    prepare(None, None, [], file, None, None)
+    said = f"rotor-fmu: warning: {file} {expected}\n" if expected else ""
+    assert capsys.readouterr().err == said
 
 
 def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(process, tmp_path):

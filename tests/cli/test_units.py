@@ -106,6 +106,7 @@ def test_what_to_write_in_the_place_of_such_a_name_is_read():
         ("mm", "m", "x = mm: must be a number, in m or with mm or um or inch or mil behind it"),
         ("1:2", "rad/s", "x = 1:2: must be a number, in rad/s or with rpm or Hz behind it"),
         ("1e999 mm", "m", "x = 1e999 mm: must be a number"),
+        ("3 kg", "m/J", "x = 3 kg: must be in m/J"),  # a kind of quantity without a name
         ("313 K", "degC", "x = 313 K: must be a temperature, in degC"),
         ("0,01 mm", "m", "x = 0,01 mm: the unit ',01 mm' is unknown; must be a length"),
         ("3 000 rpm", "rad/s", "x = 3 000 rpm: the unit '000 rpm' is unknown"),

@@ -1,10 +1,14 @@
 """What the Python interface refuses: one line with the argument, its value and what is allowed."""
 
+from fractions import Fraction
+from functools import partial
+
 import numpy as np
 import pytest
 from rotor_fmu.model.linear.unbalance_placement import placed_unbalances
 
 import rotor_fmu as rf
+from rotor_fmu.errors import switch
 from rotor_fmu.linear.acceptance import critical_peaks
 
 RIG = rf.load()
@@ -50,6 +54,12 @@ NAMES = np.array(["disc[2]", "pinned"])  # where one name is wanted
         ({"stop": 1.0, "speed": "3000rpm"}, "speed = '3000rpm': must be a number, or times and"),
         ({"stop": 1.0, "speed": True}, "speed = True: must be a number"),
         ({"stop": True}, "stop = True: must be a number"),
+        (
+            {"stop": 1.0, "speed": (400, 0)},
+            r"speed = \(400, 0\): must be a number, or times and val",
+        ),
+        ({"stop": 1.0, "speed": [[10**400], [1.0]]}, "speed = .*: must be a number, or times and"),
+        ({"stop": 1.0, "record": [["w"]]}, r"^record: name = \['w'\]: must be text"),
         ({"stop": 1.0, "record": 3}, "^record = 3: must be a list of names"),
         ({"stop": 1.0, "loads": 3}, "^loads = 3: must be a dictionary"),
         ({"stop": 1.0, "parameters": [1, 2]}, r"^parameters = \[1, 2\]: must be a dictionary"),
@@ -189,6 +199,7 @@ def test_what_is_no_machine_is_refused_in_one_line(use):
         (lambda: rf.parse(None), "toml = None: must be the text of a machine's file"),
         (lambda: rf.read_run(None), "folder = None: must be a path"),
         (lambda: rf.simulate_fmu(None, speed=1.0), "fmu = None: must be a path"),
+        (lambda: rf.simulate_fmu("a\0b", speed=1.0), r"a\\x00b: is not the FMU of a machine"),
         (lambda: rf.build_fmu(RIG, None), "folder = None: must be a path"),
         (
             lambda: rf.build_fmu(RIG, platforms="linux64"),
@@ -226,6 +237,97 @@ def test_an_array_is_no_place_of_a_run(ask, expected):
     run = rf.simulate(RIG, speed=100.0, stop=0.1)
     with pytest.raises(rf.InputError, match=f"^{expected}$"):
         ask(run)
+
+
+ANALYSES = {
+    "modes": RIG.modes,
+    "unbalance response": partial(RIG.unbalance_response, [5.0]),
+    "unbalance check": partial(RIG.unbalance_check, 1.0, 2.0, [4]),
+    "critical map": RIG.critical_map,
+}
+
+
+@pytest.mark.parametrize("contacts", [NAMES, ["open"], {}, "", 0, "ajar"], ids=str)
+@pytest.mark.parametrize("analysis", ANALYSES)
+def test_contacts_of_any_type_are_one_of_two_words(analysis, contacts):
+    with pytest.raises(rf.InputError, match=r"^contacts = .*: must be one of open, pinned"):
+        ANALYSES[analysis](contacts=contacts)
+
+
+HUGE = 10**400  # more than a float holds
+
+
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (lambda: RIG.modes(HUGE), r"speed = 1000+\.\.\.0+: must be a finite number"),
+        (lambda: RIG.campbell([0.0, HUGE]), r"speeds = .*: must be a list of numbers"),
+        (
+            lambda: rf.simulate(RIG, speed=1.0, stop=HUGE),
+            r"stop = 1000+\.\.\.0+: must be a finite number",
+        ),
+        (lambda: RIG.modes(1e300), r"speed = 1e\+300 rad/s: must not exceed 1e\+30 in size"),
+        (
+            lambda: RIG.unbalance_check(1.0, 1e300, [4]),
+            r"high = 1e\+300 rad/s: must not exceed 1e\+30 in size",
+        ),
+    ],
+)
+def test_a_number_beyond_all_calculation_is_refused_in_one_line(ask, expected):
+    with pytest.raises(rf.InputError, match=f"^{expected}$"):
+        ask()
+
+
+def test_a_speed_may_be_a_fraction():
+    assert RIG.modes(Fraction(1, 2)).eigenvalues[0] == RIG.modes(0.5).eigenvalues[0]
+    receptance = [RIG.frequency_response([9.0], 4, [4], speed=of) for of in (Fraction(1, 2), 0.5)]
+    assert receptance[0].receptance.tolist() == receptance[1].receptance.tolist()
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        partial(rf.build_fmu, RIG, "nowhere", is_free="no"),
+        partial(rf.build_fmu, RIG, "nowhere", is_native=1),
+        partial(rf.build_fmu, RIG, "nowhere", is_source=[]),
+        partial(rf.simulate, RIG, speed=1.0, stop=1.0, verify="no"),
+        partial(rf.response, RIG, speed=(1.0, 2.0), stability=None),
+        partial(rf.response, RIG, speed=(1.0, 2.0), whirl="no"),
+        partial(rf.response, RIG, speed=(1.0, 2.0), branches=NAMES),
+        partial(RIG.critical_map, synchronous="no"),
+        partial(RIG.critical_map, rigid_pedestals=NAMES),
+    ],
+    ids=lambda ask: [*ask.keywords][-1],
+)
+def test_what_is_true_or_false_is_nothing_that_only_counts_as_it(ask):
+    with pytest.raises(rf.InputError, match=f"^{[*ask.keywords][-1]} = .*: must be True or False$"):
+        ask()
+
+
+def test_true_may_be_one_of_numpy():
+    assert switch("is_free", np.True_) is True
+    assert switch("is_free", np.array(False)) is False
+
+
+def test_a_critical_map_has_no_more_lines_than_the_machine_has_motions():
+    few, many = (RIG.critical_map([1e6, 1e7], count=of).speeds for of in (2, HUGE))
+    assert many[:, :2].tolist() == few.tolist()
+    assert many.shape[1] < 1000
+
+
+@pytest.mark.parametrize(
+    ("folder", "expected"),
+    [
+        ("a\0b", "cannot be written to: has a NUL in its name"),
+        (__file__, "cannot be written to: File exists"),
+        ("rig.fmu", "is a folder for files, and is called like one of them"),
+    ],
+)
+def test_a_folder_that_none_can_be_is_refused_in_one_line(folder, expected):
+    run = rf.simulate(RIG, speed=100.0, stop=0.1)
+    for write in (run.save, partial(rf.build_fmu, RIG)):
+        with pytest.raises(rf.InputError, match=f"^folder = .*: {expected}$"):
+            write(folder)
 
 
 def test_a_cross_coupling_may_be_an_array_of_no_dimension():

@@ -16,6 +16,7 @@ from ..recordings import recorded, write_study
 from .browser import ENTER, LEFT, NASTY, Page, in_every_browser, look
 
 ONE = {"one": {"parameters": {"bearing[1].clearance": 6e-5}}}
+LONG = 4 * "a_word_of_sixteen"[:16]
 # runs by their names, of each page
 SHOWN = {
     "one": ONE,
@@ -23,6 +24,7 @@ SHOWN = {
     "steady": {"steady": {"rate": 0.0}},
     "cut": {"cut": {"stop": 0.03, "status": "failed: whirled apart"}},
     "nasty": {NASTY: {"machine": NASTY, "messages": [NASTY]}},
+    "long": {"long": {"disc": LONG, "parameters": {f"{LONG}.e": 1e-5}}},
     "backward": {"backward": {"speed": -300.0, "rate": 20.0}},
     "both ways": {"both ways": {"speed": 150.0, "rate": -50.0}},
 }
@@ -320,6 +322,8 @@ def test_every_page_is_silent_and_fits_its_width(silent, pages, name, width, dar
     look(silent, width, dark)
     page = Page(silent, pages(name))
     assert page.run("return document.documentElement.scrollWidth") <= width
+    number = "document.querySelector('.table td:last-child').getBoundingClientRect()"
+    assert name == "study" or page.run(f"return {number}.right") <= width
     ground = page.run("return CHARTS[0].plot.background_fill_color")
     assert ground == ("#14181d" if dark else "#ffffff")
     assert page.run("return performance.getEntriesByType('resource')") == []

@@ -294,6 +294,8 @@ def test_a_machine_whose_planes_are_dependent_says_so():
             {"speeds": [150.0], "planes": [4], "measured": [5, 5]},
             "measured: [5, 5]: must be different",
         ),
+        ({"speeds": [1e-300], "planes": [4]}, "speed = 1e-300 rad/s: must be finite and not 0"),
+        ({"speeds": [150.0], "planes": [4], "trial": 1e300}, "= 1e+300 kg.m: must not exceed"),
         ({"speeds": [150.0], "planes": [4], "measured": []}, "measured: []: must be different"),
         ({"speeds": [150.0], "planes": [3, 4, 6], "measured": [4]}, "2 measurements for 3 planes"),
     ],

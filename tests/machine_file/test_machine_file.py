@@ -179,3 +179,14 @@ def test_a_name_is_drawn_as_it_is_written_not_as_a_formula():
     figure = machine_figure(machine.rotor)
     figure.savefig(io.BytesIO(), format="svg")
     assert machine.rotor.name in {text.get_text() for text in figure.findobj(Text)}
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda path: path.stem)
+def test_the_names_in_a_drawing_cover_neither_each_other_nor_what_is_drawn(machine):
+    """Of the rub of a Jeffcott rotor too, whose stator is wider than all else."""
+    figure = machine_figure(rf.load(machine).rotor)
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    boxes = [Text.get_window_extent(text) for text in axes.texts]
+    drawn = [patch.get_window_extent() for patch in axes.patches]
+    assert not any(box.count_overlaps([*boxes[:i], *drawn]) for i, box in enumerate(boxes))

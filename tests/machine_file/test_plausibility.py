@@ -10,6 +10,7 @@ from rotor_fmu.model.simulation import RotorWarning
 import rotor_fmu as rf
 from rotor_fmu.machine_file.loading import machine_text
 from rotor_fmu.machine_file.plausibility import implausible_values
+from rotor_fmu.machine_studies.machine_tables import read_study
 
 ROOT = Path(__file__).parents[2]
 GOOD = [
@@ -95,6 +96,18 @@ def test_what_was_probably_meant_is_said(old, new, expected):
     assert any(expected in warning for warning in warnings)
 
 
+@pytest.mark.parametrize("given", ["20.0", "[30.0, 20.0]\nspeed = [100.0, 200.0]"])
+def test_a_viscosity_in_millipascal_seconds_is_asked_about(given):
+    toml = (ROOT / "examples" / "oil_film" / "rotor.toml").read_text()
+    shown = given.strip("[").split(".")[0]
+    warnings = implausible_values(
+        parse_rotor(toml.replace("viscosity = 0.02", f"viscosity = {given}"))
+    )
+    assert len(warnings) == 2
+    for warning in warnings:
+        assert f".viscosity = {shown} Pa.s: is that what is meant; {shown} mPa.s?" in warning
+
+
 def test_a_command_says_it_and_goes_on_and_python_warns(tmp_path, process):
     file = tmp_path / "rig.toml"
     file.write_text(rig_toml().replace("density = 7800.0", "density = 7.8"))
@@ -147,3 +160,42 @@ def test_an_option_is_asked_about_by_the_rule_of_the_file(process, tmp_path, arg
     assert f"rotor-fmu: warning: {expected}" in said
     arguments = [MEANT.get(text, text) for text in arguments]
     assert "warning" not in process(*arguments, "--out", str(tmp_path)).stderr
+
+
+def test_arguments_in_python_are_asked_about():
+    machine = rf.load()
+    with pytest.warns(RotorWarning, match=r"^parameters: disc\[1\]\.phase = 90 rad: .*; 90 deg\?$"):
+        rf.simulate(machine, speed=100.0, stop=0.01, parameters={"disc[1].phase": 90.0})
+    jeffcott = rf.load(ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml")
+    over = ("unbalance[1].phase", 90.0, 91.0)
+    with pytest.warns(RotorWarning, match=r"^over: unbalance\[1\]\.phase = 90 rad: .*; 90 deg\?$"):
+        rf.response(jeffcott, speed=100.0, over=over)
+
+
+STUDY = """
+machine = "rig"
+[run]
+kind = "constant"
+speed = 100.0
+turns = 2
+[set]
+"disc[1].phase" = {phase}
+[vary."disc[2].phase"]
+values = [{other}, 0.0]
+[keep]
+touching = {{ contact = "bearing[2]" }}
+"""
+
+
+def test_values_of_a_study_are_asked_about(tmp_path, capsys):
+    file = tmp_path / "study.toml"
+    for phase, other in (("1.0", "1.5"), ('"90 deg"', '"90 deg"')):
+        file.write_text(STUDY.format(phase=phase, other=other))
+        read_study(file)
+        assert not capsys.readouterr().err
+    file.write_text(STUDY.format(phase="90.0", other="80.0"))
+    read_study(file)
+    assert capsys.readouterr().err.splitlines() == [
+        f"rotor-fmu: warning: {where} = {value} rad: is that what is meant; {value} deg?"
+        for where, value in (("set disc[1].phase", 90), ("vary disc[2].phase: disc[2].phase", 80))
+    ]

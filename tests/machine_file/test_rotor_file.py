@@ -71,7 +71,7 @@ WRONG = [
     (r"eta_h = 0.0", "eta_h = 0.1", ["shaft.eta_h = 0.1", "rotating_damping"]),
     (r"0.043, 0.063", "0.063, 0.063", ["shaft.element[2].length = 0 m", "must be > 0"]),
     (r"0.043, 0.063", "0.063, 0.043", ["shaft.element[2].length = -0.02 m", "must ascend"]),
-    (r"0.043", "nan", ["shaft.nodes[2] = nan", "finite"]),
+    (r"0.043", "nan", ["shaft.nodes[2] = nan m", "finite"]),
     (r"0.043", '"0.043"', ["shaft.nodes[2] = '0.043'", "number"]),
     (r"0.043", "true", ["shaft.nodes[2] = True", "number"]),
     (r"0.043", "[0.043]", ["shaft.nodes[2] = [0.043]", "number"]),
@@ -81,7 +81,7 @@ WRONG = [
     (
         r"diameters = \[0.015",
         "diameters = [0.0",
-        ["shaft.element[1].diameter = 0 m", "must be > 0"],
+        ["shaft.diameters[1] = 0 m", "must be > 0"],
     ),
     (r"node = 4", "node = 0", ["disc[1].node = 0", "from 1 to 8"]),
     (r"node = 4", "node = 99", ["disc[1].node = 99", "from 1 to 8"]),
@@ -124,6 +124,12 @@ def test_a_wrong_file_is_refused_in_one_line_that_names_it(old, new, named):
     assert "\n" not in message
     for part in named:
         assert part in message
+
+
+def test_a_part_with_a_misspelt_key_is_not_said_to_be_of_another_kind():
+    message = refusal_of(TEXT + "[[disc]]\nnode = 2\ndiameter = 0.1\nwidhh = 0.1\n")
+    assert message.startswith("disc[4].widhh: unknown key; did you mean width? known are name, ")
+    assert message.endswith(", material")
 
 
 HOUSING = '[[housing]]\nname = "a"\nmass = 1.0\nkx = 1.0\nky = 1.0\ncx = 0\ncy = 0'

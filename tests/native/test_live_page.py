@@ -48,6 +48,27 @@ def test_the_page_is_small_and_silent_and_fits_its_width(silent, rig, width, dar
     assert ground == ("rgb(20, 24, 29)" if dark else "rgb(255, 255, 255)")
 
 
+def test_the_longest_name_of_a_part_fits_a_telephone(silent, tmp_path):
+    name = 4 * "a_word_of_sixteen"[:16]
+    file = tmp_path / "long.html"
+    toml = re.sub(r"(\[\[disc\]\]\n)", rf'\1name = "{name}"\n', rig_toml(), count=1)
+    write_text(solver_page(machine_of(toml)), file)
+    look(silent, 400)
+    page = LivePage(silent, file).ended()
+    page.run(
+        "for (const each of document.querySelectorAll('.bar select')) { each.selectedIndex ="
+        f" [...each.options].findIndex((option) => /{name[:16]}|a word of/.test(option.text));"
+        " each.dispatchEvent(new Event('change')); }"
+    )
+    assert page.run("return document.documentElement.scrollWidth") <= 400
+    cut_off = page.run(
+        "return [...document.querySelectorAll('svg.chart text')].filter((each) => {"
+        "const [box, room] = [each, each.closest('svg')].map((of) => of.getBoundingClientRect());"
+        "return box.top < room.top || box.bottom > room.bottom; }).map((each) => each.textContent)"
+    )
+    assert cut_off == []
+
+
 def test_its_numbers_are_the_native_librarys_bit_for_bit(silent, rig):
     page = LivePage(silent, rig).ended()
     lines = list(csv.reader(page.run("return csv(now)").splitlines()))
@@ -119,9 +140,12 @@ def test_a_run_can_be_stopped_and_what_there_is_stays(silent, rig):
 
 
 def test_what_cannot_be_is_said_in_the_fmus_words(silent, rig):
-    page = LivePage(silent, rig, "#bearing[1].clearance=-1e-5&bearing[7].mu=0.1").ended()
+    page = LivePage(
+        silent, rig, "#bearing[1].clearance=-1e-5&bearing[7].mu=0.1&course.rate=a"
+    ).ended()
     assert page.notices() == [
         "The address has bearing[7].mu = 0.1, which this machine does not know.",
+        "The address has course.rate = a, which is no number.",
         "The run ended early: bearing[1].clearance = -1e-05 m: must be > 0 and finite",
     ]
     page.set(page.run("return byName.get('course.rate').input.id"), "0", "change")

@@ -150,6 +150,17 @@ def test_the_state_that_a_page_adds_is_solved_and_follows_a_vibration():
     assert p_d + 1j * w * p_v == pytest.approx(-1.0 / (1.0 / part.k + 1.0 / (1j * w * part.c)))
 
 
+@pytest.mark.parametrize("page", sorted(PAGES.glob("add_*.md")), ids=lambda page: page.stem)
+def test_the_files_that_a_page_names_are_there(page):
+    """One without a folder beside the one that is named before it."""
+    names = re.findall(r"`([\w./]+\.(?:py|md))`", page.read_text(encoding="utf-8"))
+    assert len(names) >= 3
+    folder = ROOT
+    for name in names:
+        folder = (ROOT / name).parent if "/" in name else folder
+        assert (folder / name.rpartition("/")[2]).is_file(), name
+
+
 def test_a_debugger_stops_where_a_page_says(tmp_path):
     text = (PAGES / "debug_a_kernel.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"^```sh\n(.*?)^```", text, re.M | re.S)

@@ -13,6 +13,10 @@ from .test_reading import HELD, STUDY, VALUES, read
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
+        *(
+            ("[run]", f"name = {name}\n[run]", f"name = {said}: must be text, not empty, without")
+            for name, said in (("3", "3"), ("[]", "[]"), ('""', "''"), ('"a\\nb"', r"'a\nb'"))
+        ),
         ("[keep]", "[kep]", "kep: unknown name; did you mean keep"),
         ('"run-down"', '"rundown"', "run kind = 'rundown': must be one of run-down, run-up"),
         ("rate = 40", "rat = 40", "run run-down: rat: unknown name; did you mean rate"),

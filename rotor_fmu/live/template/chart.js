@@ -33,6 +33,15 @@ function tickTexts(values) {
   return values.map((value) => (value ? Number(value.toPrecision(6)).toExponential() : "0"));
 }
 
+// Write a label within a length, a long name cut before its unit.
+function abbreviate(node, label, length) {
+  const [, name, unit] = label.match(/^(.*?)( \[[^\]]*\])?$/);
+  node.textContent = label;
+  for (let kept = name.length; kept && node.getComputedTextLength() > length; kept--) {
+    node.textContent = `${name.slice(0, kept)}…${unit ?? ""}`;
+  }
+}
+
 function bounds(lists) {
   let [low, high] = [Infinity, -Infinity];
   for (const list of lists) {
@@ -140,7 +149,7 @@ class Chart {
     svg("text", below, this.root).textContent = xLabel;
     const middle = MARGIN.top + inner.y / 2;
     const turned = { transform: `translate(13 ${middle}) rotate(-90)`, "text-anchor": "middle" };
-    svg("text", turned, this.root).textContent = yLabel;
+    abbreviate(svg("text", turned, this.root), yLabel, inner.y);
     for (const { x, y, kind } of series) {
       let d = "";
       for (let i = 0; i < x.length; i++) {

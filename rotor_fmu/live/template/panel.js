@@ -128,9 +128,9 @@ function readHash() {
     const control = byName.get(name);
     const value = Number(text);
     if (control && text !== "" && Number.isFinite(value)) values[name] = value;
-    else unread.push(`${name} = ${text}`);
+    else unread.push(`${name} = ${text}, which ${control ? "is no number" : "this machine does not know"}`);
   }
   for (const [name, value] of Object.entries(values)) change(byName.get(name), value);
   controls.forEach(show);
-  return unread.map((each) => `The address has ${each}, which this machine does not know.`);
+  return unread.map((each) => `The address has ${each}.`);
 }
