@@ -28,6 +28,7 @@ PURPLE, SKY, BLACK = "#cc79a7", "#56b4e9", "#000000"
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", SKY, BLACK, GREY)
 # Widths of a number at an axis, of its digits and of the gap to the next, in sizes of its letters.
 _ASSUMED, _DIGIT, _BETWEEN = 3.0, 0.64, 0.6  # the first one is Matplotlib's
+_TITLE = 10.0  # size of a title [pt]
 _WRITTEN = 0.85  # of the width of a picture, in the lines of a title
 _BOXES = "Last Resort High-Efficiency"  # which Matplotlib takes last: it draws kinds of letters
 DASHED, DOTTED, LIMIT = (0, (4, 2)), (0, (1, 1.5)), (0, (4, 3))  # of lines
@@ -48,6 +49,8 @@ class PlainFigure(Figure):
         engine = self.get_layout_engine()
         if engine is not None:
             engine.execute(self)
+            if any(map(_has_long_title, self.axes)):  # in more lines, above axes that are narrower
+                engine.execute(self)
 
     def _take_as_written(self) -> None:
         for axes in self.axes:
@@ -80,6 +83,11 @@ def _further_fonts(text: str) -> tuple[str, ...]:
 @cache
 def _letters(file: str) -> frozenset[int]:
     return frozenset(FT2Font(file).get_charmap())
+
+
+def _has_long_title(axes: Axes) -> bool:
+    width = _DIGIT * _TITLE * len(axes.get_title("left"))  # [pt]
+    return bool(width * axes.figure.dpi > 72.0 * axes.bbox.width)
 
 
 def _fit(label: Text, room: float) -> None:
@@ -146,7 +154,9 @@ def style(axes: Axes) -> None:
         axis.label.set_wrap(True)
 
 
-def entitle(where: Axes | Figure, text: str, size: float = 10, pad: float | None = None) -> None:
+def entitle(
+    where: Axes | Figure, text: str, size: float = _TITLE, pad: float | None = None
+) -> None:
     """Write a title at the left above axes or a figure, a long one in several lines; pad: between
     it and the axes [pt]."""
     figure = where if isinstance(where, Figure) else where.figure

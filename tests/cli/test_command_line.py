@@ -123,7 +123,7 @@ def test_a_refusal_has_the_option_as_it_was_typed_once(input_error, command, exp
 
 def test_what_is_typed_in_two_lines_is_refused_in_one(input_error):
     said = input_error("modes", "--count", "a\nb")
-    assert said.startswith(r"rotor-fmu: --count a\nb: must be")
+    assert said.startswith(r"rotor-fmu: --count a\nb: ")
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import rotor_fmu as rf
 from rotor_fmu.balancing.result import Balancing, Vibration
 from rotor_fmu.linear.displayed import of_machine
 from rotor_fmu.linear.mode_answers import mode_shapes_figure
+from rotor_fmu.plotting import figure_style
 from rotor_fmu.run_pictures.run_folder import amplitude
 from rotor_fmu.run_pictures.signal_plots import KINDS
 
@@ -28,6 +29,10 @@ def balancing(machine):
     return of_machine(found, machine.rotor).figure()
 
 
+# pictures are laid out
+pytestmark = pytest.mark.usefixtures("drawn")
+
+
 @pytest.fixture(scope="module")
 def machine():
     text = rf.load(EXAMPLES / "jeffcott_rub" / "jeffcott.toml").toml
@@ -44,7 +49,8 @@ def run(machine):
 def cut_off(figure):
     """The texts that name the machine or a part and are not all within the picture, or beneath the
     figure's legend or another one."""
-    figure.draw_without_rendering()
+    with figure_style.placed(figure):  # as where a picture is saved
+        figure.draw_without_rendering()
     named = [
         (text.get_text(), text.get_window_extent())
         for text in figure.findobj(Text)
