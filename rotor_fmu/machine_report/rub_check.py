@@ -272,6 +272,7 @@ def _run(
             tolerance=1e-3,
             parameters={"solver.reduction": offer.modes} if offer else {},
             record=record,
+            per_turn=None,  # a hard contact lasts less than a 64th of a turn
             step=stop / _POINTS,
         )
     after = result.t >= settled
@@ -284,21 +285,25 @@ def _run(
 
 
 def _amplitude(result: Result, place: str, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return speeds [rad/s] and the largest distance from the mean in each of `_BINS` bins [m]."""
+    """Return speeds [rad/s] and the largest distance from the mean over time in each of `_BINS`
+    bins [m]."""
     if not place or not after.any():
         return np.zeros(0), np.zeros(0)
     w = np.abs(result.speed)[after]
     z = (result[f"{place}.x"] + 1j * result[f"{place}.y"])[after]
+    lasted = np.gradient(result.t)[after]
     edges = np.linspace(w.min(), w.max(), _BINS + 1)
     bins = np.clip(np.digitize(w, edges) - 1, 0, _BINS - 1)
     middles = (edges[:-1] + edges[1:]) / 2
-    values = [_radius(z[bins == i]) for i in range(_BINS)]
+    values = [_radius(z[bins == i], lasted[bins == i]) for i in range(_BINS)]
     known = np.isfinite(values)
     return middles[known], np.array(values)[known]
 
 
-def _radius(z: np.ndarray) -> float:
-    return float(np.abs(z - z.mean()).max()) if len(z) > 2 else math.nan
+def _radius(z: np.ndarray, lasted: np.ndarray) -> float:
+    if len(z) <= 2:
+        return math.nan
+    return float(np.abs(z - np.average(z, weights=lasted)).max())
 
 
 def _contact_run(

@@ -159,7 +159,9 @@ def _contacts(recording: Recording) -> str:
     shares = touching(recording)
     if not shares:
         return "The machine has no contact that was recorded."
-    if not any(shares.values()):
+    if not any(shares.values()):  # in a row; friction is summed over all steps
+        if any(recording.losses.get("friction", ())[-1:]):
+            return "Journals touched, but too shortly for the rows of the recording to show it."
         return "No journal touched."
     least, most = (round(100 * f(shares.values())) for f in (min, max))
     if least == most:

@@ -8,6 +8,7 @@ from rotor_fmu.model.linear import static, unbalance_response
 from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor
 
+from rotor_fmu.api.simulate import simulate
 from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.machine_report import rub_check as module
 from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
@@ -63,6 +64,27 @@ def test_a_rub_that_lasts_is_told_of_a_rated_speed_too(low):
     assert "The rub lasts in the operating range (contact[1]), in both directions." in (
         check.conclusion
     )
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_the_force_of_a_hard_contact_is_the_largest_of_all_steps(monkeypatch):
+    """Bounces last less than a 64th of a turn, at which runs are recorded unless told otherwise."""
+    runs = []
+
+    def seen(*arguments, **options):
+        whole = simulate(*arguments, **options | {"per_turn": None})
+        runs.append((whole, whole.t >= options["speed"][0][1]))
+        return simulate(*arguments, **options)
+
+    monkeypatch.setattr(module, "simulate", seen)
+    hard = f"{_JEFFCOTT}k = 1e9\n".replace("gravity = 0.0", "").replace("1e-5", "2e-4")
+    bearings = "".join(_BEARING.format(node=node, c=300.0, crossed=0.0) for node in (1, 3))
+    check = rub_check(parse_rotor(hard + bearings), 299.0, 300.0)
+    for run, (whole, settled) in zip(check.runs, runs, strict=True):
+        touched = settled & (whole["contact[1].contact"] > 0.5)
+        assert run.contacts[0].first == whole.speed[touched][0]
+        assert run.contacts[0].last == whole.speed[touched][-1]
+        assert run.contacts[0].force == whole["contact[1].fn"][settled].max()
 
 
 def test_a_response_that_closes_no_contact_says_nothing_of_other_clearances():
