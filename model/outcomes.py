@@ -61,6 +61,9 @@ def no_rest(run, status, arguments):
     arguments[0] = _supported_nodes(structure)
     if arguments[0] < 2.0:
         return messages.CODE.NOT_SUPPORTED
+    if status == equilibrium.UNFINISHED_AT_REST:
+        arguments[0] = run.memory.record[0].max_iterations
+        return messages.CODE.UNFINISHED_AT_REST
     invalid = first_invalid_law(structure, run.trial.q, run.trial.internal_state)
     if invalid >= 0:
         load, is_its_own = film_load(run, invalid)

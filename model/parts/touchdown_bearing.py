@@ -90,7 +90,7 @@ def _race_speed(part, pressure, sliding, b, free, guess, free_z):
             low = w
         steepness = 1.0 + per * (radius * radius * rubs.by_sliding * pressure + drag_slope)
         if abs(excess) <= _ROUNDING * (abs(free) + largest):
-            break
+            return w - excess / max(1.0, steepness)  # differences see what the guess is off by
         w = w - excess / steepness if steepness > 0.0 else low
         if not low < w < high:
             w = 0.5 * (low + high)

@@ -89,7 +89,7 @@ def start(block, speed, drive, rate):
         run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
     begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     first_size(run.structure, speed, run.motion, run.memory)
-    observe(run.structure, run.motion, run.memory, run.work, run.outputs.observed, True)
+    _observe(run, _tangents(run))
     recorder.start(
         run.structure, run.motion, run.memory, run.work, run.recorder, run.outputs.observed
     )

@@ -21,14 +21,8 @@ from ..step.laws import at_rest, law_tangent_called, relative
 from ..step.step import try_step
 from ..step.step_status import DONE, NOT_FINITE
 
-AT_EQUILIBRIUM, NOT_SUPPORTED, NOT_CONVERGED_AT_REST, UNSTABLE, OUT_OF_BOUNDS, MOVED = (
-    0,
-    1,
-    2,
-    3,
-    4,
-    5,
-)
+AT_EQUILIBRIUM, NOT_SUPPORTED, NOT_CONVERGED_AT_REST, UNFINISHED_AT_REST = range(4)
+UNSTABLE, OUT_OF_BOUNDS, MOVED = range(4, 7)
 _ITERATIONS = 200
 _FIRST = 10.0  # first pseudo-time step, in radians of the lowest mode
 _GROWTH, _LONGEST = 3.0, 1e6
@@ -259,6 +253,7 @@ def _search(structure, spin, motion, trial, memory, work, problem, limit, iterat
     status = NOT_CONVERGED_AT_REST
     for _ in range(_ITERATIONS):
         if iterations > memory.record[0].max_iterations:
+            status = UNFINISHED_AT_REST
             break
         tau = radians / lowest
         step_status, taken = _step(

@@ -32,6 +32,7 @@ ENDS_EARLY = (
 )
 OF_A_START = (
     *(equilibrium.AT_EQUILIBRIUM, equilibrium.NOT_SUPPORTED, equilibrium.NOT_CONVERGED_AT_REST),
+    equilibrium.UNFINISHED_AT_REST,
     *(equilibrium.UNSTABLE, equilibrium.OUT_OF_BOUNDS, equilibrium.MOVED),
     *(early_return.LIMITED, early_return.IN_STAGES, early_return.NO_INERTIA),
 )

@@ -139,6 +139,16 @@ def test_directional_derivatives_are_the_simulations_and_come_back_with_a_state(
     other.close()
 
 
+def test_before_the_first_step_a_torque_passes_straight_through(make):
+    host = Host(Extracted(make(is_free=True)), {"solver.sensitivities": True})
+    refs = [host.of.refs[name] for name in ("tau", "tau_load")]
+    assert host.fmu.directional(refs, [host.of.refs["tau_drive"]], [1.0]) == [1.0, 1.0]
+    names = ("dtau_ddrive", "dtau_load_ddrive")
+    assert host.get(*names) == [1.0, 1.0]
+    host.fmu.restore(host.fmu.state())
+    assert host.get(*names) == [1.0, 1.0]
+
+
 def test_without_being_asked_for_they_are_refused(extracted):
     host = Host(extracted, {})
     host.step()

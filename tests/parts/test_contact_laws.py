@@ -137,6 +137,19 @@ def test_the_race_alone_slows_down_by_its_drag():
     assert internal_state[0] == pytest.approx(expected, rel=1e-12)
 
 
+def test_the_race_follows_a_change_as_small_as_its_guess_is_off():
+    """Sensitivities are differences of races whose guess is that of another step."""
+    part, motion = record(TouchdownBearing, **RACE), Kinematics(0j, 0j, 0.0, 0.0, 0.0)
+    none = np.array([100.0, 0.0])
+    weights = Weights(1.0, 1.0, 1e-8)
+    _, there, _ = force_and_tangent(TOUCHDOWN_BEARING, part, motion, weights, none)
+    off, change = there + np.array([6e-13, 0.0]), np.array([3e-13, 0.0])
+    ends = [off.copy(), off.copy()]
+    for end, free in zip(ends, (none + change, none - change), strict=True):
+        TOUCHDOWN_BEARING.tangent(part, TABLES, motion, weights, free, end)
+    assert ends[0][0] - ends[1][0] == pytest.approx(2.0 * change[0], rel=0.1, abs=0.0)
+
+
 @pytest.mark.parametrize("name", ["linear", "hertz", "worn", "all"])
 def test_without_friction_and_damping_the_force_is_that_of_the_energy(name):
     part = record(ClearanceContact, **(KINDS[name] | {"mu": 0.0, "mu_rise": 0.0, "c": 0.0}))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.settings import choose
-from rotor_fmu.model.simulation import Simulation, StepFailure
+from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 from scipy.signal import lsim
 
 import rotor_fmu as rf
@@ -209,6 +209,11 @@ def test_a_run_that_stops_early_goes_on_where_it_stands_with_its_loads():
     for name in ("disc[3].x", "disc[3].y", "phi"):
         assert parts.read(name) == pytest.approx(whole.read(name), rel=1e-2, abs=1e-7)
     assert math.isclose(parts.time, 0.1)
+
+
+def test_a_search_for_the_equilibrium_that_ends_at_max_iterations_says_so():
+    with pytest.raises(EquilibriumError, match=r"found in 5 iterations \(solver.max_iterations\)$"):
+        Simulation(rig(), choose("robust", max_iterations=5), speed=200.0)
 
 
 def through(fmu, t, forces, takes_slopes):
