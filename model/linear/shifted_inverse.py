@@ -19,7 +19,7 @@ _DECAYS = 8  # eigenvalues looked for beyond those asked for: oil films add so m
 DOUBTFUL = 1e-6  # a residual that is said
 # Of the lowest elastic frequency: what is slower may be a motion that nothing holds, whose
 # eigenvalue 0 is there twice, and so comes out off by the root of rounding, as any pair.
-ZERO = 1e-6
+_ZERO = 1e-6
 # Of Arnoldi's method, which needs one or two; where damping crowds the eigenvalues of a stiff shaft
 # it needs thousands, or never ends, and all of them cost less, up to so many states.
 RESTARTS, _DENSE_IF_CROWDED = 6, 2000
@@ -71,6 +71,10 @@ class ShiftedInverse:
         """Return the machine's eigenvalues [1/s] from those of the inverse."""
         return self.scale * (self.sigma + 1 / inverted)
 
+    def is_zero(self, values: np.ndarray) -> np.ndarray:
+        """Return which eigenvalues [1/s] may be those of motions that nothing holds."""
+        return np.abs(values) <= _ZERO * self.scale
+
     def residuals(self, values: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return what eigenvalues [1/s] and their states leave of (A - sigma)^-1 x = x / (lambda -
         sigma), of its right side: the larger of the shares of velocities and of all else [1]."""
@@ -96,7 +100,7 @@ class Lowest(NamedTuple):
 def lowest(inverse: ShiftedInverse, count: int) -> Lowest:
     """Return at least `count` modes, where there are so many."""
     values, states = _eigen(inverse, count)
-    is_zero = np.abs(values) <= ZERO * inverse.scale
+    is_zero = inverse.is_zero(values)
     values, states = values[~is_zero], states[:, ~is_zero]
     # of two that are conjugate one is looked at
     one = values.imag >= -_REAL * np.abs(values)
@@ -134,7 +138,7 @@ def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]
                     raise LinearError("the modes did not converge") from error
                 return inverse.eigenvalues(inverted), states
         values = inverse.eigenvalues(inverted)
-        whirls = (np.abs(values) > ZERO * inverse.scale) & (values.imag > _REAL * np.abs(values))
+        whirls = ~inverse.is_zero(values) & (values.imag > _REAL * np.abs(values))
         if len(values) == size or np.sum(whirls) >= count:
             return values, states
         wanted *= 2

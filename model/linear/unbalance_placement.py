@@ -15,6 +15,7 @@ edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ import numpy as np
 from ..arguments import check_integer, check_positive
 from ..machine.rotor import Rotor
 from ..parts.base import BodyElement
+from ..parts.shaft import Section
 from ..quantities import STANDARD_GRAVITY
 from ..structure.assembly import assemble
 from ..structure.beam import shaft_element
@@ -136,21 +138,11 @@ def _places(
     right = [point for point in points if point.z > z[last - 1]]
     outside, whole = (sum(p.mass * p.w**2 for p in some) for some in (left + right, points))
     if 2 * outside > whole:
-        largest = max(abs(point.w) for point in points)
-        result = []
-        # what the element next to a bearing adds to the mass of the bearing's node lies beyond too
-        for end, nodes, beside, at_bearing in (
-            (left, first - 1, first - 2, 2),
-            (right, len(z) - last, last - 1, 0),
-        ):
-            moved = max(end, key=lambda point: abs(point.w), default=None)
-            if moved and abs(moved.w) > _LOBE * largest:
-                mass = sum(point.mass for point in end)
-                if nodes:
-                    element = shaft_element(rotor.sections[beside])
-                    mass += float(element.translation[at_bearing, ::2].sum())
-                result.append((moved.place, 0.0 if moved.w > 0 else math.pi, mass))
-        return result
+        least = _LOBE * max(abs(point.w) for point in points)
+        return [
+            *_beyond(left, rotor.sections[: first - 1][-1:], 2, least),
+            *_beyond(right, rotor.sections[last - 1 :][:1], 0, least),
+        ]
     lobes = _lobes(shape[:, 0], first, last)
     if len(lobes) == 1:
         return [(Place(lobes[0]), 0.0, abs(sum(bearings.values())))]
@@ -160,6 +152,18 @@ def _places(
         nearest = min(bearings, key=lambda bearing: abs(z[bearing - 1] - z[node - 1]))
         result.append((Place(node), math.pi if is_against else 0.0, abs(bearings[nearest])))
     return result
+
+
+def _beyond(
+    end: Sequence[_Point], beside: Sequence[Section], at_bearing: int, least: float
+) -> Iterator[tuple[Place, float, float]]:
+    """Yield the unbalance of an end beyond the bearings that moves by more than `least`; its mass
+    has what the element beside the bearing, if there is one, adds to the bearing's node."""
+    moved = max(end, key=lambda point: abs(point.w), default=None)
+    if moved and abs(moved.w) > least:
+        shares = (shaft_element(one).translation[at_bearing, ::2].sum() for one in beside)
+        mass = sum(point.mass for point in end) + float(sum(shares))
+        yield moved.place, 0.0 if moved.w > 0 else math.pi, mass
 
 
 def _lobes(shape: np.ndarray, first: int, last: int) -> list[int]:
