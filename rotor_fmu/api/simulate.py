@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -18,10 +19,9 @@ from ..errors import (
     shown_value,
     switch,
 )
-from ..fmi.binding import changed_rotor
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
-from ..fmi.variables import Variable, start_values
+from ..fmi.variables import Variable
 from ..machine_file.loading import warn_of_changes
 from ..model.settings import PRESETS
 from ..model.simulation import RotorWarning, warn
@@ -187,13 +187,9 @@ def plan(
         said = str(error).removeprefix("--set ")
         is_argument = said.partition(" ")[0] in arguments
         raise InputError(said.removeprefix(PREFIX) if is_argument else said) from error
-    changed = changed_rotor(machine.rotor, table, start_values(table) | values)
-    warn_of_changes("parameters:", machine.rotor, changed, warn=_warn)
+    at_call = partial(warnings.warn, category=RotorWarning, stacklevel=4)
+    warn_of_changes("parameters:", job.rotor, job.changed_rotor, warn=at_call)
     return job
-
-
-def _warn(text: str) -> None:
-    warnings.warn(RotorWarning(text), stacklevel=5)
 
 
 def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float | None) -> Signals:

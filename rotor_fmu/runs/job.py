@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import MOST_ROWS, InputError, check_one_of
-from ..fmi.binding import build_simulation, changed_rotor
+from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import settings_of
 from ..fmi.variables import start_values
@@ -82,7 +82,7 @@ def prepare(
         if not is_from_rest or not isinstance(error.__cause__, EquilibriumError):
             raise
         raise InputError(f"{error}; or let it begin at a speed that carries it, --from") from error
-    warn_of_changes("--set", rotor, changed_rotor(rotor, table, start_values(table) | values))
+    warn_of_changes("--set", rotor, job.changed_rotor)
     return job
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import RunFailed
-from ..fmi.binding import build_simulation, load_names
+from ..fmi.binding import build_simulation, changed_rotor, load_names
 from ..fmi.log import read_message
 from ..fmi.variables import Variable, start_values
 from ..interrupts import interrupts_noted
@@ -48,6 +48,12 @@ class Job:
     toml: str
     rotor: Rotor
     settings: Settings
+
+    @property
+    def changed_rotor(self) -> Rotor:
+        """The rotor with the values that the parameters give it."""
+        values = start_values(self.table) | dict(self.parameters)
+        return changed_rotor(self.rotor, self.table, values)
 
     def about(self, run: "Run") -> dict[str, Any]:
         """Return what a recording says of the run that was made."""

@@ -163,13 +163,24 @@ def test_an_option_is_asked_about_by_the_rule_of_the_file(process, tmp_path, arg
 
 
 def test_arguments_in_python_are_asked_about():
-    machine = rf.load()
-    with pytest.warns(RotorWarning, match=r"^parameters: disc\[1\]\.phase = 90 rad: .*; 90 deg\?$"):
-        rf.simulate(machine, speed=100.0, stop=0.01, parameters={"disc[1].phase": 90.0})
+    """At the line that gave them."""
     jeffcott = rf.load(ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml")
-    over = ("unbalance[1].phase", 90.0, 91.0)
-    with pytest.warns(RotorWarning, match=r"^over: unbalance\[1\]\.phase = 90 rad: .*; 90 deg\?$"):
-        rf.response(jeffcott, speed=100.0, over=over)
+    name = "unbalance[1].phase"
+    with warnings.catch_warnings(record=True) as seen:
+        warnings.simplefilter("always")
+        rf.simulate(jeffcott, speed=10.0, stop=0.01, parameters={name: 90.0})
+        rf.response(jeffcott, speed=(10.0, 11.0), parameters={name: 90.0})
+        rf.response(jeffcott, speed=10.0, over=(name, 90.0, 90.1))
+        rf.simulate(jeffcott, speed=10.0, stop=0.01, parameters={name: "90 deg"})
+    assert [(str(each.message), each.filename) for each in seen] == [
+        (f"{where} {name} = {value} rad: is that what is meant; {value} deg?", __file__)
+        for where, value in (
+            ("parameters:", 90),
+            ("parameters:", 90),
+            ("over:", 90),
+            ("over:", 90.1),
+        )
+    ]
 
 
 STUDY = """
