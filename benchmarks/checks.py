@@ -21,7 +21,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.settings import Settings, choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.time_loop.control import Control
-from rotor_fmu.model.time_loop.monitors import monitor_bounces, monitor_losses, monitor_work
+from rotor_fmu.model.time_loop.monitors import monitor_losses, monitor_walls, monitor_work
 
 from rotor_fmu.machine_file.loading import machine_text
 
@@ -43,7 +43,7 @@ def _watched(steps, h, structure, control, motion, memory, work):
         r.t += h
         if monitor_work(structure, memory):
             doubtful += 1
-        monitor_bounces(structure, motion, memory)
+        monitor_walls(structure, motion, memory)
         monitor_losses(structure, control, motion, memory, work)
     return doubtful
 

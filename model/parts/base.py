@@ -146,6 +146,8 @@ PROBE_OUTPUTS = (
         Output("y_1x_phase", "rad", f"angle by which the 1x component of y {_LEADS}", nominal=1.0),
     ),
 )
+# Of an interface with a wall, behind the outputs of its law.
+WALL_OUTPUTS = remembered(Output("fn_peak", "N", f"largest normal force {_LAST}", nominal=10.0))
 # The force of an interface whose friction or coefficients depend on the speed.
 FORCE_OUTPUTS = (
     Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
@@ -206,7 +208,10 @@ def outputs_of(element: Element) -> tuple[Output, ...]:
     if isinstance(element, PortElement):
         outputs = PORT_OUTPUTS[:1] if element.node == BASE else PORT_OUTPUTS
         return (*outputs, *WAVE_OUTPUTS) if element.impedance > 0.0 else outputs
-    return element.law.outputs_of(element.source) if isinstance(element, InterfaceElement) else ()
+    if isinstance(element, InterfaceElement):
+        more = WALL_OUTPUTS if element.law.has_wall else ()
+        return (*element.law.outputs_of(element.source), *more)
+    return ()
 
 
 @dataclass(frozen=True)

@@ -120,6 +120,14 @@ def relative(interface, z):
 
 
 @jit
+def squared_normal_force(d, force):
+    """Return the square of the part along d, a displacement from the middle other than 0, of an
+    interface's force [N2]."""
+    along = d.real * force.real + d.imag * force.imag
+    return along * along / (d.real * d.real + d.imag * d.imag)
+
+
+@jit
 def sides(interface):
     """Return the two rows between which an interface acts, and the sign of its force there."""
     return (interface.end, -1.0), (interface.dof, 1.0)

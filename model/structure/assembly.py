@@ -238,6 +238,7 @@ def _mechanism(
                 outputs[i],
                 element.law.has_wall,
                 element.law.has_wall and not element.law.turns,
+                outputs[i] + len(element.law.outputs_of(element.source)),
                 0.0,
             )
         )

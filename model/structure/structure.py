@@ -30,9 +30,10 @@ HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # the housing's place in a motion, behind the dofs, or that of ground, the last;
 # `internal_state`: where the states of the law begin; `first_vibrating`, `vibrating`: where among
 # all states of laws that vibrate (`Law.vibrates`) its own begin, and how many it has; `slips`:
-# whether it has a wall that does not turn.
+# whether it has a wall that does not turn; `wall_out`: where `WALL_OUTPUTS` begin.
 INTERFACE = _record(
-    "law row dof end internal_state states first_vibrating vibrating out has_wall slips", "length"
+    "law row dof end internal_state states first_vibrating vibrating out has_wall slips wall_out",
+    "length",
 )
 # Numbers of a machine. From its parts: whether the internal damping rotates; is_supported: whether
 # springs and soft laws support it, and not its clearances alone; base_load: index of the base's

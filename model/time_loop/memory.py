@@ -92,7 +92,7 @@ RECORD = np.dtype(
 )
 
 
-# Places in `Memory.peaks`, `Memory.once` and `Memory.bounce`.
+# Places in `Memory.peaks` and `Memory.wall_peaks`, `Memory.once` and `Memory.bounce`.
 PEAK = places(("this_revolution", "last_revolution", "since_communication"))
 AXIS = places(("x", "y", "squared_distance"))
 ONCE = places(("now", "integral", "mean"))
@@ -105,20 +105,22 @@ class Memory(NamedTuple):
 
     record: of dtype `RECORD`; work, power: of `ledger.FLOWS` [J], [W]; peaks: largest |x|, |y| [m]
     and squared distance [m2] of the probes from rest in the present revolution, in the one before,
-    and since the last communication point; once: of their z from rest, z exp(-i theta) and z exp(i
-    theta) now [m], integrated over the present revolution [m.rad], and their means over the one
-    before, by the angle turned [m]; bounce: of each interface the displacement at the last contact
-    (x, y) [m], steps since then, score of crossings; rest: the probes under the loads at the start
-    [m]; seats: displacement then at each wall that carries the machine [m], 0 at the others;
-    center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of the
-    base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been linear
-    in time [N, N/s]; load_work, load_power: of each load since t_ref [J] and now [W].
+    and since the last communication point; wall_peaks: largest squared normal force of each
+    interface with a wall in these spans [N2]; once: of their z from rest, z exp(-i theta) and z
+    exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
+    one before, by the angle turned [m]; bounce: of each interface the displacement at the last
+    contact (x, y) [m], steps since then, score of crossings; rest: the probes under the loads at
+    the start [m]; seats: displacement then at each wall that carries the machine [m], 0 at the
+    others; center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of
+    the base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been
+    linear in time [N, N/s]; load_work, load_power: of each load since t_ref [J] and now [W].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]
     work: Annotated[np.ndarray, float, "flows"]
     power: Annotated[np.ndarray, float, "flows"]
     peaks: Annotated[np.ndarray, float, str(len(PEAK)), str(len(AXIS)), "probes"]
+    wall_peaks: Annotated[np.ndarray, float, str(len(PEAK)), "interfaces"]
     once: Annotated[np.ndarray, complex, str(len(ONCE)), str(len(SENSE)), "probes"]
     bounce: Annotated[np.ndarray, float, "interfaces", str(len(BOUNCE))]
     rest: Annotated[np.ndarray, complex, "probes"]

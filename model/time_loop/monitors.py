@@ -7,7 +7,7 @@ import math
 from ..kernels.functions import scaled
 from ..kernels.jit import jit
 from ..step.excitation import at_place
-from ..step.laws import relative
+from ..step.laws import relative, squared_normal_force
 from ..structure.ledger import FLOWS, INFLOWS
 from ..warnings import COARSEST_IN_CONTACT, SLOW
 from .control import REALTIME, keeps_tolerance
@@ -42,7 +42,7 @@ _LOSSES = len(INFLOWS)
 def monitor_step(structure, control, spin, motion, memory, work):
     """Run the monitors that look at one accepted step."""
     monitor_revolution(structure, spin, motion, memory)
-    monitor_bounces(structure, motion, memory)
+    monitor_walls(structure, motion, memory)
     monitor_losses(structure, control, motion, memory, work)
 
 
@@ -50,15 +50,16 @@ def monitor_step(structure, control, spin, motion, memory, work):
 def monitor_revolution(structure, spin, motion, memory):
     """Update, for each probe, the largest displacements over the last whole revolution and the
     present one, and the forward and backward 1x components over the last whole revolution. If the
-    shaft stands still or turns back, both revolutions begin anew."""
+    shaft stands still or turns back, both revolutions begin anew, for `monitor_walls` too."""
     r = memory.record[0]
-    peaks, once = memory.peaks, memory.once
+    peaks, walls, once = memory.peaks, memory.wall_peaks, memory.once
     past = spin.theta - r.turn
     if abs(spin.omega) < STANDSTILL or (past - r.swept) * r.swept < 0.0:
         r.turn = spin.theta
         r.swept = 0.0
         past = 0.0
         peaks[: PEAK.since_communication, :, :] = 0.0
+        walls[: PEAK.since_communication, :] = 0.0
         once[ONCE.integral :, :, :] = 0.0
     by_step = abs(past - r.swept)
     is_whole = abs(past) >= TURN
@@ -93,6 +94,9 @@ def monitor_revolution(structure, spin, motion, memory):
                 peaks[PEAK.this_revolution, axis, i] = 0.0
             for span in (PEAK.this_revolution, PEAK.since_communication):
                 peaks[span, axis, i] = max(peaks[span, axis, i], size[axis])
+    for j in range(walls.shape[1] if is_whole else 0):
+        walls[PEAK.last_revolution, j] = walls[PEAK.this_revolution, j]
+        walls[PEAK.this_revolution, j] = 0.0
 
 
 @jit
@@ -124,11 +128,12 @@ def monitor_errors(structure, control, local, spin, old, new, memory):
 
 
 @jit
-def monitor_bounces(structure, motion, memory):
-    """Count the steps in which a journal keeps hitting opposite walls within a step or two."""
+def monitor_walls(structure, motion, memory):
+    """Update the largest normal forces of the walls over the present revolution, and count the
+    steps in which a journal keeps hitting opposite walls within a step or two."""
     r = memory.record[0]
     interfaces = structure.interfaces
-    bounce = memory.bounce
+    bounce, peaks = memory.bounce, memory.wall_peaks
     for j in range(len(interfaces)):
         if interfaces[j].has_wall == 0:
             continue
@@ -136,6 +141,9 @@ def monitor_bounces(structure, motion, memory):
         bounce[j, BOUNCE.score] = max(0.0, bounce[j, BOUNCE.score] - 1.0)
         if motion.force[j] != 0.0:
             d = relative(interfaces[j], motion.q)
+            squared = squared_normal_force(d, motion.force[j])
+            for span in (PEAK.this_revolution, PEAK.since_communication):
+                peaks[span, j] = max(peaks[span, j], squared)
             x, y = bounce[j, BOUNCE.x], bounce[j, BOUNCE.y]
             along = d.real * x + d.imag * y
             size = (d.real * d.real + d.imag * d.imag) * (x * x + y * y)

@@ -14,12 +14,13 @@ from ..parts.base import (
     PROBE_OUTPUTS,
     STEP_WORK,
     VELOCITY_OUTPUTS,
+    WALL_OUTPUTS,
     WAVE_OUTPUTS,
     outputs_of,
 )
 from ..quantities import ALL, SPEED, Output, places, remembered
 from ..step.excitation import at_load, at_place
-from ..step.laws import kinematics, law_observe
+from ..step.laws import kinematics, law_observe, squared_normal_force
 from ..structure.ledger import (
     INFLOWS,
     LAW_LOSSES,
@@ -174,6 +175,7 @@ PARTS_AT, _SOLVERS, _VELOCITIES = len(SHAFT), len(SOLVER), len(VELOCITY_OUTPUTS)
 _MACHINE_STORES, _MACHINE_FLOWS, _INFLOWS = len(MACHINE_STORES), len(MACHINE_FLOWS), len(INFLOWS)
 _WAVE = places(WAVE_OUTPUTS, len(PORT_OUTPUTS))
 _SHAFT, _SOLVER, _PROBE = places(SHAFT), places(SOLVER), places(PROBE_OUTPUTS)
+_WALL = places(WALL_OUTPUTS)
 _VELOCITY, _MOUNT, _PORT = places(VELOCITY_OUTPUTS), places(MOUNT_OUTPUTS), places(PORT_OUTPUTS)
 
 
@@ -222,13 +224,10 @@ def _observe_solver(r, out):
 
 
 @jit
-def _largest(peaks, axis, i):
-    """Return a probe's largest displacement over the two revolutions and since the last
-    communication point."""
+def _largest(peaks):
+    """Return the largest value over the two revolutions and since the last communication point."""
     return max(
-        peaks[PEAK.this_revolution, axis, i],
-        peaks[PEAK.last_revolution, axis, i],
-        peaks[PEAK.since_communication, axis, i],
+        peaks[PEAK.this_revolution], peaks[PEAK.last_revolution], peaks[PEAK.since_communication]
     )
 
 
@@ -241,9 +240,9 @@ def _observe_parts(structure, motion, memory, out):
         q = at_place(structure.probes[i], motion.q)
         probe[_PROBE.x] = q.real
         probe[_PROBE.y] = q.imag
-        probe[_PROBE.x_amp] = _largest(peaks, AXIS.x, i)
-        probe[_PROBE.y_amp] = _largest(peaks, AXIS.y, i)
-        probe[_PROBE.r_amp] = math.sqrt(_largest(peaks, AXIS.squared_distance, i))
+        probe[_PROBE.x_amp] = _largest(peaks[:, AXIS.x, i])
+        probe[_PROBE.y_amp] = _largest(peaks[:, AXIS.y, i])
+        probe[_PROBE.r_amp] = math.sqrt(_largest(peaks[:, AXIS.squared_distance, i]))
         forward = once[ONCE.mean, SENSE.forward, i]
         backward = once[ONCE.mean, SENSE.backward, i].conjugate()
         x, y = forward + backward, -1j * (forward - backward)
@@ -274,6 +273,12 @@ def _observe_parts(structure, motion, memory, out):
         moving = kinematics(interface, spin, motion.q, motion.v)
         internal_state = motion.internal_state[interface.internal_state :]
         law_observe(structure.laws, interface, moving, internal_state, out[interface.out :])
+        if interface.has_wall == 1:
+            squared = _largest(memory.wall_peaks[:, j])
+            if motion.force[j] != 0.0:
+                now = squared_normal_force(moving.displacement, motion.force[j])
+                squared = max(squared, now)
+            out[interface.wall_out + _WALL.fn_peak] = math.sqrt(squared)
 
 
 @jit

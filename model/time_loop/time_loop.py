@@ -236,6 +236,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
     structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
     r = memory.record[0]
     memory.peaks[PEAK.since_communication, :, :] = 0.0
+    memory.wall_peaks[PEAK.since_communication, :] = 0.0
     # of a machine that is unstable with its contacts open
     is_steady = keeps_tolerance(control.mode) and control.h_in_the_open < math.inf
     if is_steady:

@@ -146,9 +146,10 @@ def _contacts(run: Recording, of: str) -> str:
     ]
     rows, shares = [], touching(run)
     for contact in run.contacts if shares else ():
-        at, share = int(np.argmax(np.nan_to_num(contact.fn))), shares[contact.name]
-        speed = run.w[at] * d.speed if share else math.nan
-        rows.append([contact.label, contact.fn[at] * d.force, speed, 100 * share])
+        at = int(np.argmax(np.nan_to_num(contact.peak)))
+        speed = run.w[at] * d.speed if contact.peak[at] > 0 else math.nan
+        share = 100 * shares[contact.name]
+        rows.append([contact.label, contact.peak[at] * d.force, speed, share])
     return table(f"{of}contacts", heads, rows) if rows else ""
 
 

@@ -58,7 +58,7 @@ def _turns(run: Recording) -> dict[str, Any]:
     result["chosen"] = run.place().name
     d, contacts = current(), []
     for contact in run.contacts:
-        rub = vibration.contact(run.t, run.phi, contact.psi, contact.fn)
+        rub = vibration.contact(run.t, run.phi, contact.psi, contact.fn, contact.peak)
         rows = _thin(len(rub.t))
         values = {"hz": rub.speed / TURN, "peak": rub.peak * d.force, "mean": rub.mean * d.force}
         values |= {"share": 100 * rub.share, "angle": np.degrees(rub.angle), "t": rub.t}

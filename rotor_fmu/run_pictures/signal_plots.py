@@ -283,7 +283,7 @@ def contact_force(view: View) -> Figure:
     """Draw the normal force of a contact and the share of the time that it touches, over speed."""
     figure, (above, below) = two_over_speed()
     contact = view.run.contact(view.name)
-    result = vibration.contact(view.run.t, view.run.phi, contact.psi, contact.fn)
+    result = vibration.contact(view.run.t, view.run.phi, contact.psi, contact.fn, contact.peak)
     n, d = _speed(result.speed), current()
     largest = broken_at_reversals(n, result.peak * d.force)
     mean = broken_at_reversals(n, result.mean * d.force)
@@ -299,7 +299,7 @@ def contact_force(view: View) -> Figure:
 
 
 def _nowhere(contact: ContactSignals) -> str:
-    return "" if (contact.fn > 0).any() else ": nowhere in this run"
+    return "" if (contact.peak > 0).any() else ": nowhere in this run"
 
 
 def energy(view: View) -> Figure:

@@ -35,11 +35,13 @@ class MeasuringPoint:
 @dataclass(frozen=True)
 class ContactSignals:
     """A contact: its name, angle psi [rad], NaN of surfaces that touch through a film, which have
-    none recorded, and normal force fn [N], shape (n,)."""
+    none recorded, normal force fn [N], and its largest value of all steps over the last revolution
+    [N], fn itself where that was not recorded; shape (n,)."""
 
     name: str
     psi: np.ndarray
     fn: np.ndarray
+    peak: np.ndarray
 
     @property
     def has_angle(self) -> bool:

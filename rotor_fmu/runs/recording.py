@@ -117,7 +117,12 @@ class Recording(ShortRepr):
         names = [name.removesuffix(".fn") for name in columns if name.endswith(".fn")]
         unknown = np.full(len(self.t), np.nan)
         return tuple(
-            ContactSignals(name, columns.get(f"{name}.psi", unknown), columns[f"{name}.fn"])
+            ContactSignals(
+                name,
+                columns.get(f"{name}.psi", unknown),
+                columns[f"{name}.fn"],
+                columns.get(f"{name}.fn_peak", columns[f"{name}.fn"]),
+            )
             for name in names
         )
 

@@ -31,7 +31,7 @@ from .recording import Recording
 RECORDER_ROWS = 16384  # that a communication step may have: some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
 _NO_PARTS = ("", "solver", "energy")
-_USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
+_USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft", "fn_peak")
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,11 @@ def summary(run: Run, place: str | None = None) -> dict[str, Any]:
 def last_contact(columns: Mapping[str, np.ndarray]) -> str | None:
     """Return the last part with a contact angle of those that touch, of all where none does."""
     parts = [name.removesuffix(".psi") for name in columns if name.endswith(".psi")]
-    touching = [part for part in parts if np.any(columns.get(f"{part}.fn", 0.0) > 0.0)]
+    touching = [
+        part
+        for part in parts
+        if any(np.any(columns.get(f"{part}.{force}", 0.0) > 0.0) for force in ("fn", "fn_peak"))
+    ]
     return next(reversed(touching or parts), None)
 
 
@@ -159,8 +163,8 @@ def _contacts(recording: Recording) -> str:
     shares = touching(recording)
     if not shares:
         return "The machine has no contact that was recorded."
-    if not any(shares.values()):  # in a row; friction is summed over all steps
-        if any(recording.losses.get("friction", ())[-1:]):
+    if not any(shares.values()):  # in a row
+        if any((contact.peak > 0).any() for contact in recording.contacts):
             return "Journals touched, but too shortly for the rows of the recording to show it."
         return "No journal touched."
     least, most = (round(100 * f(shares.values())) for f in (min, max))

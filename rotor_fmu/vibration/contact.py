@@ -36,20 +36,28 @@ class Contact(ShortRepr):
     width: np.ndarray
 
 
-def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> Contact:
+def contact(
+    t: np.ndarray,
+    phi: np.ndarray,
+    psi: np.ndarray,
+    fn: np.ndarray,
+    fn_peak: np.ndarray | None = None,
+) -> Contact:
     """Return a contact's angle psi [rad], all NaN where it is not known, and normal force fn [N]
-    over a run, by turns. Where nothing touches no angle is needed.
+    over a run, by turns. Where nothing touches no angle is needed. fn_peak: the largest force of
+    all steps over the last revolution [N], where it is known: fn misses what is between samples.
 
     The samples are taken as they are, each for the interval about it: a force that comes and goes
     within a few steps is not interpolated. Raises `TooFewTurns` for less than a turn, `InputError`
     for what is no signal.
     """
-    t, phi, psi, fn = recorded(t=t, phi=phi, psi=psi, fn=fn)
+    fn_peak = fn if fn_peak is None else fn_peak
+    t, phi, psi, fn, fn_peak = recorded(t=t, phi=phi, psi=psi, fn=fn, fn_peak=fn_peak)
     if np.isfinite(psi).any():
         psi = np.where(fn == 0, 0.0, psi)
-        t, phi, psi, fn = finite(t=t, phi=phi, psi=psi, fn=fn)
+        t, phi, psi, fn, fn_peak = finite(t=t, phi=phi, psi=psi, fn=fn, fn_peak=fn_peak)
     else:
-        t, phi, fn = finite(t=t, phi=phi, fn=fn)
+        t, phi, fn, fn_peak = finite(t=t, phi=phi, fn=fn, fn_peak=fn_peak)
         psi = np.full(len(t), np.nan)
     turns = turns_of(t, phi)
     turns.needs(1)
@@ -72,7 +80,7 @@ def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> 
         turns.middle[is_seen],
         turns.speed[is_seen],
         touching / total,
-        np.maximum.reduceat(np.append(fn, 0), ends)[::2],
+        np.maximum.reduceat(np.append(fn_peak, 0), ends)[::2],
         force / total,
         np.where(spread <= ALL_ROUND, np.mod(np.angle(push), TURN), np.nan),
         spread,

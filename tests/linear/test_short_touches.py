@@ -17,7 +17,7 @@ amount = 1.2e-4
 node = 2
 journal_radius = 0.05
 clearance = {clearance}
-mu = 0.02
+mu = 0.0
 k = 1e9
 c = 50.0
 """

@@ -2,7 +2,6 @@
 
 import math
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -241,13 +240,3 @@ def test_a_transient_in_the_first_turns_is_not_in_the_displacements_of_slow_turn
     (row,) = re.findall("<td[^>]*>disc 2</td>(.*?)</tr>", tables(run, {}))
     *_, s_max = (float(cell) for cell in re.findall("<td[^>]*>([0-9.]+)</td>", row))
     assert s_max == pytest.approx(100, rel=0.01)
-
-
-@pytest.mark.parametrize(("worn", "said"), [(0.0, "No journal touched."), (1e-3, "Journals tou")])
-def test_a_touch_between_the_rows_of_a_recording_is_known_by_its_friction(worn, said):
-    recording = recorded(stop=1.0)
-    columns = {name: 0.0 * column for name, column in recording.columns.items()}
-    columns["energy.friction_loss"][-1] = worn
-    recording = replace(recording, columns=columns)
-    figures = {"place": None, "status": "ok"}
-    assert sentences(figures, recording, Path("report.html"))[1].startswith(said)
