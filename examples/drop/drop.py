@@ -100,7 +100,7 @@ def main(out: str = str(HERE)) -> None:
         f"{1e3 * math.sqrt(2 * CLEARANCE / 9.81):.2f} ms"
     )
     print(
-        f"largest force {history['touchdown_bearing[1].fn'].max():.0f} N, {lost:.1f} J lost, "
+        f"largest force {history['touchdown_bearing[1].fn_peak'].max():.0f} N, {lost:.1f} J lost, "
         f"energy balance closes within {abs(history['energy.residual'][-1]):.1e} J"
     )
 

@@ -39,7 +39,7 @@ OF_THE_ROTOR = (
     "energy.structure_loss", "energy.residual", "body[1].x_amp", "body[2].x_amp",
     "touchdown_bearing[1].x", "touchdown_bearing[1].y", "touchdown_bearing[1].fn",
     "touchdown_bearing[1].race", "touchdown_bearing[2].x", "touchdown_bearing[2].y",
-    "touchdown_bearing[2].fn", "touchdown_bearing[2].race",
+    "touchdown_bearing[2].fn", "touchdown_bearing[2].race", "touchdown_bearing[1].fn_peak",
 )  # fmt: skip
 CLEARANCE = 0.25e-3  # of the touchdown bearings [m]
 _LIFTED = 0.15  # how much of the lift is shown [s]
@@ -142,7 +142,7 @@ def summary(run: CoupledRun, off: float) -> dict[str, Any]:
         "peak_um": _um(rotor["body[1].x_amp"][peak]),
         "speed_at_switch_off_rad_per_s": at_off["w"],
         "first_contact_s": float(t[touch][0] - off) if touch.any() else None,
-        "largest_force_N": float(rotor["touchdown_bearing[1].fn"][dropped].max()),
+        "largest_force_N": float(rotor["touchdown_bearing[1].fn_peak"][dropped].max()),
         "deepest_um": _um(radius.max()),
         "race_speed_rad_per_s": last["touchdown_bearing[1].race"],
         "end_speed_rad_per_s": last["w"],
