@@ -69,9 +69,8 @@ def pytest_collection():
     a tenth of the time."""
     gc.disable()
     yield
-    gc.enable()
-    gc.collect()
     gc.freeze()
+    gc.enable()
     gc.set_threshold(20_000, 10, 10)
 
 
