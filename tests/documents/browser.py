@@ -55,7 +55,7 @@ class Page:
         end = time.monotonic() + PATIENCE
         while not self.run(f"return {condition}"):
             assert time.monotonic() < end, condition
-            time.sleep(0.05)
+            time.sleep(0.02)
 
     def set(self, name, value, event="input"):
         self.run(
