@@ -36,6 +36,9 @@ from .documents.browser import driver, silent  # noqa: F401, fixtures
 sys.modules["rfc3987_syntax"] = None
 
 TEMPORARY = pytest.StashKey[Path]()
+# files whose tests look at the same responses, or open pages in the same browser
+TOGETHER = [f"tests/periodic/test_{name}.py" for name in ("page", "branches", "located", "rub")]
+TOGETHER += ["tests/documents/test_page.py"]
 
 COMPILE_MODEL = """
 from rotor_fmu.model.machine.toml import rig
@@ -66,9 +69,8 @@ def pytest_collection():
     a tenth of the time."""
     gc.disable()
     yield
-    gc.enable()
-    gc.collect()
     gc.freeze()
+    gc.enable()
     gc.set_threshold(20_000, 10, 10)
 
 
@@ -80,6 +82,19 @@ def pytest_configure_node(node):
         build(folder, machine_of())
         _compile()
     node.workerinput["fmu"] = str(next(folder.glob("*.fmu")))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Files that share what takes long to make are one worker's, as the tests of a file are."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            file = super()._split_scope(nodeid)
+            return TOGETHER[0] if file in TOGETHER else file
+
+    return Scheduling(config, log) if config.getvalue("dist") == "loadfile" else None
 
 
 def _compile():
@@ -164,7 +179,7 @@ def drawn():
 @pytest.fixture(autouse=True)
 def _undrawn(request, monkeypatch):
     """Pictures in files and pages are empty where nobody looks at them: to draw them takes long,
-    and to compose those of mode shapes in space too."""
+    and so does to place their axes, and to compose those of mode shapes in space."""
     draw = Figure.savefig
 
     def savefig(figure, file, **options):
@@ -176,4 +191,5 @@ def _undrawn(request, monkeypatch):
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr(Figure, "savefig", savefig)
         monkeypatch.setattr(figure_style, "placed", nullcontext)
+        monkeypatch.setattr(figure_style.PlainFigure, "place_axes", lambda self: None)
         monkeypatch.setattr(mode_answers, "mode_shapes_figure", lambda *_: Figure())

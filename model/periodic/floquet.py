@@ -320,14 +320,14 @@ def real_transition_matrix(steps: Propagators, change: np.ndarray) -> np.ndarray
     left = np.eye(3 * c) - (change @ among).reshape(count, 3 * c, 3 * c)
     seen = steps.output_by_state.reshape(-1, 3, outputs, n)[steps.length_of_step]
     forces = np.linalg.inv(left) @ (change @ seen).reshape(count, 3 * c, n)
-    state = np.eye(n)
-    for i, k in enumerate(steps.length_of_step):
-        after = steps.state_by_force[k] @ (forces[i] @ state)
-        after += steps.diagonal[k][:, None] * state
-        state = state.take(steps.partner, 0)
-        state *= steps.cross[k][:, None]
-        state += after
-    return state
+    step = steps.state_by_force[steps.length_of_step] @ forces
+    own = np.arange(n)
+    step[:, own, own] += steps.diagonal[steps.length_of_step]
+    step[:, own, steps.partner] += steps.cross[steps.length_of_step]
+    while len(step) > 1:  # the product, of neighbours first
+        odd = step[len(step) - len(step) % 2 :]
+        step = np.concatenate([step[1::2] @ step[: len(step) - len(odd) : 2], odd])
+    return step[0]
 
 
 def real_amplitudes(roots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -29,6 +29,7 @@ _NEAR = 0.02  # in samples, or in distances to the next corner
 _NEAR_ROOT = 0.2  # where a tangent like a root begins: its derivatives grow without bound there
 _LEAST = 1e-5  # of that distance, in samples
 _NEWTON, _EXACT = 6, 5  # iterations on the interpolated gap; secants on the gap itself
+_FOUND = 1e-13  # in samples: the last secant moved no corner further
 
 
 class Crossings(NamedTuple):
@@ -87,6 +88,8 @@ def crossings(
             near = share - value / rate
         before, last = share, value
         share = np.where(np.isfinite(near), np.clip(near, 0.0, 1.0), share)
+        if np.abs(share - before).max() < _FOUND:
+            break
     return Crossings(cell, share, laws.corner_owner[which])
 
 

@@ -9,11 +9,10 @@ def basis(H: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the H harmonics of a series at angles [rad], and their derivatives by the angle, shape
     (n, 2 H + 1) each."""
     k = np.arange(1, H + 1)
-    c, s = np.cos(np.outer(angles, k)), np.sin(np.outer(angles, k))
+    turned = np.cumprod(np.repeat(np.exp(1j * angles)[:, None], H, axis=1), axis=1)
     value, slope = np.zeros((2, len(angles), 2 * H + 1))
     value[:, 0] = 1.0
-    value[:, 1::2], value[:, 2::2] = c, s
-    slope[:, 1::2], slope[:, 2::2] = -k * s, k * c
+    value[:, 1:], slope[:, 1:] = turned.view(float), (1j * k * turned).view(float)
     return value, slope
 
 
@@ -45,7 +44,7 @@ def amplitudes(coefficients: np.ndarray) -> np.ndarray:
     first axis."""
     out = np.zeros((len(coefficients) // 2 + 1, *coefficients.shape[1:]), complex)
     out[0] = coefficients[0]
-    out[1:] = coefficients[1::2] - 1j * coefficients[2::2]
+    out.real[1:], out.imag[1:] = coefficients[1::2], -coefficients[2::2]
     return out
 
 

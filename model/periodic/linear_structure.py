@@ -53,6 +53,14 @@ class DynamicStiffness(NamedTuple):
         return np.concatenate([b, r], axis=1)
 
 
+def _moved_by(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Return the coordinates b that move an interface, its displacements by these, of all of b rows
+    of shape (2, b), and whether they are its displacements."""
+    at = np.flatnonzero(rows.any(axis=0))
+    near = rows[:, at]
+    return at, near, len(at) == 2 and np.array_equal(near, np.eye(2))
+
+
 class CondensedMachine:
     """A machine whose linear part is condensed to its nonlinear interfaces.
 
@@ -83,6 +91,7 @@ class CondensedMachine:
         self.size, self.b = N, 2 * len(independent)
         # of d, the relative displacements of all nonlinear interfaces, by b
         self.B = (across[rows] @ self._T)[:, : self.b]
+        self._moved_by = [_moved_by(rows) for rows in self.B.reshape(len(self.B) // 2, 2, self.b)]
         self._linear_rows = (across[~rows] @ self._T).reshape(-1, 2, N)
         self._linear = linear
         # of the observed displacements, x and y of each place in turn, by all coordinates
@@ -190,7 +199,7 @@ class CondensedMachine:
         solved = np.linalg.solve(dynamic[:, b:, b:], right)
         r_by_b, r_of_loads = solved[:, :, :b], solved[:, :, b]
         S = dynamic[:, :b, :b] - dynamic[:, :b, b:] @ r_by_b
-        of_force = force[:, :b] - np.einsum("kbr,kr->kb", dynamic[:, :b, b:], r_of_loads)
+        of_force = force[:, :b] - (dynamic[:, :b, b:] @ r_of_loads[:, :, None])[:, :, 0]
         return DynamicStiffness(S, of_force, r_of_loads, r_by_b)
 
     @property
@@ -212,10 +221,7 @@ class CondensedMachine:
         """Return the tangents of the interfaces, shape (n, m, 2, 2), in the coordinates b, shape
         (n, b, b)."""
         out = np.zeros((len(by), self.b, self.b))
-        for j, rows in enumerate(self.B.reshape(-1, 2, self.b)):
-            at = np.flatnonzero(rows.any(axis=0))
-            near = rows[:, at]
-            is_direct = len(at) == 2 and np.array_equal(near, np.eye(2))
+        for j, (at, near, is_direct) in enumerate(self._moved_by):
             out[:, at[:, None], at] += by[:, j] if is_direct else near.T @ by[:, j] @ near
         return out
 

@@ -245,7 +245,7 @@ def test_a_machine_without_unbalance_is_not_said_to_pass(refusal, tmp_path, caps
     assert "Deflection under gravity" in report.html
 
 
-@pytest.mark.usefixtures("coarse_report")
+@pytest.mark.usefixtures("coarse_report", "without_runs")
 def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(command):
     """The Jeffcott rotor's is at 955 rpm; looked at is one and a half times the highest speed."""
     rotor = load_rotor(Path(JEFFCOTT))[1]

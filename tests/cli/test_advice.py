@@ -25,7 +25,7 @@ def outcome(rotor, settings, stop, interval=0.005):
 
 SLOW = {
     "a stiff wall": ({"k": 1e20}, {}),
-    "friction that locks": ({"mu": 5.0}, {}),
+    "friction that locks": ({"mu": 5.0}, {"max_iterations": 10**6}),
 }
 MENDED = {
     "preset robust": ("friction that locks", {}, {"preset": "robust"}),
@@ -46,7 +46,8 @@ def test_a_run_that_takes_too_much_work_gets_on_with_the_advice_for_its_trouble(
     before = SLOW[trouble]
     output = outcome(rubbing(**before[0]), choose(**before[1]), 0.01, interval=0.01)
     assert advice in output[-1]
-    assert "stopped after 10000000 iterations" in output[-1]
+    most = before[1].get("max_iterations", 10**7)
+    assert f"stopped after {most} iterations" in output[-1]
     output = outcome(
         rubbing(**before[0] | bearing), choose(**before[1] | settings), 0.01, interval=0.01
     )
@@ -67,7 +68,7 @@ def test_the_false_state_is_avoided_by_the_preset_robust_and_by_a_smaller_step()
     assert output.startswith("false state")
     assert "take the preset robust, or a smaller solver.h" in output
     assert warnings_on_the_rig(choose("robust")) == []
-    assert warnings_on_the_rig(choose("moderate", h=1e-4)) == []
+    assert warnings_on_the_rig(choose("moderate", h=2e-4)) == []
 
 
 @pytest.mark.parametrize(

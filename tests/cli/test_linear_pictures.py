@@ -20,6 +20,7 @@ from ..toml_text import table
 from .test_linear_commands import ROSS, TURBOCHARGER
 
 
+@pytest.mark.usefixtures("drawn")
 def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
     """Of a machine whose critical speeds of four orders lie close together."""
     rotor = load_rotor(ROSS / "under_tension.toml")[1]
@@ -32,6 +33,7 @@ def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
     assert not any(box.count_overlaps(boxes[:i]) for i, box in enumerate(boxes))
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.parametrize("orders", [(1.0,), tuple(np.arange(1.0, 11.0))])
 def test_the_legend_of_a_campbell_diagram_lies_within_it_and_covers_no_line(orders):
     rotor = load_rotor(TURBOCHARGER)[1]
@@ -65,6 +67,7 @@ def test_modes_too_damped_to_peak_are_faint_in_a_campbell_diagram():
     ]
 
 
+@pytest.mark.usefixtures("drawn")
 def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_nor_nodes(tmp_path):
     """Of a machine whose supports stand close together."""
     nodes = [0.05 * i for i in range(9)]
@@ -85,6 +88,7 @@ def test_the_loads_in_a_picture_of_a_machine_at_rest_cover_neither_each_other_no
         assert not any(box.contains(*dot) for dot in dots)
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.parametrize("case", ["two elements", "long words"])
 def test_the_loads_in_a_picture_of_a_machine_at_rest_cross_no_curve(tmp_path, case):
     """Of a shaft that sags below and beside its supports."""
@@ -152,6 +156,7 @@ def test_a_balancing_at_several_speeds_has_a_picture_of_each():
     assert fast.viewLim.width == pytest.approx(100.0 * slow.viewLim.width)
 
 
+@pytest.mark.usefixtures("drawn")
 def test_places_that_vibrate_alike_have_labels_beside_each_other_in_a_balancing():
     seen = tuple(Vibration(n, "x", 30.0, 1e-6 + n * 1e-9j, 0.0, 0.0) for n in (2, 3, 4, 5))
     numbers = {"influence": np.zeros((4, 1)), "rank": 1, "touches": False, "settles": True}

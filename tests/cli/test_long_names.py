@@ -87,7 +87,7 @@ def test_names_lie_within_the_picture_of_an_amplitude(run):
         lambda machine: mode_shapes_figure(machine.modes(100.0)),
         lambda machine: machine.campbell((1.0, 400.0)).figure(),
         lambda machine: machine.unbalance_response((1.0, 400.0)).figure(),
-        lambda machine: rf.response(machine, speed=(60.0, 90.0)).figure(),
+        lambda machine: rf.response(machine, speed=(60.0, 90.0), step=3.0).figure(),
         balancing,
     ],
     ids=["show", "static", "modes", "modes_3d", "campbell", "unbalance", "response", "balancing"],

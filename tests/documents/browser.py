@@ -40,11 +40,12 @@ class Element:
 
 
 class Page:
-    """A page that is open in a browser."""
+    """A page that is open in a browser; is_anew: loaded also where the browser shows it already."""
 
-    def __init__(self, driver, path):
+    def __init__(self, driver, path, is_anew=True):
         self.driver = driver
-        driver.open(path.as_uri())
+        if is_anew or self.run("return location.href") != path.as_uri():
+            driver.open(path.as_uri())
         self.wait("document.documentElement.dataset.ready === 'yes'")
 
     def run(self, script, *arguments):
@@ -54,7 +55,7 @@ class Page:
         end = time.monotonic() + PATIENCE
         while not self.run(f"return {condition}"):
             assert time.monotonic() < end, condition
-            time.sleep(0.05)
+            time.sleep(0.02)
 
     def set(self, name, value, event="input"):
         self.run(
@@ -99,7 +100,9 @@ class Page:
         while not self.run(f"return {condition}"):
             assert time.monotonic() < end, condition
             self.mouse(x, y, "click", "click")
-            time.sleep(0.5)
+            again = time.monotonic() + 0.5
+            while time.monotonic() < again and not self.run(f"return {condition}"):
+                time.sleep(0.05)
 
     def wheel(self, x, y, turned):
         """Turn the wheel by so many pixels at a place of the window [px]."""

@@ -53,34 +53,9 @@ def content(name, folder):
     return runs_page(runs, [{}] * len(runs))
 
 
-@in_every_browser
-def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(silent, pages):
-    page = Page(silent, pages("one"))
-    page.click_at("over.bode", 40.0, 50.0)
-    run = recorded()
-    z = run.columns["disc[2].x"] + 1j * run.columns["disc[2].y"]
-    stations = np.array(page.run("return over.runs[0].stations.hz"))
-    nearest = stations[np.argmin(np.abs(stations - 40.0))]
-    at = int(page.find("station").get_property("value"))
-    assert abs(stations[at] - nearest) < 0.5
-    assert f"at {float(f'{stations[at]:.5g}'):g} Hz" in page.text("reading")
-    # what the library of signals says at that speed
-    orbit = np.array(page.run("const d = over.parts[0].orbit.data; return [[...d.x], [...d.y]]"))
-    t = page.run("return over.runs[0].stations.t[arguments[0]]", at)
-    near = np.abs(run.t - t) < 2 * 2 * math.pi / 240.0
-    assert np.abs(orbit[0]).max() == pytest.approx(np.abs(z.real[near]).max() * 1e6, rel=0.01)
-    assert np.abs(orbit[0] + 1j * orbit[1]).min() == pytest.approx(60.0, rel=0.01)
-    truth = vibration.full_spectrum(run.t, run.columns["phi"], z, 2 * math.pi * stations[at])
-    top = np.array(page.run("return [...over.parts[0].spectrum.data.top]"))
-    assert np.abs(top - truth.amplitude * 1e6).max() < 0.05
-    spans = page.run("return over.spans.map((span) => span.location)")
-    assert spans == [stations[at]] * len(spans)
-    mark = page.run("const d = over.parts[0].marks.data; return [d.x[0], d.y[0]]")
-    expected = 80 * np.exp(-0.6j) + 20
-    assert complex(*mark) == pytest.approx(expected, abs=0.1)
-
-
-@pytest.mark.parametrize(("name", "sign"), [("backward", -1), ("both ways", 1)])
+@pytest.mark.parametrize(
+    ("name", "sign"), [pytest.param("backward", -1, marks=pytest.mark.slow), ("both ways", 1)]
+)
 def test_speeds_of_a_shaft_that_turns_backward_are_below_zero(silent, pages, name, sign):
     page = Page(silent, pages(name))
     hz = np.array(page.run("return over.runs[0].stations.hz"))
@@ -107,20 +82,73 @@ def test_a_name_is_shown_as_it_is(silent, pages):
     assert page.run("return time.runs[0].name") == NASTY
 
 
-@pytest.mark.slow
-def test_the_slider_is_worked_by_the_keys(silent, pages):
-    page = Page(silent, pages("one"))
-    before = int(page.find("station").get_property("value"))
-    output = page.text("reading")
-    page.find("station").press(LEFT, LEFT)
-    assert int(page.find("station").get_property("value")) == before - 2
-    assert page.text("reading") != output
-    page.find("in").press(ENTER)
-    assert page.run("return time.range.end - time.range.start") == pytest.approx(3.0, rel=1e-3)
+@pytest.fixture
+def page(silent, pages):
+    """The page of one run, loaded once for tests that change in it what no other of them looks at,
+    or change it back."""
+    return Page(silent, pages("one"), is_anew=False)
 
 
-def test_values_under_the_cursor_are_those_recorded(silent, pages):
-    page = Page(silent, pages("one"))
+@in_every_browser
+def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(page):
+    page.click_at("over.bode", 40.0, 50.0)
+    run = recorded()
+    z = run.columns["disc[2].x"] + 1j * run.columns["disc[2].y"]
+    stations = np.array(page.run("return over.runs[0].stations.hz"))
+    nearest = stations[np.argmin(np.abs(stations - 40.0))]
+    at = int(page.find("station").get_property("value"))
+    assert abs(stations[at] - nearest) < 0.5
+    assert f"at {float(f'{stations[at]:.5g}'):g} Hz" in page.text("reading")
+    # what the library of signals says at that speed
+    orbit = np.array(page.run("const d = over.parts[0].orbit.data; return [[...d.x], [...d.y]]"))
+    t = page.run("return over.runs[0].stations.t[arguments[0]]", at)
+    near = np.abs(run.t - t) < 2 * 2 * math.pi / 240.0
+    assert np.abs(orbit[0]).max() == pytest.approx(np.abs(z.real[near]).max() * 1e6, rel=0.01)
+    assert np.abs(orbit[0] + 1j * orbit[1]).min() == pytest.approx(60.0, rel=0.01)
+    truth = vibration.full_spectrum(run.t, run.columns["phi"], z, 2 * math.pi * stations[at])
+    top = np.array(page.run("return [...over.parts[0].spectrum.data.top]"))
+    assert np.abs(top - truth.amplitude * 1e6).max() < 0.05
+    spans = page.run("return over.spans.map((span) => span.location)")
+    assert spans == [stations[at]] * len(spans)
+    mark = page.run("const d = over.parts[0].marks.data; return [d.x[0], d.y[0]]")
+    expected = 80 * np.exp(-0.6j) + 20
+    assert complex(*mark) == pytest.approx(expected, abs=0.1)
+
+
+def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_its_unit(page):
+    lines = page.run(
+        "const value = (given) => String(given.value ?? given);"
+        "return over.bode.hovered.slice(0, 4).map(({ name, glyph }) =>"
+        "[name, value(glyph.line_color), value(glyph.line_dash)])"
+    )
+    assert [name for name, *_ in lines] == ["1x of x", "1x of y", "2x", "0.5x"]
+    assert len({color for _, color, _ in lines}) == len({dash for *_, dash in lines}) == 4
+    assert page.run("return over.bode.hover.tooltips.map((row) => row.join(' '))") == [
+        "line $name", "amplitude @y{custom} µm 0-p", "speed @x{custom} Hz",
+    ]  # fmt: skip
+    said = page.run("return over.bode.hover.formatters['@y'].format(0.00123456789, '', {})")
+    assert said == "0.0012346"  # of a rotor that moves by nanometres
+
+
+def test_speeds_are_shown_in_rpm(page):
+    page.set("turns", "60", "change")
+    for chart in ("bode", "phase", "energy"):
+        axis = f"over.{chart}.plot.below[0]"
+        assert page.run(f"return {axis}.axis_label") == "Speed [rpm]"
+        ticks = page.run(f"return {axis}.formatter.doFormat([20, 30.5], {{}})")
+        assert ticks == ["1200", "1830"]
+        apart = np.diff(page.run(f"return {axis}.ticker.get_ticks(0, 50, null, 0, {{}}).major"))
+        assert 60 * apart == pytest.approx(500)
+    assert page.run("return over.bode.hover.tooltips[2].join(' ')") == "speed @x{custom} rpm"
+    assert re.search(r" at \d+ rpm \([\d.]+ Hz\), t = ", page.text("reading"))
+    across = "over.spectrum.plot.below[0]"
+    assert page.run(f"return {across}.axis_label") == "Whirl frequency [cpm], backward < 0"
+    assert page.run(f"return {across}.formatter.doFormat([50], {{}})") == ["3000"]
+    page.set("turns", "1", "change")
+    assert page.run("return over.bode.plot.below[0].axis_label") == "Speed [Hz]"
+
+
+def test_values_under_the_cursor_are_those_recorded(page):
     run = recorded()
     x = run.columns["disc[2].x"] * 1e6
     for t in (0.0, 1.234, 3.3333, 5.999):
@@ -134,6 +162,35 @@ def test_values_under_the_cursor_are_those_recorded(silent, pages):
     page.set("cursor", 1.234)
     y = run.columns["disc[2].y"][1234] * 1e6
     page.wait(f"document.getElementById('value').textContent.includes('{y:.1f}')")
+
+
+def test_a_second_place_and_a_time_base_are_drawn(page):
+    """Disc 1 moves half as much as disc 2; the time base has the orbit's values over two turns."""
+    assert page.run("return over.parts[0].second.data.y.length") == 0
+    page.set("second", "disc[1]", "change")
+    one, two = page.run("const p = over.parts[0]; return [p.bodeX.data.y[10], p.second.data.y[10]]")
+    assert two == pytest.approx(one / 2, rel=1e-3)
+    orbits = page.run(
+        "const p = over.parts[0]; return [[...p.orbit.data.x], [...p.otherOrbit.data.x],"
+        "[...p.base[0].data.y], [...p.base[0].data.x]]"
+    )
+    assert np.array(orbits[0]) == pytest.approx(2 * np.array(orbits[1]), abs=0.05)
+    assert orbits[2] == orbits[0]
+    assert orbits[3][0] == 0
+    assert orbits[3][-1] == pytest.approx(2, abs=0.05)
+    assert "disc 1" in page.run("return document.querySelector('#bode .legend').textContent")
+
+
+@pytest.mark.slow
+def test_the_slider_is_worked_by_the_keys(silent, pages):
+    page = Page(silent, pages("one"))
+    before = int(page.find("station").get_property("value"))
+    output = page.text("reading")
+    page.find("station").press(LEFT, LEFT)
+    assert int(page.find("station").get_property("value")) == before - 2
+    assert page.text("reading") != output
+    page.find("in").press(ENTER)
+    assert page.run("return time.range.end - time.range.start") == pytest.approx(3.0, rel=1e-3)
 
 
 @pytest.mark.slow
@@ -228,45 +285,8 @@ def test_a_page_prints(silent, pages):
     assert silent.printed().startswith("JVBERi0")  # %PDF-, in base64
 
 
-def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_its_unit(
-    silent, pages
-):
-    page = Page(silent, pages("one"))
-    lines = page.run(
-        "const value = (given) => String(given.value ?? given);"
-        "return over.bode.hovered.slice(0, 4).map(({ name, glyph }) =>"
-        "[name, value(glyph.line_color), value(glyph.line_dash)])"
-    )
-    assert [name for name, *_ in lines] == ["1x of x", "1x of y", "2x", "0.5x"]
-    assert len({color for _, color, _ in lines}) == len({dash for *_, dash in lines}) == 4
-    assert page.run("return over.bode.hover.tooltips.map((row) => row.join(' '))") == [
-        "line $name", "amplitude @y{custom} µm 0-p", "speed @x{custom} Hz",
-    ]  # fmt: skip
-    said = page.run("return over.bode.hover.formatters['@y'].format(0.00123456789, '', {})")
-    assert said == "0.0012346"  # of a rotor that moves by nanometres
-
-
-def test_speeds_are_shown_in_rpm(silent, pages):
-    page = Page(silent, pages("one"))
-    page.set("turns", "60", "change")
-    for chart in ("bode", "phase", "energy"):
-        axis = f"over.{chart}.plot.below[0]"
-        assert page.run(f"return {axis}.axis_label") == "Speed [rpm]"
-        ticks = page.run(f"return {axis}.formatter.doFormat([20, 30.5], {{}})")
-        assert ticks == ["1200", "1830"]
-        apart = np.diff(page.run(f"return {axis}.ticker.get_ticks(0, 50, null, 0, {{}}).major"))
-        assert 60 * apart == pytest.approx(500)
-    assert page.run("return over.bode.hover.tooltips[2].join(' ')") == "speed @x{custom} rpm"
-    assert re.search(r" at \d+ rpm \([\d.]+ Hz\), t = ", page.text("reading"))
-    across = "over.spectrum.plot.below[0]"
-    assert page.run(f"return {across}.axis_label") == "Whirl frequency [cpm], backward < 0"
-    assert page.run(f"return {across}.formatter.doFormat([50], {{}})") == ["3000"]
-    page.set("turns", "1", "change")
-    assert page.run("return over.bode.plot.below[0].axis_label") == "Speed [Hz]"
-
-
-def test_the_wheel_zooms_about_the_pointer_and_a_double_click_shows_all_again(silent, pages):
-    page = Page(silent, pages("one"))
+def test_the_wheel_zooms_about_the_pointer_and_a_double_click_shows_all_again(page):
+    """And dragging over a picture shows the stretch that was selected."""
     ends = "const r = over.bode.plot.x_range; return [r.start, r.end]"
     whole = page.run(ends)
     page.click_at("over.bode", 40.0, 50.0)
@@ -283,33 +303,11 @@ def test_the_wheel_zooms_about_the_pointer_and_a_double_click_shows_all_again(si
     page.wheel(*at, -300)
     page.wait("over.bode.plot.x_range.end - over.bode.plot.x_range.start < 30")
     page.double_click_until(f"over.bode.plot.x_range.end === {whole[1]}", *at)
-
-
-def test_dragging_over_a_picture_shows_the_stretch_that_was_selected(silent, pages):
-    page = Page(silent, pages("one"))
     left, right = (page.place("over.bode", x) for x in (32, 38))
     page.mouse(*left, "down", right, "up")
     page.wait("over.bode.plot.x_range.end < 39")
     assert page.run("return over.bode.plot.x_range.start") == pytest.approx(32, abs=0.5)
     assert page.run("return over.bode.plot.x_range.end") == pytest.approx(38, abs=0.5)
-
-
-def test_a_second_place_and_a_time_base_are_drawn(silent, pages):
-    """Disc 1 moves half as much as disc 2; the time base has the orbit's values over two turns."""
-    page = Page(silent, pages("one"))
-    assert page.run("return over.parts[0].second.data.y.length") == 0
-    page.set("second", "disc[1]", "change")
-    one, two = page.run("const p = over.parts[0]; return [p.bodeX.data.y[10], p.second.data.y[10]]")
-    assert two == pytest.approx(one / 2, rel=1e-3)
-    orbits = page.run(
-        "const p = over.parts[0]; return [[...p.orbit.data.x], [...p.otherOrbit.data.x],"
-        "[...p.base[0].data.y], [...p.base[0].data.x]]"
-    )
-    assert np.array(orbits[0]) == pytest.approx(2 * np.array(orbits[1]), abs=0.05)
-    assert orbits[2] == orbits[0]
-    assert orbits[3][0] == 0
-    assert orbits[3][-1] == pytest.approx(2, abs=0.05)
-    assert "disc 1" in page.run("return document.querySelector('#bode .legend').textContent")
 
 
 # the last, and the dark ones last of them: Firefox is started anew to be dark
@@ -320,7 +318,7 @@ def test_a_second_place_and_a_time_base_are_drawn(silent, pages):
 @pytest.mark.parametrize(("width", "dark"), [(1600, False), (400, True)])
 def test_every_page_is_silent_and_fits_its_width(silent, pages, name, width, dark):
     look(silent, width, dark)
-    page = Page(silent, pages(name))
+    page = Page(silent, pages(name), is_anew=dark)
     assert page.run("return document.documentElement.scrollWidth") <= width
     number = "document.querySelector('.table td:last-child').getBoundingClientRect()"
     assert name == "study" or page.run(f"return {number}.right") <= width

@@ -209,6 +209,7 @@ def test_cofmpy_gives_the_same_from_its_system_file(system, through_fmpy):
     assert row["rotor.tau_load"] == pytest.approx(through_fmpy["rotor"]["tau_load"][-1], rel=1e-9)
 
 
+@pytest.mark.slow  # test_hosts has it give what a plain master gives
 def test_cofmpys_gauss_seidel_differs_by_the_communication_step_only(system, through_fmpy):
     pytest.importorskip("cofmupy", reason="pip install --no-deps cofmupy: it pins old versions")
     row = last_row(system / "with_cofmpy.py", "1", "gauss_seidel")

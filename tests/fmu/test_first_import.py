@@ -16,6 +16,7 @@ for i in range(3):
     entries.append(sum("resources" in entry for entry in sys.path))
 show(lengths=lengths, entries=entries)
 """,
+        is_anew=True,
     )
     assert seen.entries == [1] * 3
     assert seen.lengths == [seen.lengths[0]] * 9
@@ -31,6 +32,7 @@ ours = [m.__file__ for name, m in sys.modules.items() if name.startswith("rotorb
 new_packages = {name.partition(".")[0] for name in set(sys.modules) - before}
 show(folder=str(folder), ours=ours, new_packages=sorted(new_packages))
 """,
+        is_anew=True,
     )
     assert len(seen.ours) == 4
     assert all(file.startswith(seen.folder) for file in seen.ours), seen

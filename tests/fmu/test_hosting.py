@@ -50,10 +50,14 @@ def show(**seen):
 """
 
 
-def in_a_process(fmu, script, environment=None, seconds=1200, arguments=()):
-    """What a script shows at last by `show`, as an object; fails on a crash or an error."""
-    program = PRELUDE + script
-    done = run_anew(program, fmu, *arguments, seconds=seconds, **(environment or {}))
+def in_a_process(fmu, script, environment=None, seconds=1200, arguments=(), is_anew=False):
+    """What a script shows at last by `show`, as an object; fails on a crash or an error. is_anew:
+    in a process that has imported nothing, as one with an environment of its own is."""
+    program = (PRELUDE + script, fmu, *arguments)
+    if environment or is_anew:
+        done = run_anew(*program, seconds=seconds, **(environment or {}))
+    else:
+        done = run_python(*program, seconds=seconds)
     assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"
     return SimpleNamespace(**json.loads(done.stdout.splitlines()[-1]))
 
@@ -245,6 +249,7 @@ build(Path(sys.argv[2]), machine_of())
 show(wrapper=wrapper)
 """,
         arguments=[str(tmp_path)],
+        is_anew=True,
     )
     assert "resources" in seen.wrapper
     assert contents_of(tmp_path / fmu.name) == contents_of(fmu)

@@ -295,10 +295,15 @@ ALGORITHMS = {
     "Jacobi, iterated with rollback": ("jacobi", 10),
     "Gauss-Seidel, iterated with rollback": ("gauss_seidel", 10),
 }
+FAILING = {"disc[1].e": 1.0}
 
 
-def cofmpy(fmu, motor, folder, algorithms, **inputs):
-    """Run CoFMPy; what the rotor shows is left in NAME.json in the folder."""
+@pytest.fixture(scope="module")
+def cofmpys_results(fmu, motor, tmp_path_factory):
+    """Every algorithm, and last a rotor that fails, in one process: its end, and the folder in
+    which what the rotor shows is left in NAME.json."""
+    folder = tmp_path_factory.mktemp("cofmpy")
+    asked = [(name, *how, {}) for name, how in ALGORITHMS.items()]
     configs = {
         name: {
             "root": "",
@@ -310,31 +315,24 @@ def cofmpy(fmu, motor, folder, algorithms, **inputs):
             ],
             "connections": CHAIN,
         }
-        for name, (algorithm, iterations) in algorithms.items()
+        for name, algorithm, iterations, inputs in (*asked, ("failing", "jacobi", 1, FAILING))
     }
-    return run_python(COFMPY, json.dumps([configs, STEPS, H, SEEN]), cwd=folder)
-
-
-@pytest.fixture(scope="module")
-def cofmpys_results(fmu, motor, tmp_path_factory):
-    """Every algorithm in one process."""
-    folder = tmp_path_factory.mktemp("cofmpy")
-    done = cofmpy(fmu, motor, folder, ALGORITHMS)
-    assert done.returncode == 0, done.stderr
-    return {name: json.loads((folder / f"{name}.json").read_text()) for name in ALGORITHMS}
+    return run_python(COFMPY, json.dumps([configs, STEPS, H, SEEN]), cwd=folder), folder
 
 
 @WITH_COFMPY
 @pytest.mark.parametrize("name", ALGORITHMS)
 def test_cofmpy_gives_what_a_plain_master_gives(fmu, motor, cofmpys_results, name):
-    order, seen = cofmpys_results[name]
+    done, folder = cofmpys_results
+    file = folder / f"{name}.json"
+    assert file.exists(), done.stderr
+    order, seen = json.loads(file.read_text())
     assert seen == march(fmu, motor, order, *ALGORITHMS[name])
 
 
 @WITH_COFMPY
-def test_cofmpy_does_not_end_in_silence_when_the_rotor_fails(fmu, motor, tmp_path):
-    first = dict([*ALGORITHMS.items()][:1])
-    done = cofmpy(fmu, motor, tmp_path, first, **{"disc[1].e": 1.0})
+def test_cofmpy_does_not_end_in_silence_when_the_rotor_fails(cofmpys_results):
+    done, folder = cofmpys_results
     assert done.returncode == 1
-    assert not (tmp_path / "Jacobi.json").exists()
+    assert not (folder / "failing.json").exists()
     assert "RotorBearing.fmu: error: t = " in done.stderr

@@ -25,9 +25,13 @@ def simulate(fmu, stop, step, speed, start=0.0, **parameters):
 FIXED = 1
 
 
+@pytest.fixture(scope="module")
+def reference(fmu):
+    return simulate(fmu, 0.7, 0.05, [(0, 200.0)], solver__adaptive=FIXED, solver__h=1e-4)
+
+
 @pytest.mark.parametrize("step", [2e-4, 1e-3, 7e-3, 0.02, 0.1])
-def test_at_constant_speed_the_communication_step_does_not_matter(fmu, step):
-    reference = simulate(fmu, 0.7, 0.05, [(0, 200.0)], solver__adaptive=FIXED, solver__h=1e-4)
+def test_at_constant_speed_the_communication_step_does_not_matter(fmu, reference, step):
     result = simulate(fmu, 0.7, step, [(0, 200.0)], solver__adaptive=FIXED, solver__h=1e-4)
     assert result["time"][-1] == pytest.approx(0.7)
     for axis in "xy":

@@ -130,6 +130,7 @@ MEANT = {
 RAMP = ("--direct", "--from", "100", "--to", "99", "--rate", "100")
 
 
+@pytest.mark.usefixtures("without_peaks")
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
@@ -150,7 +151,7 @@ RAMP = ("--direct", "--from", "100", "--to", "99", "--rate", "100")
             "--set disc[1].phase = 90 rad: is that what is meant; 90 deg?",
         ),
         (
-            ["response", "--speed", "5:6", "--set", "disc[1].phase=90"],
+            ["response", "--speed", "5:6", "--step", "3", "--set", "disc[1].phase=90"],
             "--set disc[1].phase = 90 rad: is that what is meant; 90 deg?",
         ),
     ],
@@ -169,8 +170,8 @@ def test_arguments_in_python_are_asked_about():
     with warnings.catch_warnings(record=True) as seen:
         warnings.simplefilter("always")
         rf.simulate(jeffcott, speed=10.0, stop=0.01, parameters={name: 90.0})
-        rf.response(jeffcott, speed=(10.0, 11.0), parameters={name: 90.0})
-        rf.response(jeffcott, speed=10.0, over=(name, 90.0, 90.1))
+        rf.response(jeffcott, speed=(10.0, 11.0), parameters={name: 90.0}, step=3.0)
+        rf.response(jeffcott, speed=10.0, over=(name, 90.0, 90.1), step=3.0)
         rf.simulate(jeffcott, speed=10.0, stop=0.01, parameters={name: "90 deg"})
     assert [(str(each.message), each.filename) for each in seen] == [
         (f"{where} {name} = {value} rad: is that what is meant; {value} deg?", __file__)

@@ -20,14 +20,6 @@ rf.load().unbalance_response(np.linspace(50.0, 200.0, 20)).table()
 speeds = np.linspace(0.0, 9.0, 50)
 vibration.resonances(speeds, np.sin(speeds))
 """
-HELP = """
-import contextlib, io, sys
-sys.argv = ["rotor-fmu", "--help"]
-from rotor_fmu.cli import main
-with contextlib.redirect_stdout(io.StringIO()) as text, contextlib.suppress(SystemExit):
-    main()
-assert "run-down" in text.getvalue()
-"""
 HELP_OF_EACH = """
 import contextlib, io, sys
 from rotor_fmu.cli import COMMANDS, app
@@ -37,16 +29,20 @@ for name in (name for panel in COMMANDS.values() for name in panel):
             app([name, "--help"])
     assert name in text.getvalue()
 """
-COMPLETION = """
+HELP_AND_COMPLETION = """
 import contextlib, io, os, sys
+sys.argv = ["rotor-fmu", "--help"]
+from rotor_fmu.cli import main
+with contextlib.redirect_stdout(io.StringIO()) as text, contextlib.suppress(SystemExit):
+    main()
+assert "run-down" in text.getvalue()
 os.environ |= {
     "_ROTOR_FMU_COMPLETE": "complete_bash", "COMP_WORDS": "rotor-fmu ru", "COMP_CWORD": "1"
 }
 sys.argv = ["rotor-fmu"]
-from rotor_fmu.cli import main
 with contextlib.redirect_stdout(io.StringIO()) as text, contextlib.suppress(SystemExit):
     main()
-assert "run-down" in text.getvalue(), text.getvalue()
+assert text.getvalue().split() == ["run-down", "run-up"], text.getvalue()
 """
 STOPPED_EARLY = """
 import sys
@@ -72,8 +68,7 @@ def run(script, *arguments, **environment):
         (RUN, {"matplotlib", "scipy", "numba", "fmpy", "typer", "rich"}),
         (UNBALANCE, {"scipy.signal"}),
         (HELP_OF_EACH, {"matplotlib", "scipy", "numba", "fmpy", "pandas"}),
-        (HELP, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
-        (COMPLETION, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
+        (HELP_AND_COMPLETION, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
     ],
 )
 def test_a_process_imports_what_it_uses(script, unused):

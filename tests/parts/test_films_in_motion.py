@@ -185,7 +185,7 @@ def _coast(run):
 def test_the_film_that_breaks_is_named_where_pads_tilt():
     """It is that of the step which was tried, with its pads as they are tilted then."""
     journals = {"journal_radius": 0.02, "length": 0.02, "clearance": 5e-5, "viscosity": 0.01}
-    pads = {"pads": [0.8, 2.4, 4.0, 5.5], "arc": 1.3, "tilting": True}
+    pads = {"pads": [0.8, 2.4, 4.0, 5.5], "arc": 1.3, "tilting": True, "points": 8}
     text = shaft(0.0, 0.2, 0.4)
     text += table("[body]", node=2, mass=2.0, I_d=0.01, I_p=0.015, e=2e-5)
     text += table("[journal_bearing]", node=1, **journals, **pads)

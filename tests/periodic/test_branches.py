@@ -191,7 +191,7 @@ def test_a_branch_of_twice_the_period_begins_at_each_period_doubling(doubled):
 
 def test_a_branch_is_followed_from_a_motion_of_twice_the_period_that_no_option_tells(doubled):
     start = doubled.branches[1].points[40]
-    found = rf.response(sagging(), speed=(240.0, 400.0), start=start, harmonics=40, step=0.4)
+    found = rf.response(sagging(), speed=(240.0, 400.0), start=start, harmonics=40, step=0.8)
     (branch,) = found.branches
     assert branch.ends == ("joins a branch of a shorter period",) * 2
     assert {p.orbit.turns for p in branch.points} == {2}
@@ -338,7 +338,8 @@ def test_branches_that_break_a_symmetry_are_followed_although_they_stay_near_the
     """In unequal springs, without gravity, an orbit inverted is an orbit half a turn later."""
     kyy = {f"linear_bearing[{i}].kyy": k for i, k in ((1, 125.0), (2, 12250.0), (3, 125.0))}
     rotor = jeffcott(zeta=0.04, beta=8.0, mu=0.015, e=0.25, v_s=1e-2)
-    found = rf.response(rotor, speed=(101, 106), parameters=kyy, harmonics=15, branches=True)
+    options = {"parameters": kyy, "harmonics": 15, "branches": True, "step": 0.4}
+    found = rf.response(rotor, speed=(102, 105), **options)
     seen = [(p.is_stable, found.quantities(p, "disc")) for p in found.at(103.9)]
     assert [is_stable for is_stable, _ in seen] == [False, True, True]
     middles = np.array([complex(q["x"], q["y"]) for _, q in seen]) / CLEARANCE

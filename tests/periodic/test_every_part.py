@@ -76,8 +76,16 @@ PARTS = {
 }
 
 
-@pytest.mark.parametrize("part", PARTS)
-@pytest.mark.parametrize("speed", [110.0, -160.0])
+SPEEDS = (110.0, -160.0)
+# each part in one sense, by turns; in the other one with the slow tests
+CASES = [
+    pytest.param(part, SPEEDS[(i + sense) % 2], marks=[pytest.mark.slow] * sense)
+    for i, part in enumerate(PARTS)
+    for sense in (0, 1)
+]
+
+
+@pytest.mark.parametrize(("part", "speed"), CASES)
 def test_a_curve_has_the_motion_that_a_run_from_rest_comes_to(part, speed):
     machine = rf.parse(
         f"{STEEL}[shaft]\neta_v = 1e-5\n{sections(0.2, 0.1, 0.1, 0.2, outer=0.03)}"

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import rotor_fmu as rf
+from rotor_fmu.periodic import request
 from rotor_fmu.periodic.request import compute_response, response_request
 from rotor_fmu.periodic.saved_events import FILE, saved_log
 
@@ -39,8 +40,8 @@ class Stopping:
 def called(folder, machine, stop_at=0, **options):
     asked = OPTIONS | options
     with saved_log(folder, machine.toml, asked) as saved:
-        request = response_request(machine.rotor, **asked)
-        return compute_response(request, Stopping(stop_at), saved.log)
+        response = response_request(machine.rotor, **asked)
+        return compute_response(response, Stopping(stop_at), saved.log)
 
 
 def equal(one, other):
@@ -137,7 +138,7 @@ def wait_for(lines, run, file):
         time.sleep(0.02)
 
 
-def test_ctrl_c_keeps_points_and_pictures_and_the_same_call_goes_on(tmp_path, process):
+def test_ctrl_c_keeps_points_and_pictures_and_the_same_call_goes_on(tmp_path, process, monkeypatch):
     """Which is refused in the same folder while the first is at work."""
     file = tmp_path / FILE
     with started(tmp_path) as run:
@@ -157,9 +158,12 @@ def test_ctrl_c_keeps_points_and_pictures_and_the_same_call_goes_on(tmp_path, pr
     assert count >= 18
     assert (tmp_path / "response.png").exists()
     saved = file.read_text().splitlines()
-    with started(tmp_path) as run:
-        wait_for(len(saved) + 4, run, file)
-        run.kill()
+
+    def stopped(response, report, log):
+        return compute_response(response, Stopping(len(saved) + 4), log)
+
+    monkeypatch.setattr(request, "compute_response", stopped)
+    assert process(*RUN, "--out", str(tmp_path)).returncode == 130
     assert file.read_text().splitlines()[: len(saved)] == saved
     assert len(file.read_text().splitlines()) > len(saved) + 3
 

@@ -306,6 +306,7 @@ def test_speeds_in_pictures_have_all_digits_before_the_point():
         assert set(marks) == {"12345"}
 
 
+@pytest.mark.usefixtures("drawn")
 def test_the_speeds_in_a_polar_plot_do_not_cover_each_other():
     """Of a run at one speed, whose 1x vectors hardly move."""
     figure = polar(View(recorded(stop=0.3, rate=0.0)))

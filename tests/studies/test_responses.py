@@ -50,7 +50,7 @@ def read(folder, run=RUN, keep=KEEP, vary='"contact[1].mu" = { values = [0.02, 0
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
-    run_study(read(folder), folder / "out", here, quiet)
+    run_study(read(folder, f"{RUN}\nlength = 0.2"), folder / "out", here, quiet)
     return studies.open(folder / "out")
 
 

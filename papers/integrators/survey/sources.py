@@ -27,21 +27,31 @@ def file_digest(path: str) -> str:
 def closure(modules: tuple[str, ...]) -> dict[str, str]:
     """Sources of these modules and of all of this project's that they import, by name."""
     result: dict[str, str] = {}
-    left = list(modules)
+    left, seen = list(modules), set[str]()
     while left:
         name = left.pop()
-        if name in result or name.split(".")[0] not in _OURS:
+        if name in seen or name.split(".")[0] not in _OURS:
             continue
-        try:
-            spec = importlib.util.find_spec(name)
-        except ModuleNotFoundError:
-            spec = None
-        if spec is None or spec.origin is None:  # a name of a module, not a module
-            continue
-        result[name] = Path(spec.origin).read_text(encoding="utf-8")
-        package = name if spec.submodule_search_locations else name.rpartition(".")[0]
-        left += _imported(result[name], package)
+        seen.add(name)
+        module = _module(name)
+        if module is not None:
+            result[name], imported = module
+            left += imported
     return result
+
+
+@cache
+def _module(name: str) -> tuple[str, list[str]] | None:
+    """Source of a module and what it imports; None of a name that is none, but of one in it."""
+    try:
+        spec = importlib.util.find_spec(name)
+    except ModuleNotFoundError:
+        return None
+    if spec is None or spec.origin is None:
+        return None
+    text = Path(spec.origin).read_text(encoding="utf-8")
+    package = name if spec.submodule_search_locations else name.rpartition(".")[0]
+    return text, _imported(text, package)
 
 
 def _imported(text: str, package: str) -> list[str]:
