@@ -115,7 +115,11 @@ def critical_map(
     speeds = np.array([lines(k) for k in values])
     if branches is not None:
         speeds[:, : branches.is_backward.shape[1]][branches.is_backward] = np.nan
-    own = _own_stiffness(machine, _speeds_beside(speeds))
+    known = speeds[speeds > 0.0]
+    beside = np.zeros(1)  # or from below to above the critical ones, spaced as the map's axis is
+    if len(known):
+        beside = np.geomspace(0.5 * known.min(), 1.1 * known.max(), _SAMPLES)
+    own = _own_stiffness(machine, beside)
     return CriticalMap(
         stiffness=values,
         speeds=speeds,
@@ -148,14 +152,6 @@ def mean_stiffness(rotor: Rotor, contacts: str | None = None) -> float:
     structure = assemble(rotor)
     lowest = np.fmin(rigid, structure.numbers[0].lowest_omega)  # that of one without such a speed
     return float(total_mass(structure) * lowest**2)
-
-
-def _speeds_beside(criticals: np.ndarray) -> np.ndarray:
-    """Return speeds from below to above the critical ones [rad/s], spaced as the map's axis is."""
-    known = criticals[criticals > 0.0]
-    if not len(known):
-        return np.zeros(1)
-    return np.geomspace(0.5 * known.min(), 1.1 * known.max(), _SAMPLES)
 
 
 def _own_stiffness(machine: UndampedMachine, speeds: np.ndarray) -> tuple[BearingStiffness, ...]:

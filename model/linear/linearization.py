@@ -212,11 +212,6 @@ class Linearization:
         m_x, m_y = interpreted(masses)(s.housings)
         return in_plane(np.concatenate([s.weight, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
 
-    def _strain(self, speed: float) -> Strain:
-        """Return the contribution of the shaft's strain."""
-        kappa = self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
-        return Strain(self._elastic - kappa * TURN, self._viscous, self._kappa_h, speed)
-
     def linearized(
         self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None
     ) -> Linear:
@@ -232,8 +227,10 @@ class Linearization:
             result = self.laws.tangents(d, speed, frequency, states=states)
             laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in result))
             K, D = K - self._between(laws.by_d), D - self._between(laws.by_v)
+        kappa = self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
+        strain = Strain(self._elastic - kappa * TURN, self._viscous, self._kappa_h, speed)
         none, own = np.zeros(self.system.B.shape[0]), self.laws.states.copy()
-        return Linear(speed, self.system, self._M, D, K, self._strain(speed), at, none, laws, own)
+        return Linear(speed, self.system, self._M, D, K, strain, at, none, laws, own)
 
     def tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return tangents by interface, shape (interfaces, 2, 2), times what displacements of the

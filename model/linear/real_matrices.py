@@ -69,8 +69,13 @@ def matrices_of(rotor: Rotor, s: Structure) -> Matrices:
         (by_deflection.data, by_deflection.indices, by_deflection.indptr),
         shape=(by_deflection.shape[0], size),
     )
+    axes = np.arange(2)
+    of_rows, of_columns = np.broadcast_arrays(
+        2 * rows[:, None, None] + axes[:, None], 2 * columns[:, None, None] + axes
+    )
     return Matrices(
-        *_of_planes(rows, columns),
+        rows=of_rows.ravel(),
+        columns=of_columns.ravel(),
         M=full(s.M, both, *interpreted(masses)(housings)),
         C=full(damping, both, housings.cx, housings.cy),
         K=full(stiff, both, housings.kx, housings.ky),
@@ -78,15 +83,6 @@ def matrices_of(rotor: Rotor, s: Structure) -> Matrices:
         strained=sp.kron(strained, both).tocsr(),
         stiffness=stiffness,
     )
-
-
-def _of_planes(rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return rows and columns of the numbers of blocks of x and y that stand at these."""
-    axes = np.arange(2)
-    whole = np.broadcast_arrays(
-        2 * rows[:, None, None] + axes[:, None], 2 * columns[:, None, None] + axes
-    )
-    return whole[0].ravel(), whole[1].ravel()
 
 
 def unknowns(size: int, pairs: Iterable[tuple[int, int]]) -> np.ndarray:

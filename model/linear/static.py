@@ -68,9 +68,7 @@ def static(
     whole = without_rounding(machine.expand @ linear.rest, CHANGE * s.numbers[0].small)
     x, y = whole[::2], whole[1::2]
     n = 2 * len(machine.nodes)
-    bears = support_loads(
-        machine, linear.laws, speed, linear.rest, linear.pull, machine.weight + force, 0.0
-    ).real
+    bears = support_loads(machine, linear, machine.weight + force).real
     bears = without_rounding(bears, _NO_LOAD * total_mass(s) * STANDARD_GRAVITY)
     return Static(
         speed=speed,

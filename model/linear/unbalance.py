@@ -207,9 +207,9 @@ class SteadyWhirl:
             return _Solved(np.zeros((len(self._pull) // 2, 2), complex), lambda: nothing, at_rest)
         linear = machine.at(speed)
         force = speed**2 * self._pull
-        u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
-        loads = partial(support_loads, machine, linear.laws, speed, u, pull, force, speed)
-        return _Solved((machine.expand @ u).reshape(-1, 2), loads, linear.rest)
+        whirl = linear.factorized(1j * speed)(machine.expand.T @ force)
+        loads = partial(support_loads, machine, linear, force, whirl)
+        return _Solved((machine.expand @ whirl[0]).reshape(-1, 2), loads, linear.rest)
 
     def response(self, speeds: Sequence[float] | np.ndarray) -> UnbalanceResponse:
         """Return the response at speeds [rad/s], at least one."""

@@ -202,8 +202,7 @@ class UndampedMachine:
             linear = machine.loaded(speed)
         except LinearError:
             return np.nan
-        at_rest = linear.laws, speed, linear.rest, linear.pull
-        loads = support_loads(machine, *at_rest, machine.weight, 0.0)
+        loads = support_loads(machine, linear, machine.weight)
         load = float(np.linalg.norm(loads[self._held[i]]))
         return float(m * part.k ** (1.0 / m) * load ** (1.0 - 1.0 / m))
 

@@ -149,48 +149,39 @@ def correct(
     """Return the point that Newton's method finds at right angles to `plane`; its tangent continues
     in the direction of `before`, by default that of `plane`. Raises `NotConverged`, also where the
     iteration leads to a value that no machine can have."""
-    try:
-        return _newton_in_plane(equations, x, value, plane, plane if before is None else before)
-    except QuantityError as error:
-        raise NotConverged() from error
-
-
-def _newton_in_plane(
-    equations: ContinuationEquations,
-    x: np.ndarray,
-    value: float,
-    plane: np.ndarray,
-    before: np.ndarray,
-) -> CurvePoint:
-    x, corrections = x.copy(), []
+    x, corrections = x.copy(), list[float]()
     n, scale = len(x), equations.scale
     bordered = np.zeros((n + 1, n + 1))
     right = np.zeros((n + 1, 2))
     limit = _LARGEST_CHANGE * (1.0 + float(np.linalg.norm(x)))
     for _ in range(_ITERATIONS):
-        residual, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
-        bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_lambda, plane
-        right[:n, 0], right[n, 1] = -residual, 1.0
-        step, tangent = equations.solve_linear(bordered, right).T
-        size = float(np.linalg.norm(step))
-        corrections.append(size)
-        if not size < limit:
-            break
-        damping = 1.0
-        if len(corrections) > 1 and size > max(
-            _SLOW_CONVERGENCE * corrections[-2], equations.damped_beyond
-        ):
-            damping = damping_factor(
-                equations, residual, x, value, step[:n], scale * step[n], 1.0, _LEAST_DAMPING_AHEAD
-            )
-            if damping < _LEAST_DAMPING_AHEAD:
+        try:
+            residual, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
+            bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by_lambda, plane
+            right[:n, 0], right[n, 1] = -residual, 1.0
+            step, tangent = equations.solve_linear(bordered, right).T
+            size = float(np.linalg.norm(step))
+            corrections.append(size)
+            if not size < limit:
                 break
+            damping = 1.0
+            if len(corrections) > 1 and size > max(
+                _SLOW_CONVERGENCE * corrections[-2], equations.damped_beyond
+            ):
+                by_x, by_value = step[:n], scale * step[n]
+                damping = damping_factor(
+                    equations, residual, x, value, by_x, by_value, 1.0, _LEAST_DAMPING_AHEAD
+                )
+                if damping < _LEAST_DAMPING_AHEAD:
+                    break
+        except QuantityError as error:
+            raise NotConverged() from error
         x += damping * step[:n]
         value += scale * damping * step[n]
         of_x = 1.0 + float(np.linalg.norm(x))
         if damping == 1.0 and predicted_correction(corrections) <= equations.tolerance * of_x:
             tangent = tangent / np.linalg.norm(tangent)
-            if tangent @ before < 0:
+            if tangent @ (plane if before is None else before) < 0:
                 tangent = -tangent
             return CurvePoint(x, float(value), tangent[:n], float(tangent[n]), tuple(corrections))
     raise NotConverged(corrections)

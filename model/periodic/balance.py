@@ -12,7 +12,6 @@ unbalance).
 import math
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -62,29 +61,22 @@ class Orbit(NamedTuple):
         return len(self.b) // 2
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """The continuation parameter, `speed` or a quantity of the machine; scale: of its range."""
-
-    name: str
-    scale: float
-
-
 class HarmonicBalance(ContinuationEquations):
     """The harmonic balance equations with H harmonics.
 
-    machine_at: gives the machine at a value of the parameter; reference: value of the parameter at
-    which the equations are scaled; speed [rad/s]: used if it is not the parameter; turns:
-    revolutions in a period; is_autonomous: omega is unknown, and only constant loads act;
-    state_scale: units of the laws' internal states, by default their sizes in a motion as large as
-    each interface's length; length_scale: unit of displacements [m], by default that of the
-    machine.
+    machine_at: gives the machine at a value of the parameter, `speed` or a quantity of the machine;
+    scale: of its range; reference: value of the parameter at which the equations are scaled; speed
+    [rad/s]: used if it is not the parameter; turns: revolutions in a period; is_autonomous: omega
+    is unknown, and only constant loads act; state_scale: units of the laws' internal states, by
+    default their sizes in a motion as large as each interface's length; length_scale: unit of
+    displacements [m], by default that of the machine.
     """
 
     def __init__(
         self,
         machine_at: Callable[[float], CondensedMachine],
-        parameter: Parameter,
+        parameter: str,
+        scale: float,
         reference: float,
         H: int,
         *,
@@ -95,7 +87,7 @@ class HarmonicBalance(ContinuationEquations):
         state_scale: np.ndarray | None = None,
         length_scale: float = 0.0,
     ) -> None:
-        self.machine_at, self.parameter, self.scale = machine_at, parameter, parameter.scale
+        self.machine_at, self.parameter, self.scale = machine_at, parameter, scale
         self.turns, self.is_autonomous = turns, is_autonomous
         self._speed, self.omega_scale = speed, omega
         machine = machine_at(reference)
@@ -151,7 +143,7 @@ class HarmonicBalance(ContinuationEquations):
 
     def speed_at(self, value: float) -> float:
         """Return the speed at a value of the parameter [rad/s]."""
-        return value if self.parameter.name == "speed" else self._speed
+        return value if self.parameter == "speed" else self._speed
 
     def omega_at(self, value: float) -> float:
         """Return the frequency at a value of the parameter [rad/s]; 0 where it is unknown."""

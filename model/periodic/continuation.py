@@ -43,13 +43,10 @@ class BranchSearch:
 
     def problem(self, start: BranchStart) -> PeriodicEquations:
         """Return the equations of a start."""
-        balance = self.result.task.problem(
-            self.machines,
-            start.reference,
-            start.H or self.result.task.accuracy.most,
-            turns=start.turns,
-            omega=start.omega_scale,
-            length_scale=start.length_scale,
+        task, size = self.result.task, start.length_scale
+        H = start.H or task.accuracy.most
+        balance = task.problem(
+            self.machines, start.reference, H, start.turns, start.omega_scale, length_scale=size
         )
         return Shooting(balance, start.orbit) if start.orbit is not None else balance
 
@@ -61,12 +58,7 @@ class BranchSearch:
             H = task.accuracy.most * orbit.turns // task.turns
         size = float(np.abs(orbit.b[1:]).max(initial=0.0)) if task.is_whirl else 0.0
         balance = task.problem(
-            self.machines,
-            orbit.parameter,
-            H,
-            turns=orbit.turns,
-            omega=orbit.omega,
-            length_scale=size,
+            self.machines, orbit.parameter, H, orbit.turns, orbit.omega, length_scale=size
         )
         return Shooting(balance, orbit) if needs_shooting else balance
 
@@ -153,7 +145,10 @@ def follow(search: BranchSearch, start: BranchStart) -> Branch:
             if note not in result.notes:  # another guess may lead to the same place
                 result.notes.append(note)
         if len(start.directions) > 1 and side == 0:
-            _reverse(branch)
+            last = len(branch.points) - 2
+            branch.points.reverse()
+            found = branch.bifurcations[::-1]
+            branch.bifurcations = [b._replace(behind=last - b.behind) for b in found]
             ends = [ends[1], ""]
             if ends[0] == CLOSED:
                 ends[1] = ends[0]
@@ -213,12 +208,6 @@ def _has_joined(branch: Branch, is_whirl: bool) -> bool:
     k = np.arange(1, 2 * turns + 1)
     odd = np.repeat((k % turns != 0) | is_whirl, 2)
     return float(np.sum(first[1:][odd] * second[1:][odd])) < 0
-
-
-def _reverse(branch: Branch) -> None:
-    last = len(branch.points) - 2
-    branch.points.reverse()
-    branch.bifurcations = [b._replace(behind=last - b.behind) for b in branch.bifurcations[::-1]]
 
 
 def _reason_lost(tracer: Tracer, branch: Branch, accuracy: Accuracy) -> str:

@@ -138,7 +138,9 @@ def tangents_along(machine: CondensedMachine, path: MotionPath, times: np.ndarra
     ends = _step_ends(machine, path, times)
     h = np.diff(ends)
     # at its last point a step takes its side of a contact that opens or closes there
-    tangent = _tangents_at(machine, path, (ends[:-1, None] + h[:, None] * _SAMPLED).ravel())
+    d, v, states = path.at((ends[:-1, None] + h[:, None] * _SAMPLED).ravel())
+    laws = machine.laws.tangents(d, v, states, path.state_scale, path.frequencies.speed)
+    tangent = tangents_by_y(machine, laws)
     return PathSegment(h, tangent.reshape(len(h), 3, *tangent.shape[1:]))
 
 
@@ -170,14 +172,6 @@ def _step_ends(machine: CondensedMachine, path: MotionPath, times: np.ndarray) -
     beyond = np.concatenate([[times[0] - h], times, [times[-1] + h]])
     cell, share, _ = crossings(laws, gaps(beyond), lambda c, x: gaps(times[c] + h * x))
     return np.unique(np.concatenate([times, times[cell] + h * share]))
-
-
-def _tangents_at(machine: CondensedMachine, path: MotionPath, times: np.ndarray) -> np.ndarray:
-    """Return the tangents at times, shape (n, b + s, 2 b + s)."""
-    d, v, states = path.at(times)
-    return tangents_by_y(
-        machine, machine.laws.tangents(d, v, states, path.state_scale, path.frequencies.speed)
-    )
 
 
 def tangents_by_y(machine: CondensedMachine, along: ForcesAndTangents) -> np.ndarray:

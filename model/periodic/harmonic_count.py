@@ -47,25 +47,18 @@ def with_enough_harmonics(
     """Return equations and point with as many harmonics as the accuracy demands; keeps_value: solve
     at the same value of the parameter instead of at right angles to the curve. Raises
     `NotConverged`."""
+
+    def with_more(factor: float) -> tuple[HarmonicBalance, CurvePoint]:
+        H = min(accuracy.most, math.ceil(factor * problem.H) + problem.turns)
+        other = problem.modified(H, reference=point.value)
+        return other, _solved_by(other, problem, point, keeps_value)
+
     while problem.last_share(point.x) > accuracy.share and accuracy.most > problem.H:
         try:
-            problem, point = _with_more(problem, point, _LARGE_FACTOR, accuracy, keeps_value)
+            problem, point = with_more(_LARGE_FACTOR)
         except NotConverged:
-            problem, point = _with_more(problem, point, _SMALL_FACTOR, accuracy, keeps_value)
+            problem, point = with_more(_SMALL_FACTOR)
     return problem, point
-
-
-def _with_more(
-    problem: HarmonicBalance,
-    point: CurvePoint,
-    factor: float,
-    accuracy: Accuracy,
-    keeps_value: bool,
-) -> tuple[HarmonicBalance, CurvePoint]:
-    """Return equations and point with `factor` times the harmonics; raises `NotConverged`."""
-    H = min(accuracy.most, math.ceil(factor * problem.H) + problem.turns)
-    other = problem.modified(H, reference=point.value)
-    return other, _solved_by(other, problem, point, keeps_value)
 
 
 def _solved_by(

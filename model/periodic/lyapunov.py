@@ -10,11 +10,14 @@ which suppresses the transient at the start and converges faster than a plain me
 is regular (Das, Saiki, Sander, Yorke 2017).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..linear.real_matrices import in_plane
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
+from ..simulation import Simulation
 from .floquet import (
     Frequencies,
     MotionPath,
@@ -24,12 +27,31 @@ from .floquet import (
     transition_matrix,
 )
 from .force_corners import hermite
-from .interface_samples import InterfaceSamples
 from .linear_structure import CondensedMachine
 from .problem import check_parts
 
 LEAST_TURNS = 4
 _RESOLVED = 8.0  # samples a period of the fastest motion that is looked at
+
+
+class InterfaceSamples(NamedTuple):
+    """Motion of all m interfaces with s internal states at n instants: t [s], shape (n,); complex
+    relative displacements d [m] and velocities v [m/s], shape (n, m); internal states, shape (n,
+    s)."""
+
+    t: np.ndarray
+    d: np.ndarray
+    v: np.ndarray
+    states: np.ndarray
+
+
+def sample(run: Simulation) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the motion of a run's interfaces at the present time: a row of `InterfaceSamples`."""
+    # plain: a field of a record array takes longer than all else here
+    motion, interfaces = run.motion, np.asarray(run.structure.interfaces)
+    node, housing = interfaces["dof"], interfaces["end"]
+    d, v = (z[node] - z[housing] for z in (motion.q, motion.v))
+    return run.time, d, v, motion.internal_state.copy()
 
 
 @on_one_thread

@@ -16,6 +16,7 @@ from .linear_structure import CondensedMachine
 
 POINTS = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
 _COARSEST, _UNIFORM, _FINEST = 6, 9, 13  # halvings of the period
+UNIFORM_MESH = np.linspace(0.0, 1.0, 2**_UNIFORM + 1)  # of the period, as fractions of it
 _MISSED_IMPULSE = 3e-6  # that a parabola may miss in a step, as a share of the period's
 _FINER, _COARSER = 3, 1  # halvings at once
 _CORNER_SAMPLES = 2048  # instants at which corners are looked for
@@ -31,11 +32,6 @@ _BACK = np.array(
 def mean_weights() -> np.ndarray:
     """Return the weights of the values at the points in the mean over a step."""
     return np.linalg.solve([POINTS**p for p in range(3)], 1.0 / np.arange(1, 4))
-
-
-def uniform_mesh() -> np.ndarray:
-    """Return a uniform mesh of the period, as fractions of it."""
-    return np.linspace(0.0, 1.0, 2**_UNIFORM + 1)
 
 
 def refined_mesh(ends: np.ndarray, which: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from ..message_templates import Message
 from ..parts.rolling_bearing import ROLLING_BEARING, cage_ratio
 from ..quantities import QuantityError
 from .arclength import ContinuationSteps
-from .balance import HarmonicBalance, Orbit, Parameter
+from .balance import HarmonicBalance, Orbit
 from .branch import Branch
 from .harmonic_count import Accuracy
 from .linear_structure import CondensedMachine
@@ -54,11 +54,6 @@ class Task:
     start_orbit: Orbit | None = None
     follows_bifurcations: bool = False
 
-    @property
-    def parameter(self) -> Parameter:
-        """The continuation parameter with the length of its range."""
-        return Parameter(self.name, self.high - self.low)
-
     def speed_at(self, value: float) -> float:
         """Return the speed at a value of the parameter [rad/s]."""
         return value if self.name == SPEED else self.speed
@@ -72,16 +67,19 @@ class Task:
         whirls are solved for by it alone."""
         return not self.is_whirl and orbit.H * self.turns > self.accuracy.most * orbit.turns
 
-    def problem(self, machines: Machines, at: float, H: int, **options: Any) -> HarmonicBalance:
+    def problem(
+        self, machines: Machines, at: float, H: int, turns: int = 1, omega: float = 0.0, **more: Any
+    ) -> HarmonicBalance:
         """Return the harmonic balance equations about a value of the parameter, with H
         harmonics."""
-        options |= {"speed": self.speed, "is_autonomous": self.is_whirl}
-        return HarmonicBalance(machines, self.parameter, at, H, **options)
+        more |= {"speed": self.speed, "turns": turns, "is_autonomous": self.is_whirl}
+        scale = self.high - self.low
+        return HarmonicBalance(machines, self.name, scale, at, H, omega=omega, **more)
 
     def coarse_problem(self, machines: Machines, at: float) -> HarmonicBalance:
         """Return these equations with as few harmonics as a motion is begun with."""
         H = max(self.accuracy.least, 3) * self.turns
-        return self.problem(machines, at, H, turns=self.turns)
+        return self.problem(machines, at, H, self.turns)
 
 
 class Note(Message):

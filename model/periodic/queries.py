@@ -66,48 +66,29 @@ def over_common_period(*orbits: Orbit) -> tuple[int, list[np.ndarray]]:
 
 def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:
     task = result.task
-    balance = task.problem(
-        result.machines(),
-        value,
-        max(a.orbit.H, b.orbit.H),
-        turns=a.orbit.turns,
-        omega=a.orbit.omega,
-    )
+    H = max(a.orbit.H, b.orbit.H)
+    balance = task.problem(result.machines(), value, H, a.orbit.turns, a.orbit.omega)
     share = (value - a.value) / (b.value - a.value)
     problem: PeriodicEquations = balance
     try:
         if task.needs_shooting(a.orbit) or task.needs_shooting(b.orbit):
             near = a.orbit if abs(share) < 0.5 else b.orbit
             problem = Shooting(balance.modified(task.accuracy.most), near)
-        first, second = problem.join(a.orbit), problem.join(b.orbit)
-        problem.fix_phase(first)
+        points = [(problem.join(point.orbit), point.value) for point in (a, b)]
+        problem.fix_phase(points[0][0])
     except NotConverged:
         return None
+    # along the line between both, from the nearer one on
+    (begin, start), (end, last) = sorted(points, key=lambda point: abs(value - point[1]))
     for steps in _STEPS:
+        x, step = begin, (end - begin) * (value - start) / ((last - start) * steps)
         try:
-            x = _in_steps(problem, (first, a.value), (second, b.value), value, steps)
+            for at_value in np.linspace(start, value, steps + 1)[1:]:
+                x = newton.solve(problem, x + step, float(at_value))
         except NotConverged:
             continue
         return solution(problem, CurvePoint(x, value, x, 1.0), task.accuracy)
     return None
-
-
-def _in_steps(
-    problem: PeriodicEquations,
-    first: tuple[np.ndarray, float],
-    second: tuple[np.ndarray, float],
-    value: float,
-    steps: int,
-) -> np.ndarray:
-    """Return the unknowns at a value of the parameter, in a number of steps from the nearer of two
-    points, each with its value, along the line between them; raises `NotConverged`."""
-    if abs(value - first[1]) > abs(value - second[1]):
-        first, second = second, first
-    (x, start), (end, last) = first, second
-    step = (end - x) * (value - start) / ((last - start) * steps)
-    for at_value in np.linspace(start, value, steps + 1)[1:]:
-        x = newton.solve(problem, x + step, float(at_value))
-    return x
 
 
 def persists_in_time(result: Response, point: Solution, turns: int) -> Persistence:
@@ -158,8 +139,8 @@ def folds_over(
             f"which no curve of folds is made; a study of responses over {name} finds each"
         )
     first = result.machines()
-    about = {"turns": fold.orbit.turns, "omega": fold.orbit.omega}
-    base = task.problem(first, fold.value, fold.orbit.H, **about)
+    about = fold.value, fold.orbit.H, fold.orbit.turns, fold.orbit.omega
+    base = task.problem(first, *about)
 
     @lru_cache(KEPT)
     def problem_at(value: float) -> HarmonicBalance:
@@ -171,12 +152,7 @@ def folds_over(
         else:
             machines = machines_of(changed, task)
         problem = task.problem(
-            machines,
-            fold.value,
-            fold.orbit.H,
-            **about,
-            state_scale=base.state_scale,
-            length_scale=base.length_scale,
+            machines, *about, state_scale=base.state_scale, length_scale=base.length_scale
         )
         problem.row_scale = base.row_scale
         problem.fix_phase(problem.join(fold.orbit))

@@ -198,12 +198,9 @@ def _of_whirl(
     """Return the equations of a whirl and its unknowns; least_scale: the smallest scale of length
     [m]."""
     task = search.result.task
+    size, H = max(float(np.abs(guess.b).max()), least_scale), max(task.accuracy.least, 3)
     problem = task.problem(
-        search.machines,
-        guess.parameter,
-        max(task.accuracy.least, 3),
-        omega=guess.omega,
-        length_scale=max(float(np.abs(guess.b).max()), least_scale),
+        search.machines, guess.parameter, H, omega=guess.omega, length_scale=size
     )
     x = problem.join(guess)
     problem.fix_phase(x)

@@ -6,7 +6,7 @@ The state X at the begin of the period is unknown; the machine is integrated ove
     R(X, lambda) = X(T) - X = 0
 
 The structure, linear but for its interface forces, is integrated in modes by Radau IIA; the forces
-at the three points of a step are solved for (`stepping`), the response to constant loads and
+at the three points of a step are solved for (`entry_points`), the response to constant loads and
 unbalance is exact, and the steps are adapted to the motion (`mesh`). The Jacobian is that of the
 steps themselves, linearized (`floquet`); its eigenvalues are the Floquet multipliers less 1.
 """
@@ -17,10 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .. import backend
 from . import mesh
 from .arclength import ContinuationEquations
 from .balance import HarmonicBalance, Orbit
-from .entry_points import Propagators
+from .entry_points import Period, Propagators, step_through
 from .floquet import (
     Frequencies,
     ModalBasis,
@@ -33,9 +34,8 @@ from .floquet import (
     with_weak_springs,
 )
 from .fourier import amplitudes, series_of
-from .linear_structure import CondensedMachine, DynamicStiffness
+from .linear_structure import DynamicStiffness
 from .newton import NotConverged
-from .stepping import integrate_period
 
 _HARMONICS = 256  # at least, of the orbit that is given
 # of a step: how far before its end its last tangent is taken, since a corner moves from there with
@@ -120,9 +120,12 @@ class Shooting(ContinuationEquations):
         of_d = mass / (mass.max() * problem.length_scale * math.sqrt(machine.size) * _SHORTER)
         self._weights = np.concatenate([of_d, of_d / problem.frequency_scale])
         self.modal_system = lru_cache(_SYSTEMS)(self._modal_system)
-        self._ends = mesh.uniform_mesh()
+        self._ends = mesh.UNIFORM_MESH
         for _ in range(_RENEWALS):
-            self._motion_of_mesh = self._interface_motion(machine, orbit)
+            times = mesh.mesh_points(self._ends).ravel() * 2 * math.pi / orbit.omega
+            d, v, _ = orbit_path(machine, orbit).at(times)
+            y = np.hstack([machine.b_of_displacements(d), machine.b_of_displacements(v)])
+            self._motion_of_mesh = y.reshape(-1, 3, y.shape[1])
             force = self._forces(self.reference, self._motion_of_mesh)
             ends = self._ends
             cells = mesh.adapted_cells(force, ends)
@@ -138,13 +141,6 @@ class Shooting(ContinuationEquations):
         self._renewals, self._last_move = _RENEWALS, math.inf
         self._propagator_cache: list[tuple[tuple[Propagators, np.ndarray], float, np.ndarray]] = []
         self._last_transition: tuple[np.ndarray, float, np.ndarray] | None = None
-
-    def _interface_motion(self, machine: CondensedMachine, orbit: Orbit) -> np.ndarray:
-        """Return the motion of the interfaces on an orbit."""
-        times = mesh.mesh_points(self._ends).ravel() * 2 * math.pi / orbit.omega
-        d, v, _ = orbit_path(machine, orbit).at(times)
-        y = np.hstack([machine.b_of_displacements(d), machine.b_of_displacements(v)])
-        return y.reshape(-1, 3, y.shape[1])
 
     def _forces(self, value: float, y: np.ndarray) -> np.ndarray:
         """Return the forces along a motion, shape (steps, 3, b)."""
@@ -208,13 +204,20 @@ class Shooting(ContinuationEquations):
         begin = modal_system.amplitudes @ (x / self._weights) - loads
         steps, load_response = self._propagators(value, ends)
         near = self._nearby_motion(ends)
-        y, end, unsolved = integrate_period(
-            machine, modal_system.speed, modal_system.mean, steps, load_response, begin, near
-        )
+        unsolved = np.zeros(len(near), bool)
+        period = Period(machine.B, modal_system.mean, load_response, near, unsolved, begin)
+        sizes = {"steps": len(near), "lengths": len(steps.diagonal), "modes": len(begin)}
+        block, run = machine.laws.block_of_steps(**sizes, b=machine.b)
+        for group, values in ((run.propagators, steps), (run.period, period)):
+            for target, source in zip(group, values, strict=True):
+                target[...] = source
+        run.work.columns[...] = np.arange(3 * machine.b)
+        backend.bound(step_through, block)(float(modal_system.speed))
+        end, done = run.period.state.copy(), run.period
         if not np.isfinite(end).all():
             raise NotConverged()
         defect = self._weights * (modal_system.state @ (end - begin))
-        return IntegratedPeriod(x.copy(), value, ends, y, defect, unsolved)
+        return IntegratedPeriod(x.copy(), value, ends, done.y.copy(), defect, done.unsolved.copy())
 
     def _nearby_motion(self, ends: np.ndarray) -> np.ndarray:
         """Return the interfaces' last motion, at the points of the mesh."""

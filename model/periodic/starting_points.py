@@ -13,8 +13,8 @@ from ..settings import choose
 from ..simulation import EquilibriumError, Simulation, StepFailure
 from .balance import HarmonicBalance, Orbit
 from .fourier import amplitudes, basis, projection
-from .interface_samples import sample
 from .linear_structure import CondensedMachine
+from .lyapunov import sample
 from .problem import Machines, Task
 from .self_excited import rest_position
 

@@ -28,8 +28,7 @@ from ..model.simulation import RotorWarning, warn
 from ..model.time_loop.recorder import Record
 from ..runs.input_signals import Signals
 from ..runs.job import Job, make_job
-from ..runs.recording import Recording
-from ..runs.run_down import RECORDER_ROWS, Run, run_recorded, usual
+from ..runs.run_down import RECORDER_ROWS, run_recorded, usual
 from ..runs.settings_text import parse_settings
 from ..runs.verify_run import finer_job, verified
 from .machine import Machine, check_machine
@@ -116,7 +115,11 @@ def simulate(
     job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
     if switch("verify", verify):
         finer_job(job)  # refused before anything is run
-    run, recording = _recorded(job, _record(machine, record, per_turn))
+    recorded = _record(machine, record, per_turn)
+    try:
+        run, recording = run_recorded(job, recorded, is_silent=True)
+    except ValueError as error:  # a signal that there is not
+        raise InputError(str(error)) from error
     if verify:
         run, recording = verified(job, run, recording, "finer")
     for message in run.messages:
@@ -135,14 +138,6 @@ def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | Non
             raise InputError(f"record: {shown_value('name', name)}: must be text")
     angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
     return Record(tuple(chosen), angle, RECORDER_ROWS)
-
-
-def _recorded(job: Job, record: Record) -> tuple[Run, Recording]:
-    """Make the run; what cannot be recorded is an `InputError`."""
-    try:
-        return run_recorded(job, record, is_silent=True)
-    except ValueError as error:
-        raise InputError(str(error)) from error
 
 
 def plan(

@@ -59,18 +59,13 @@ def bearing(
     if table is None:
         return print_answer(result, out, "bearing")
     text = _linear_bearing(result, machine)
-    _check_table(table, rotor)
+    writable_file(table, "the table's", "--table")
+    if rotor and table.exists() and table.samefile(rotor):
+        raise InputError(f"--table {table}: is the machine's own file; give another")
     data = print_answer(result, out, "bearing")
     write_text(text, table)
     typer.echo(f"written to {table}")
     return data
-
-
-def _check_table(table: Path, file: Path | None) -> None:
-    """Raise `InputError` where no table can be written, or where the machine's file stands."""
-    writable_file(table, "the table's", "--table")
-    if file and table.exists() and table.samefile(file):
-        raise InputError(f"--table {table}: is the machine's own file; give another")
 
 
 def _result(

@@ -224,6 +224,7 @@ def _folds(
     is none, say so: the curve itself is a result. axis: how the quantity is shown."""
     from ..plotting.figure_style import save
 
+    found: dict[str, Any] = {"second": [], "first": [], "name": name, "ends": []}
     try:
         with _progress(high - low, 0, axis) as add:
             folds = result.fold_curve(
@@ -231,17 +232,13 @@ def _folds(
             )
     except InputError as error:
         typer.echo(f"--fold-over {name}: {error}")
-        return {"second": [], "first": [], "name": name, "ends": []}
+        return found
     first, last = (axis.text(end) for end in (folds.second[0], folds.second[-1]))
     ends = " to ".join(folds.ends)
     typer.echo(f"Folds over {name}: {len(folds.second)} points from {first} to {last}, {ends}")
     save(result.fold_figure(name, folds), out / "response_folds.png")
-    return {
-        "second": folds.second.tolist(),
-        "first": folds.first.tolist(),
-        "name": name,
-        "ends": folds.ends,
-    }
+    lists = {"second": folds.second.tolist(), "first": folds.first.tolist()}
+    return found | lists | {"ends": folds.ends}
 
 
 def _checked(result: "ResponseResult") -> list[dict[str, Any]]:

@@ -2,14 +2,13 @@
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from ..display import choose
 from ..errors import InputError, check_one_of, writable_folder
 from ..files import write_text
-from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
 from ..runs import PLOTS, check_options
 from ..units import in_si
@@ -17,9 +16,6 @@ from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_o
 from .shared import Page, RotorFile, Units, check_page, one_of, places, warned
 from .show_result import machine_in_units
 from .speeds import OperatingRange, Rated, operating_range
-
-if TYPE_CHECKING:
-    from ..machine_report.report_page import ReportOptions
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
@@ -131,14 +127,9 @@ def report(
     check_nodes(machine, "--node", node or ())
     check_nodes(machine, "--clearance", gaps)
     couplings = cross_couplings(machine, ends[1], stage, cross_coupling)
-    from ..machine_report.report_page import ReportOptions
+    from ..machine_report.report_page import ReportOptions, machine_report
 
-    return _report_of_machine(machine, ReportOptions(*ends, node, mode, gaps, couplings), out)
-
-
-def _report_of_machine(machine: Rotor, options: "ReportOptions", out: Path) -> dict[str, Any]:
-    from ..machine_report.report_page import machine_report
-
+    options = ReportOptions(*ends, node, mode, gaps, couplings)
     check_page(out)
     result = machine_report(machine, options, partial(typer.echo, err=True))
     write_text(result.html, out)

@@ -88,25 +88,24 @@ def _run(
         finer_job(job)  # refused before anything is run
     refuse_other(out, STUDY)
     writable_folder(out)
-    fmu = None if direct else _fmu_of(job, out)
+    fmu = None
+    if not direct:  # else nothing is needed that builds one
+        from ..fmi.packing.machine_files import machine_of
+        from ..fmi.packing.python_fmu import fmu_in
+
+        fmu = fmu_in(out, machine_of(job.toml, reduction=job.settings.reduction))
     outcome = _carry_out(job, fmu, f"{kind}, {preset or 'default'}", verify)
     clear(out)  # the results of an earlier run stay until there are others
     report = _write(outcome, preset, out, name)
     report["stop_s"] = job.stop
-    report["stop_by"] = _what_ends(stop, signals)
+    by_input = "the end of the ramp" if signals is None else f"the last time of {signals}"
+    report["stop_by"] = by_input if stop is None else "--stop"
     report["wall_s"] = time.perf_counter() - begun
     write_json(report, out / "summary.json")
     if stop is None and signals is not None:
         typer.echo(f"The run was to end at {job.stop:g} s, {report['stop_by']}.")
     _print(outcome, report, out)
     return report | {"out": str(out)}
-
-
-def _what_ends(stop: str | None, signals: Path | None) -> str:
-    """Return what the end of a run was taken from."""
-    if stop is not None:
-        return "--stop"
-    return "the end of the ramp" if signals is None else f"the last time of {signals}"
 
 
 class _Outcome(NamedTuple):
@@ -117,14 +116,6 @@ class _Outcome(NamedTuple):
     result: "Run"
     recording: "Recording"
     apart: float | None
-
-
-def _fmu_of(job: "Job", out: Path) -> Path:
-    # no run without an FMU needs what builds one
-    from ..fmi.packing.machine_files import machine_of
-    from ..fmi.packing.python_fmu import fmu_in
-
-    return fmu_in(out, machine_of(job.toml, reduction=job.settings.reduction))
 
 
 def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outcome:

@@ -29,6 +29,7 @@ _OSP = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 _EXTENSION = "application/x-ssp-parameter-set"
 _TERMINALS = "rotor-fmu.terminals"  # type of the annotation; SSP has no element for terminals
 _LOST = 1e-8  # share of a machine's kinetic energy that a step of ECCO may lose
+_ENDS = ("startElement", "startConnector", "endElement", "endConnector")  # of a connection
 SSP_NAME, OSP_NAME = "System.ssp", "OspSystemStructure.xml"
 # Of libcosim's ECCO: the shortest and the longest step, relative to the communication step, and the
 # rates and gains by which the step changes. They are low because the error of the power passes
@@ -109,15 +110,9 @@ class System:
             _add_component(elements, component)
         connections = _sub(system, "ssd:Connections")
         for bond in self.bonds:
-            for start, output, end, taken in (bond.forth, bond.back):
-                _sub(
-                    connections,
-                    "ssd:Connection",
-                    startElement=start,
-                    startConnector=output,
-                    endElement=end,
-                    endConnector=taken,
-                )
+            for connection in (bond.forth, bond.back):
+                ends = dict(zip(_ENDS, connection, strict=True))
+                _sub(connections, "ssd:Connection", **ends)
         used = [v for c in self.components for v in c.connectable()]
         _add_units(_sub(root, "ssd:Units"), used)
         experiment = _sub(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(self.stop))

@@ -115,15 +115,12 @@ def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         before = merged.get(key)
         if isinstance(before, dict) and isinstance(value, dict):
             merged[key] = _merged(before, value)
-        elif isinstance(before, list) and isinstance(value, list) and _has_tables(value):
-            merged[key] = [*before, *value]
+        elif isinstance(before, list) and isinstance(value, list) and value:
+            is_parts = all(isinstance(item, dict) for item in value)
+            merged[key] = [*before, *value] if is_parts else value
         else:
             merged[key] = value
     return merged
-
-
-def _has_tables(value: list[Any]) -> bool:
-    return bool(value) and all(isinstance(item, dict) for item in value)
 
 
 def to_screen(warning: str) -> None:

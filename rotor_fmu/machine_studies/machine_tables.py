@@ -20,7 +20,7 @@ from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
 from ..runs.settings_text import value_of
-from ..studies.design import MOST, Axis, Distribution
+from ..studies.design import MOST, Axis
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
 from ..units import number
@@ -310,9 +310,6 @@ def _points(axes: Iterable[Axis], prefix: str) -> Iterable[dict[str, float]]:
     """Return the combinations of values, of the axes that set names with a prefix: listed ones, or
     some that a distribution may give."""
     chosen = [axis for axis in axes if any(t.startswith(prefix) for t in axis.targets)]
-    for point in product(*(a.values or _some(a.distribution) for a in chosen)):
+    drawn = [a.distribution.at(_SHARES).tolist() if a.distribution else () for a in chosen]
+    for point in product(*(a.values or some for a, some in zip(chosen, drawn, strict=True))):
         yield {t: v for a, v in zip(chosen, point, strict=True) for t in a.targets}
-
-
-def _some(distribution: Distribution | None) -> Iterable[float]:
-    return distribution.at(_SHARES).tolist() if distribution else ()

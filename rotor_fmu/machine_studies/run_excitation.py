@@ -110,7 +110,7 @@ class Monitor:
     def sample_interfaces(self) -> None:
         """Take what an exponent is computed of at this instant."""
         if self._has_exponent:
-            from ..model.periodic.interface_samples import sample
+            from ..model.periodic.lyapunov import sample
 
             self._interfaces.append(sample(self._simulation))
 
@@ -123,8 +123,7 @@ class Monitor:
         turns = Samples(np.array(self._times), dict(zip(self._by_turns, rows, strict=True)))
         exponent = math.nan
         if self._has_exponent:
-            from ..model.periodic.interface_samples import InterfaceSamples
-            from ..model.periodic.lyapunov import largest_exponent
+            from ..model.periodic.lyapunov import InterfaceSamples, largest_exponent
 
             seen = InterfaceSamples(*map(np.array, zip(*self._interfaces, strict=True)))
             each = per_turn * self.parts(per_turn)

@@ -167,27 +167,18 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
         return {}
     problem = design.problem()
     names = problem["names"]
+    drawn = {"conf_level": CONFIDENCE, "seed": design.seed}
     if design.kind == "saltelli":
         from SALib.analyze import sobol
 
-        result = sobol.analyze(
-            problem,
-            values[retained],
-            calc_second_order=False,
-            conf_level=CONFIDENCE,
-            seed=design.seed,
-        )
+        result = sobol.analyze(problem, values[retained], calc_second_order=False, **drawn)
         keys = ("S1", "S1_conf", "ST", "ST_conf")
     else:
         from SALib.analyze import morris
 
+        points = design.sample[retained]
         result = morris.analyze(
-            problem,
-            design.sample[retained],
-            values[retained],
-            conf_level=CONFIDENCE,
-            num_levels=design.levels,
-            seed=design.seed,
+            problem, points, values[retained], num_levels=design.levels, **drawn
         )
         keys = ("mu", "mu_star", "mu_star_conf", "sigma")
     indices = {axis: {key: float(result[key][i]) for key in keys} for i, axis in enumerate(names)}

@@ -75,7 +75,11 @@ def run_study(study: Study, folder: Path, engine: MakeEngine, report: Report) ->
             while not is_done.all():
                 pool = pool or stack.enter_context(engine())
                 for done in _results(study, is_done, pool, suspects):
-                    _write_rows(store, done, is_done, progress)
+                    store.write(done)
+                    store.merge_small()
+                    is_done[list(done)] = True
+                    progress.now += len(done)
+                    progress.failed += sum(has_failed(result.status) for result in done.values())
                     report(progress)
                 stack.close()
                 pool = None
@@ -158,13 +162,3 @@ def _error_of(future: Future) -> BaseException | None:
         return error
     reason = f"{type(error).__name__}: {error}"
     raise RunFailed(f"a worker cannot run anything: {reason}; {_WRITTEN}") from error
-
-
-def _write_rows(
-    store: Store, results: dict[int, Result], is_done: np.ndarray, progress: Progress
-) -> None:
-    store.write(results)
-    store.merge_small()
-    is_done[list(results)] = True
-    progress.now += len(results)
-    progress.failed += sum(has_failed(result.status) for result in results.values())

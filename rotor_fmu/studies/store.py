@@ -109,14 +109,13 @@ class Store:
         """Write the rows of runs as a part of their own; results: by the runs' numbers."""
         import pyarrow as pa
 
-        rows = [self._row(number, result) for number, result in results.items()]
+        rows = []
+        for number, result in results.items():
+            point = self._study.design.point(number)
+            run_id = self._study.row_id(self._study.design.settings(point))
+            head = {"run": number, "id": run_id, "status": result.status}
+            rows.append({**head, **point, **result.cells})
         self._put(pa.Table.from_pylist(rows, schema=self._schema))
-
-    def _row(self, number: int, result: Result) -> dict[str, Any]:
-        point = self._study.design.point(number)
-        run_id = self._study.row_id(self._study.design.settings(point))
-        head = {"run": number, "id": run_id, "status": result.status}
-        return {**head, **point, **result.cells}
 
     def merge_small(self, least: int = _MOST_SMALL) -> None:
         """Make one part of the small ones once there are `least`; a merge that is cut short leaves

@@ -64,11 +64,11 @@ class OrderTrack(ShortRepr):
 
     def phase_x(self, order: float = 1.0) -> np.ndarray:
         """Return the angle by which x leads the mark, unwrapped over the run [rad]."""
-        return _unwrapped(self.x(order))
+        return np.unwrap(np.angle(self.x(order)))
 
     def phase_y(self, order: float = 1.0) -> np.ndarray:
         """Return the angle by which y leads the mark, unwrapped over the run [rad]."""
-        return _unwrapped(self.y(order))
+        return np.unwrap(np.angle(self.y(order)))
 
     def major(self, order: float = 1.0) -> np.ndarray:
         """Return the major semi-axis of the order's ellipse [m]."""
@@ -212,7 +212,3 @@ def _half_power(n: np.ndarray, a: np.ndarray, t: np.ndarray) -> tuple[float, flo
         return np.nan, np.nan
     share = (a[i - 1] - edge) / (a[i - 1] - a[i])
     return float(n[i - 1] + share * (n[i] - n[i - 1])), float(t[i - 1] + share * (t[i] - t[i - 1]))
-
-
-def _unwrapped(vector: np.ndarray) -> np.ndarray:
-    return np.unwrap(np.angle(vector))

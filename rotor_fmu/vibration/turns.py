@@ -186,7 +186,9 @@ def synchronous(
     if per_turn is not None:
         check_integer("per_turn", per_turn, 1)
     else:
-        per_turn = _fine(np.concatenate([np.diff(passage.reached) for passage in passages]))
+        steps = np.concatenate([np.diff(passage.reached) for passage in passages])
+        fine = 2 ** math.ceil(math.log2(TURN / float(np.quantile(steps, _SHORT))))
+        per_turn = int(min(max(fine, _LEAST), _MOST))
     instants, resampled = [], []
     for passage in passages:
         count = len(passage.turns.mark) * per_turn
@@ -282,11 +284,6 @@ def _joined(parts: list[Turns]) -> Turns:
         return Turns(whole, whole, whole, none, none, whole, whole)
     names = vars(parts[0])
     return Turns(**{name: np.concatenate([vars(p)[name] for p in parts]) for name in names})
-
-
-def _fine(steps: np.ndarray) -> int:
-    step = float(np.quantile(steps, _SHORT))
-    return int(min(max(2 ** math.ceil(math.log2(TURN / step)), _LEAST), _MOST))
 
 
 def hann(turns: int, per_turn: int) -> np.ndarray:

@@ -34,14 +34,15 @@ KINDS = {
 
 def rubbing(kind, is_autonomous=False):
     """The equations of a disc in a wall of a kind, and unknowns with which it rubs."""
-    from rotor_fmu.model.periodic.balance import HarmonicBalance, Parameter
+    from rotor_fmu.model.periodic.balance import HarmonicBalance
     from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
     text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS[kind] + MORE, gravity=9.81)
     machine = CondensedMachine(rf.parse(text).rotor)
     problem = HarmonicBalance(
         lambda value: machine,
-        Parameter("speed", 100.0),
+        "speed",
+        100.0,
         120.0,
         4,
         is_autonomous=is_autonomous,
@@ -289,5 +290,5 @@ def test_the_tangents_of_a_race_that_rolls_are_those_of_its_curve():
     x, step = problem.join(last.orbit), 1e-5
     *_, by_speed = problem.linearized_with_parameter(x, last.value)
     above, below = (problem.residual(x, last.value + side * step) for side in (1, -1))
-    exact = (above - below) / (2 * step) * problem.parameter.scale
+    exact = (above - below) / (2 * step) * problem.scale
     assert np.linalg.norm(by_speed - exact) < 5e-4 * np.linalg.norm(exact)

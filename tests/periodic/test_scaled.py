@@ -24,7 +24,7 @@ PARTS = {
 
 def equations(part, m, s):
     """The equations of a disc and a part, in lengths of m and times of s."""
-    from rotor_fmu.model.periodic.balance import HarmonicBalance, Parameter
+    from rotor_fmu.model.periodic.balance import HarmonicBalance
     from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 
     sizes = {"l": 0.012 * m, "eta": 0.02 / (m * s), "r": 2e-7 * m, "s": 3e-5 * m, "s2": 6e-5 * m}
@@ -53,7 +53,7 @@ node = 3
 journal_radius = {0.012 * m}
 """
     machine = CondensedMachine(rf.parse(text).rotor)
-    return HarmonicBalance(lambda _: machine, Parameter("speed", 100 / s), 250 / s, 3)
+    return HarmonicBalance(lambda _: machine, "speed", 100 / s, 250 / s, 3)
 
 
 @pytest.mark.parametrize("part", PARTS)
