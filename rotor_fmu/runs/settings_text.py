@@ -11,6 +11,7 @@ from ..fmi.variables import Variable
 from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..model.near_names import suggestion
+from ..model.quantities import check_size
 from ..model.settings import SettingsError
 from ..units import number
 
@@ -118,4 +119,5 @@ def value_of(where: str, variable: Variable, given: object) -> float:
         limit = f">= {low:g}" if high == math.inf else f"from {low:g} to {high:g}"
         kind = "an integer" if is_whole else "a finite number"
         raise InputError(f"{where} = {text}: must be {kind} {limit}{unit}")
+    check_size(f"{where} = {text}", value)
     return value
