@@ -37,7 +37,8 @@ _SENTENCES = {
     "TOO_FAR": f"{_NO_REST}: it would lie beyond {{.3g}} m, a tenth of the shaft's length; "
     "clearances and loads must be smaller, or springs stiffer",
     "NO_REST": f"{_NO_REST} was found",
-    "UNFINISHED_AT_REST": f"{_NO_REST} was found in {{d}} iterations (solver.max_iterations)",
+    "UNFINISHED_AT_REST": f"{_NO_REST} was found in {{d}} iterations (solver.max_iterations); "
+    "allow more of them",
     "LOST_IN_ROUNDING": f"{_NO_REST} was found: beside the stiffness of the shaft's elements, "
     "{.2g} N/m, rounding hides that of its supports, {.2g} N/m; reduce young: the "
     "shaft remains effectively rigid",

@@ -49,6 +49,8 @@ NOT_NEGATIVE = Rule(0.0, False, "must be >= 0 and finite")
 ANY = Rule(-math.inf, False, "must be a finite number")
 NOTHING, SPEED, ALL = "nothing", "speed", "all"
 LARGEST = 1e30  # in size: beyond it, products of such numbers overflow
+SMALLEST = 1 / LARGEST  # of what must be above 0
+LARGEST_ANGLE = 1e9  # in size [rad]: beyond it, an angle in a turn is rounding
 EXPONENT = "exponent"  # the quantity on which the unit of another one may depend
 GRAVITY = 9.81  # of a machine, unless its definition states another one [m/s2]
 STANDARD_GRAVITY = 9.80665  # makes units of force of units of mass [m/s2]
@@ -165,9 +167,15 @@ def check(shown: str, declared: Quantity, value: Any) -> None:
     is_finite = isinstance(value, int) or math.isfinite(value)
     if is_finite:
         check_size(shown, value)
+    unit = "" if declared.unit == "1" else f" {declared.unit}"
     if not is_finite or not declared.rule.allows(value):
-        unit = "" if declared.unit == "1" else f" {declared.unit}"
         raise QuantityError(f"{shown} = {value:g}{unit}: {declared.rule.words}")
+    if declared.rule is POSITIVE and value < SMALLEST:
+        raise QuantityError(f"{shown} = {value:g}{unit}: must be at least {SMALLEST:g}{unit}")
+    if declared.unit == "rad" and abs(value) > LARGEST_ANGLE:
+        raise QuantityError(
+            f"{shown} = {value:g} rad: must not exceed {LARGEST_ANGLE:g} rad in size"
+        )
 
 
 def check_size(shown: str, value: float) -> None:

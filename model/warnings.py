@@ -62,5 +62,5 @@ RUN_WARNINGS = (
 )
 UNFINISHED = (
     "stopped after {d} iterations (solver.max_iterations); go on in shorter communication steps, "
-    f"or {_FASTER}"
+    f"allow more of them, or {_FASTER}"
 )

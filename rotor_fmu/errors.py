@@ -162,15 +162,21 @@ def meant(name: str, known: Iterable[str]) -> str:
 
 
 def known_name(
-    where: str, name: str, known: Iterable[str], others: Mapping[str, str] = NO_OTHERS
+    where: str,
+    name: str,
+    known: Iterable[str],
+    others: Mapping[str, str] = NO_OTHERS,
+    why_not: Callable[[str], str] = lambda _: "",
 ) -> str:
     """Return the name itself if it is known, else `InputError` with what may be meant; where: what
-    it is of; others: the known names by what they are called elsewhere."""
+    it is of; others: the known names by what they are called elsewhere; why_not: returns why a name
+    is not among them, empty of one that is nowhere."""
     known = tuple(known)
     if name not in known:
         right = others.get(name)
         hint = f"did you mean {right}?" if right in known else meant(name, known)
-        raise InputError(f"{where} {name}: unknown name; {hint}".strip())
+        reason = why_not(name) or f"unknown name; {hint}"
+        raise InputError(f"{where} {name}: {reason}".strip())
     return name
 
 

@@ -13,9 +13,10 @@ from ..arguments import check_integer, number
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from ..quantities import check_size
+from .fast_growth import with_fast_growth
 from .linear_machine import LinearMachine, shared_machine
 from .orbit import AT_REST, backward_part, forward_part, lengths_of_nodes, semi_axes
-from .shifted_inverse import DOUBTFUL, ShiftedInverse, lowest
+from .shifted_inverse import DOUBTFUL, Lowest, ShiftedInverse, lowest
 from .system_at_speed import Linear, LinearError
 
 FORWARD, BACKWARD, PLANAR, MIXED = "forward", "backward", "planar", "mixed"
@@ -199,7 +200,13 @@ def modes_of(
         values = np.concatenate([values[slow], fast.values[rest]])
         shapes = np.hstack([shapes[:, slow], fast.shapes[:, rest]])
         residuals = np.concatenate([residuals[slow], fast.residuals[rest]])
-    result = np.argsort(np.abs(values))[:count]
+    found = with_fast_growth(
+        Lowest(values, shapes, residuals, decays, is_held), linear, scale, strain.by_d
+    )
+    values, shapes, residuals, decays, is_held = found
+    # what grows faster than it whirls is not left out for its high frequency
+    first = np.argsort(np.where(values.real > values.imag, 0.0, np.abs(values)))[:count]
+    result = first[np.argsort(np.abs(values[first]))]
     values, shapes = values[result], shapes[:, result]
     _untangle(values, shapes, machine, in_planes)
     n = 2 * len(machine.nodes)

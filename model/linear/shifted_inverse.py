@@ -11,10 +11,10 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from .system_at_speed import Linear, LinearError
 
-_DENSE = 220  # states up to which all eigenvalues cost less than a few
-_SHIFT = 0.3  # of the lowest elastic frequency
+DENSE = 220  # states up to which all eigenvalues cost less than a few
+SHIFT = 0.3  # of the lowest elastic frequency
 # Share of the imaginary part: equal real eigenvalues come out apart by the root of rounding.
-_REAL = 1e-5
+REAL = 1e-5
 _DECAYS = 8  # eigenvalues looked for beyond those asked for: oil films add so many that decay
 DOUBTFUL = 1e-6  # a residual that is said
 # Of the lowest elastic frequency: what is slower may be a motion that nothing holds, whose
@@ -31,7 +31,7 @@ class ShiftedInverse:
     [rad/s]; by_d: Z of the shaft by displacement, see `system_at_speed`."""
 
     def __init__(self, linear: Linear, scale: float, by_d: np.ndarray) -> None:
-        self.scale, self.sigma = scale, _SHIFT
+        self.scale, self.sigma = scale, SHIFT
         M, D, matrix = scale**2 * linear.own_M, scale * linear.own_D, linear.system.places.matrix
         # of displacements and velocities together: one product takes half the time of two
         self._by_motion = sp.hstack([matrix(D + self.sigma * M), matrix(M)]).tocsr()
@@ -103,11 +103,11 @@ def lowest(inverse: ShiftedInverse, count: int) -> Lowest:
     is_zero = inverse.is_zero(values)
     values, states = values[~is_zero], states[:, ~is_zero]
     # of two that are conjugate one is looked at
-    one = values.imag >= -_REAL * np.abs(values)
+    one = values.imag >= -REAL * np.abs(values)
     values, states = values[one], states[:, one]
     residuals = inverse.residuals(values, states)
-    is_real = (np.abs(values.imag) <= _REAL * np.abs(values)) & (residuals <= DOUBTFUL)
-    result = np.flatnonzero(values.imag > _REAL * np.abs(values))
+    is_real = (np.abs(values.imag) <= REAL * np.abs(values)) & (residuals <= DOUBTFUL)
+    result = np.flatnonzero(values.imag > REAL * np.abs(values))
     result = result[np.argsort(values.imag[result])]
     decays = np.sort(values[is_real].real)[::-1]
     shapes = states[: inverse.size, result]
@@ -120,7 +120,7 @@ def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]
     size = inverse.states
     wanted = 2 * count + _DECAYS + size - 2 * inverse.size  # own states mostly decay
     while True:
-        if size <= _DENSE or wanted + 2 >= size // 3:
+        if size <= DENSE or wanted + 2 >= size // 3:
             inverted, states = scipy.linalg.eig(inverse(np.eye(size)))
         else:
             operator = LinearOperator((size, size), matvec=inverse, dtype=inverse.dtype)
@@ -138,7 +138,7 @@ def _eigen(inverse: ShiftedInverse, count: int) -> tuple[np.ndarray, np.ndarray]
                     raise LinearError("the modes did not converge") from error
                 return inverse.eigenvalues(inverted), states
         values = inverse.eigenvalues(inverted)
-        whirls = ~inverse.is_zero(values) & (values.imag > _REAL * np.abs(values))
+        whirls = ~inverse.is_zero(values) & (values.imag > REAL * np.abs(values))
         if len(values) == size or np.sum(whirls) >= count:
             return values, states
         wanted *= 2

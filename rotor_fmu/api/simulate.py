@@ -176,7 +176,9 @@ def plan(
     for name in given.keys() & inputs:
         raise InputError(f"parameters: {name} is an input: give it as speed or among loads")
     try:
-        values = parse_settings(table, [f"{name}={value}" for name, value in given.items()])
+        values = parse_settings(
+            machine.rotor, table, [f"{name}={value}" for name, value in given.items()]
+        )
         job = make_job(machine.toml, machine.rotor, values, signals, stop, step)
     except ValueError as error:
         said = str(error).removeprefix("--set ")

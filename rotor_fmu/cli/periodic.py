@@ -4,6 +4,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +13,7 @@ import typer
 from ..display import Shown, choose, current
 from ..errors import InputError, known_name, writable_folder
 from ..machine_file.loading import load_rotor, warn_of_changes
+from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
 from ..screen import progress_of
@@ -82,7 +84,7 @@ def response(
     choose(units, machine.units, rotor or "")
     loads = named_texts("--load", load or [])
     of = {name: known.quantity.unit for name, known in machine.parameters().items()}
-    at, varied = _varied(speed or _usual(machine, over), over, of)
+    at, varied = _varied(speed or _usual(machine, over), over, machine)
     unit = "rad/s" if varied is None else of.get(varied[0], "1")
     options: dict[str, Any] = {
         "speed": at,
@@ -97,7 +99,7 @@ def response(
         "whirl": whirl,
         "branches": branches,
     }
-    second = None if fold_over is None else _second(fold_over, machine, options, of)
+    second = None if fold_over is None else _second(fold_over, machine, options)
     result = _computed(machine, toml, options, out, current().of_si(unit))
     summary = dict(result.summary)
     write_response(result, machine.name, summary, out)  # kept where what follows is stopped
@@ -194,25 +196,23 @@ def _usual(machine: Rotor, over: str | None) -> str:
 
 
 def _varied(
-    speed: str, over: str | None, units: Mapping[str, str]
+    speed: str, over: str | None, machine: Rotor
 ) -> tuple[float | tuple[float, float], tuple[str, float, float] | None]:
     """Return the range of speeds, or the one speed, and the quantity that is varied instead."""
     if over is not None:
-        return one_speed(speed), _range(over, "--over", units)
+        return one_speed(speed), _range(over, "--over", machine)
     ends = speed_range(speed, None)
     if len(ends) != 2:
         raise InputError(f"--speed {speed}: must be FROM:TO")
     return (float(ends[0]), float(ends[1])), None
 
 
-def _second(
-    text: str, machine: Rotor, options: Mapping[str, Any], units: Mapping[str, str]
-) -> tuple[str, float, float]:
+def _second(text: str, machine: Rotor, options: Mapping[str, Any]) -> tuple[str, float, float]:
     """Return the quantity of `--fold-over` and its range, checked before anything is computed."""
     from ..model.periodic.queries import check_second
     from ..periodic.request import response_request
 
-    name, low, high = _range(text, "--fold-over", units)
+    name, low, high = _range(text, "--fold-over", machine)
     check_second(*response_request(machine, **options), name, low, high)
     return name, low, high
 
@@ -272,11 +272,12 @@ def _checked(result: "ResponseResult") -> list[dict[str, Any]]:
     return rows
 
 
-def _range(text: str, option: str, units: Mapping[str, str]) -> tuple[str, float, float]:
-    """Return a name and both ends, in SI units, of `NAME=FROM:TO`; units: by name."""
+def _range(text: str, option: str, machine: Rotor) -> tuple[str, float, float]:
+    """Return a parameter's name and both ends, in SI units, of `NAME=FROM:TO`."""
     name, equals, ends = (part.strip() for part in text.partition("="))
     if not equals or ends.count(":") != 1:
         raise InputError(f"{option} {text}: must be NAME=FROM:TO")
-    unit = units[known_name(option, name, units)]
+    known, why_not = machine.parameters(), partial(why_no_parameter, machine)
+    unit = known[known_name(option, name, known, why_not=why_not)].quantity.unit
     low, high = number_range(ends, None, f"{option} {name} =", unit)
     return name, float(low), float(high)

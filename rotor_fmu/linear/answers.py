@@ -93,7 +93,7 @@ class Campbell(Displayed, linear.Campbell):
         shade(panels, operating)
         for mode, whirl in enumerate(zip(*self.whirl, strict=True)):
             for axes, values in ((above, frequency), (below, self.log_dec)):
-                draw_whirling(axes, speed, values[:, mode], whirl, self.has_peak[:, mode])
+                draw_whirling(axes, speed, values, mode, whirl, self.has_peak[:, mode])
         for order in self.harmonics:
             above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=LIMIT)
         places = [(_speed(c.speed), c.harmonic * abs(_speed(c.speed))) for c in self.critical]

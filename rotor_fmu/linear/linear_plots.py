@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,6 +15,8 @@ from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
 from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, SKY
 
 _Item = TypeVar("_Item")
+DASHED = (0, (2, 2))  # of a line upon another one
+_SAME = 4e-3  # of the height of all lines: two less apart lie upon each other
 WHIRL_COLORS = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 FAINT = 0.3  # opacity
 _FINE = 12  # points an element of a curve through the nodes
@@ -60,16 +62,34 @@ def shapes_in_grid(modes: int) -> tuple[int, int, int]:
 
 
 def draw_whirling(
-    axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str], is_clear: np.ndarray
+    axes: Axes,
+    speed: np.ndarray,
+    values: np.ndarray,
+    mode: int,
+    whirl: Sequence[str],
+    is_clear: np.ndarray,
 ) -> None:
-    """Draw a line in pieces of the colour of its whirl, faint where it is not clear."""
+    """Draw a line in pieces of the colour of its whirl, faint where it is not clear; dashed where
+    it lies on one of another colour, so that both are seen. values: shape (speeds, lines), of which
+    that of this number is drawn."""
+    drawn = [(line.get_color(), np.asarray(line.get_xydata())) for line in axes.lines]
+    pieces = [(other, xy) for other, xy in drawn if len(xy) == 2]
+    below = np.array([xy for _, xy in pieces])
+    colors = np.array([other for other, _ in pieces])
+    height = np.ptp(np.append(values[np.isfinite(values)], 0.0))
+    near, values = _SAME * height, values[:, mode]
     for i in range(len(speed) - 1):
         # a mode at rest whirls neither way: its first piece has the colour of what it becomes
         word = whirl[i + 1] if whirl[i] in ("", PLANAR) else whirl[i]
         alpha = 1.0 if is_clear[i : i + 2].any() else FAINT
         color = WHIRL_COLORS.get(word, GREY)
         piece = speed[i : i + 2], values[i : i + 2]
-        axes.plot(*piece, color=color, lw=1.6, alpha=alpha, solid_capstyle="butt")
+        at = np.transpose(piece)
+        apart = np.abs(below.reshape(-1, 2, 2) - at)
+        is_near = (apart[..., 0] == 0.0) & (apart[..., 1] <= near)
+        hides = bool((is_near.all(axis=1) & (colors != color)).any())
+        style: Any = DASHED if hides else "solid"
+        axes.plot(*piece, color=color, lw=1.6, alpha=alpha, solid_capstyle="butt", ls=style)
 
 
 def grouped(items: Iterable[_Item], is_alike: Callable[[_Item, _Item], bool]) -> list[list[_Item]]:

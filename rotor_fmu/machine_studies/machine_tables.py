@@ -15,6 +15,7 @@ from ..errors import InputError, check_integer, check_one_of, known_name
 from ..fmi.binding import load_names
 from ..fmi.solver_parameters import OTHER_NAMES, PREFIX, settings_of
 from ..machine_file.loading import load_rotor, warn_of_changes
+from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
@@ -58,9 +59,9 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     check_one_of("run kind" if name is None else f"run kind = {name!r}", name, kinds)
     kind, make = kinds[name]
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
-    values = {}
+    values, why_not = {}, partial(why_no_parameter, runs.machine.rotor)
     for target, value in table_of(tables, "set").items():
-        variable = runs.settable[known_name("set", target, runs.settable, OTHER_NAMES)]
+        variable = runs.settable[known_name("set", target, runs.settable, OTHER_NAMES, why_not)]
         values[target] = value_of(f"set {target}", variable, value)
     runs = replace(runs, values=values)
     warn_of_changes("set", runs.machine.rotor, *_machines(runs, {}))
@@ -86,6 +87,10 @@ class MachineSubject:
     def display_units(self) -> str:
         """Units that the machine's file asks to be shown."""
         return machine_of(self.runs.toml, False).rotor.units
+
+    def why_not(self, name: str) -> str:
+        """Return why what the machine's file has cannot be varied, empty of any other name."""
+        return why_no_parameter(self.runs.machine.rotor, name)
 
     def value(self, name: str, where: str, given: object) -> float:
         """Return a value of what can be varied; of a choice its name will do, of a truth itself."""
@@ -120,7 +125,8 @@ def _excitation(
             raise InputError(
                 f"run {kind.name}: over = {over!r}: the name of a quantity, of a response"
             )
-        known_name("run response: over", over, machine.units)
+        why_not = partial(why_no_parameter, machine.rotor)
+        known_name("run response: over", over, machine.units, why_not=why_not)
     abscissa_unit = machine.units[over] if over else "rad/s"
     speeds = operating_speeds(machine.rotor)
     numbers = {

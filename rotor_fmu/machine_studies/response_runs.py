@@ -112,8 +112,8 @@ class ResponseRuns(MachineRuns):
         if at is not None and not low <= at <= high:
             limit = Shown(1.0, how.abscissa_unit).text(high)
             raise metric.error(f"at = {at:g}: must be from {low:g} to {limit}")
-        for quantity in metric.kind.samples(metric.of):
-            known_name(f"keep {metric.name}:", quantity, self.units)
+        if kind != "bifurcation":
+            known_name(f"keep {metric.name}:", metric.of, self.units)
 
     def column_of(self, metric: Metric, varied: Collection[str]) -> Column:
         """Return the column of a metric; of a bifurcation its value is one of the parameter."""

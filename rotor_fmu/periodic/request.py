@@ -3,6 +3,7 @@ and studies."""
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -22,6 +23,7 @@ from ..errors import (
 )
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
+from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
 from ..model.periodic.arclength import ContinuationSteps
@@ -117,7 +119,7 @@ def response_request(
         name = over[0]
         if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
-        known_name("over:", name, rotor.parameters())
+        known_name("over:", name, rotor.parameters(), why_not=partial(why_no_parameter, rotor))
         if name in given:
             raise InputError(f"{name}: is varied; it cannot be given one value too")
         held, ends = number("speed", speed), numbers("over", over[1:])

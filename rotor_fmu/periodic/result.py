@@ -1,13 +1,14 @@
 """What `rf.response` returns: branches of periodic motions, with tables and pictures."""
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..display import current, in_its_units
 from ..errors import InputError, known_name
+from ..model.machine.no_parameters import why_no_parameter
 from ..model.message_templates import Message
 from ..model.periodic.arclength import NotConverged
 from ..model.periodic.branch import FOLD, TORUS, Bifurcation, Solution
@@ -72,7 +73,8 @@ class ResponseResult(ResponseCurves):
             raise InputError("the curve has no smooth fold")
         if not 0 <= i < len(folds):
             raise InputError(f"i = {i}: must be from 0 to {len(folds) - 1}, a fold of the curve")
-        known_name("", name, self._response.rotor.parameters())
+        rotor = self._response.rotor
+        known_name("", name, rotor.parameters(), why_not=partial(why_no_parameter, rotor))
         try:
             return folds_over(self._response, folds[i], name, low, high, report_value)
         except NotConverged as error:

@@ -60,7 +60,7 @@ def prepare(
             raise InputError(f"--preset {preset}: --set solver.preset gives it too")
         sets = [f"solver.preset={preset}", *sets]
     _check_rows(stop, step, len(table))
-    values = parse_settings(table, sets)
+    values = parse_settings(rotor, table, sets)
     inputs = {v.name for v in table if v.causality == "input"}
     constants = {name: value for name, value in values.items() if name in inputs}
     for warning in _beyond(recorded, stop) if recorded is not None else ():

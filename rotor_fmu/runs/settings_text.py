@@ -2,13 +2,16 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from ..errors import InputError, known_name
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import AS_PRESET, OTHER_NAMES, PREFIX, REDUCTION, chosen_at_build
 from ..fmi.variables import Variable
+from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..model.near_names import suggestion
+from ..model.quantities import check_size
 from ..model.settings import SettingsError
 from ..units import number
 
@@ -31,7 +34,9 @@ def named_texts(option: str, texts: Sequence[str]) -> dict[str, str]:
     return values
 
 
-def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
+def parse_settings(
+    rotor: Rotor, table: Sequence[Variable], settings: Sequence[str]
+) -> dict[str, float]:
     """Return the values by name from `NAME=VALUE` texts; choices may be given by number or by name.
 
     Raises `InputError` for an unknown or repeated name, and for an impossible value.
@@ -42,7 +47,8 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
         observed = next((v for v in table if v.is_observed and v.name == name), None)
         if observed is not None:
             raise InputError(f"--set {name}: is an output, which the model computes")
-        variable = known[known_name("--set", name, known, OTHER_NAMES)]
+        why_not = partial(why_no_parameter, rotor)
+        variable = known[known_name("--set", name, known, OTHER_NAMES, why_not)]
         values[name] = value_of(f"--set {name}", variable, value)
         if variable.is_unset_at_start and values[name] == variable.start:
             raise InputError(
@@ -65,7 +71,7 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
     for name in named_texts("--set", settings):
         if name in others:
             raise InputError(f"--set {name}: is neither a parameter of the solver nor a choice")
-    values = parse_settings(table, settings)
+    values = parse_settings(rotor, table, settings)
     if REDUCTION.name in values:
         raise InputError(f"--set {REDUCTION.name}: is chosen by --reduction")
     try:
@@ -80,8 +86,10 @@ def machine_values(where: str, rotor: Rotor, given: Mapping[str, object]) -> dic
     `where`."""
     own = rotor.parameters()
     known = {v.name: v for v in interface(rotor, False) if v.name in own}
+    why_not = partial(why_no_parameter, rotor)
     return {
-        n: value_of(f"{where} {n}", known[known_name(where, n, known)], v) for n, v in given.items()
+        n: value_of(f"{where} {n}", known[known_name(where, n, known, why_not=why_not)], v)
+        for n, v in given.items()
     }
 
 
@@ -111,4 +119,5 @@ def value_of(where: str, variable: Variable, given: object) -> float:
         limit = f">= {low:g}" if high == math.inf else f"from {low:g} to {high:g}"
         kind = "an integer" if is_whole else "a finite number"
         raise InputError(f"{where} = {text}: must be {kind} {limit}{unit}")
+    check_size(f"{where} = {text}", value)
     return value

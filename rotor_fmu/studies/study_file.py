@@ -30,7 +30,8 @@ TABLES = (*_GENERAL, *_OF_THE_SUBJECT)
 
 
 class Subject(Protocol):
-    """The subject of a study."""
+    """The subject of a study. It may have a method `why_not`, which returns why a name cannot be
+    varied, empty of one that it does not have."""
 
     @property
     def units(self) -> Mapping[str, str]:
@@ -144,7 +145,7 @@ def _axes(table: dict[str, Any], subject: Subject) -> Iterable[Axis]:
         patterns = targets if isinstance(targets, list) else [targets]
         if not patterns:
             raise InputError(f"vary {name}: names = []: must be names")
-        result = [target for pattern in patterns for target in _matching(name, pattern, units)]
+        result = [target for pattern in patterns for target in _matching(name, pattern, subject)]
         for target in result:
             if target in taken:
                 raise InputError(f"vary {name}: {target} is varied by {taken[target]} too")
@@ -157,17 +158,19 @@ def _axes(table: dict[str, Any], subject: Subject) -> Iterable[Axis]:
         yield axis_of(name, result, given, next(iter(of), ""), read)
 
 
-def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:
+def _matching(where: str, pattern: object, subject: Subject) -> list[str]:
     """Return the names that match a pattern, in which [*] is any number."""
     if not isinstance(pattern, str):
         raise InputError(f"vary {where}: names = {pattern!r}: must be names")
+    names, why_not = subject.units, getattr(subject, "why_not", lambda _: "")
     if "[*]" not in pattern:
-        return [known_name("vary", pattern, names)]
+        return [known_name("vary", pattern, names, why_not=why_not)]
     expression = re.escape(pattern).replace(r"\[\*\]", r"\[\d+\]")
     result = [name for name in names if re.fullmatch(expression, name)]
     if not result:
-        one = meant(pattern.replace("[*]", "[1]"), names)
-        raise InputError(f"vary {where}: {pattern}: no variable matches this pattern; {one}")
+        one = pattern.replace("[*]", "[1]")
+        hint = why_not(one) or meant(one, names)
+        raise InputError(f"vary {where}: {pattern}: no variable matches this pattern; {hint}")
     return result
 
 

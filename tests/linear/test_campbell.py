@@ -12,6 +12,8 @@ from rotor_fmu.model.linear import (
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 
+from rotor_fmu.linear.linear_plots import draw_whirling
+from rotor_fmu.plotting.figure_style import new_panels
 from tests.machines import jeffcott
 
 from ..toml_text import table
@@ -170,3 +172,12 @@ def test_a_frequency_that_jumps_past_the_speed_meets_it_nowhere():
     before, after = result.damped[:, 5] - result.speeds
     assert before > 0 > after
     assert not result.critical
+
+
+def test_of_two_lines_that_coincide_both_colours_are_seen():
+    axes = np.ravel(new_panels(4.0, 3.0, 1)[1])[0]
+    speed, is_clear = np.arange(3.0), np.ones(3, bool)
+    values = np.tile([5.0, 5.0, 5.001, 5.1, 1.0], (3, 1))
+    for mode, whirl in enumerate(("forward", "backward", "backward", "forward")):
+        draw_whirling(axes, speed, values, mode, [whirl] * 3, is_clear)
+    assert [line.is_dashed() for line in axes.lines] == [False] * 2 + [True] * 4 + [False] * 2

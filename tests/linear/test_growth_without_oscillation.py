@@ -11,6 +11,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.linear import answers, stability_answers
 from rotor_fmu.linear.mode_answers import mode_shapes_figure
 from tests.linear.api_617 import ROOT, SHAFT
+from tests.linear.test_long_shafts import shaft
 
 PULLING = "[[{kind}]]\nnode = {node}\nkxx = {k}\nkyy = {ky}\ncxx = 2e3\ncyy = 2e3\n"
 
@@ -45,6 +46,25 @@ def test_what_grows_without_oscillating_is_not_stable(k):
     assert (two.cases[0].log_dec == -math.inf) == grows
     assert two.is_met != grows
     assert (campbell(rotor, [100.0, speed]).threshold is not None) == grows
+
+
+@pytest.mark.parametrize("count", [16, 64])
+@pytest.mark.parametrize("k", [-1e6, -1e8, -1e9, -1e12])
+@pytest.mark.parametrize("across", [0.0, 1.0])
+def test_growth_is_found_however_fast_it_is(count, k, across):
+    """That of all eigenvalues, though only the lowest modes are asked for; alike in x and y the
+    rotor whirls as it is pulled away."""
+    held = (PULLING.format(kind="linear_bearing", node=n, k=1e7, ky=1e7) for n in (1, count + 1))
+    pull = PULLING.format(kind="linear_bearing", node=count // 2, k=k, ky=across * k)
+    rotor = shaft(count, *held, pull)
+    expected = [root for root in all_roots(rotor, 300.0) if root.real > abs(root.imag)]
+    found = modes(rotor, 300.0, count=3)
+    whirls = found.eigenvalues[found.eigenvalues.real > 0.0]
+    together = [*found.growing, *whirls, *whirls.conj()]
+    assert sorted(root.real for root in together) == pytest.approx(
+        sorted(root.real for root in expected), rel=1e-5
+    )
+    assert found.growth == pytest.approx(1.0 if expected else 0.0, abs=0.1)
 
 
 def test_a_rotor_that_nothing_holds_does_not_grow_by_rounding():

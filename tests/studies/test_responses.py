@@ -151,6 +151,10 @@ def test_the_text_of_a_value_has_the_speed_with_its_unit(tmp_path):
         ({"run": RUN + "\nover = 'contact[1].nu'\nspeed = 9"}, "did you mean contact"),
         ({"keep": "a = { bifurcation = 'folds' }"}, "must be one of fold,"),
         ({"keep": "a = { bifurcation = 'fold', which = 'any' }"}, "must be one of lowest, highest"),
+        (
+            {"keep": "a = { peak = 'disc.r' }"},
+            "disc.r: unknown name; did you mean disc.x, disc.y, disc.r_amp",
+        ),
         ({"keep": "a = { peak = 'disc.x_2x' }"}, "disc.x_2x: unknown name; did you mean disc.x"),
         (
             {"keep": "a = { value = 'disc.x', at = 500 }"},

@@ -1,0 +1,44 @@
+"""What a machine file has and no parameter is: why a name of it cannot be given another value."""
+
+from collections import Counter
+from dataclasses import fields
+
+from .names import spelled
+from .rotor import Rotor
+
+_OF_THE_SHAFT = ("material", "section")
+
+
+def why_no_parameter(rotor: Rotor, name: str) -> str:
+    """Return why a name is none of a machine's parameters, and which are, or how it is spelled as
+    one; empty where the machine has nothing of this name."""
+    head, _, own = name.rpartition(".")
+    known, counts = rotor.parameters(), Counter[str]()
+    alike = Counter(part.KIND for part in rotor.parts)
+    for where, part in rotor.named_parts():
+        counts[part.KIND] += 1
+        names = {where, spelled(part.KIND, counts[part.KIND]), getattr(part, "name", "")}
+        if alike[part.KIND] == 1:
+            names.add(part.KIND)
+        right = f"{where}.{own}"
+        if not head or head not in names or own not in {f.name for f in fields(part)}:
+            continue
+        if right in known:
+            return f"is called {right}"
+        others = [n for n in known if n.startswith(f"{where}.")]
+        given = getattr(part, own)
+        what = "has a list for it" if given and isinstance(given, tuple) else "fixes it"
+        return f"is no parameter: the machine file {what}; {_those_of(where, others)}"
+    kind = head.partition("[")[0]
+    if kind in alike and not any(n.startswith(f"{kind}[") for n in known):
+        return f"is no parameter: a {kind} has none"
+    if kind in _OF_THE_SHAFT or (kind == "shaft" and name not in known):
+        others = [n for n in known if n.startswith("shaft.")]
+        return f"is no parameter: the machine file fixes it; {_those_of('the shaft', others)}"
+    return ""
+
+
+def _those_of(where: str, parameters: list[str]) -> str:
+    if not parameters:
+        return f"{where} has none"
+    return f"those of {where} are {', '.join(n.rpartition('.')[2] for n in parameters)}"
