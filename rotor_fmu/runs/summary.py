@@ -23,10 +23,10 @@ def summary(run: Run, place: str | None = None) -> dict[str, Any]:
     moves most, psi there of the last bearing that touches, and what the solver did.
 
     Peaks are None where there are none: an amplitude that is largest at an edge of the run, or a
-    run at one speed, has none (no_peak says why). x_largest_um, y_largest_um: the largest after the
-    start-up, peak or not; circulation_hz: lowest and highest speed at which that bearing's journal
-    goes all round: it lies a quarter of a turn, or up to a radian more, ahead of where it rests;
-    solver_s: time of the run alone [s].
+    run at one speed, has none (no_peak says why). x_largest_um, y_largest_um, r_largest_um: the
+    largest after the start-up, peak or not, in x, in y, in any direction; circulation_hz: lowest
+    and highest speed at which that bearing's journal goes all round: it lies a quarter of a turn,
+    or up to a radian more, ahead of where it rests; solver_s: time of the run alone [s].
 
     energy_residual: energy error of the integrator, relative to all energy dissipated [1].
     """
@@ -68,7 +68,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     figures: dict[str, Any] = dict.fromkeys(
         (
             *("place", "x_peak_um", "x_peak_hz", "x_peak_s", "y_peak_um", "y_peak_hz", "y_peak_s"),
-            *("no_peak", "x_largest_um", "y_largest_um", "y_static_um"),
+            *("no_peak", "x_largest_um", "y_largest_um", "r_largest_um", "y_static_um"),
             *("psi_at_x_peak_deg", "circulation_hz"),
         )
     )
@@ -80,6 +80,8 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     late = np.flatnonzero(run.t > start_up(run.t, c["w"]))
     if not len(late):
         return figures | {"no_peak": why_no_peak(run.t, c["w"], run.status)}
+    if place:
+        figures["r_largest_um"] = float(c[f"{place}.r_amp"][late].max()) * 1e6
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
         figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
@@ -121,10 +123,9 @@ def _peak(figures: Mapping[str, Any]) -> str:
     ]
     if peaks:
         return f"Peak of {display_name(place)}, 0-p from rest: {', '.join(peaks)}."
-    largest = [um for axis in "xy" if (um := figures[f"{axis}_largest_um"]) is not None]
     moved = ""
-    if largest:
-        far = _length(max(largest))
+    if figures["r_largest_um"] is not None:
+        far = _length(figures["r_largest_um"])
         moved = f"; {display_name(place)} moved by at most {far} from rest after the start-up"
     return f"No peak, because {figures['no_peak']}{moved}."
 

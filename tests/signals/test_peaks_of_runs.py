@@ -132,6 +132,18 @@ def test_a_run_without_a_peak_says_why(stop, sets, reason):
     assert "moved by at most" in said
 
 
+def test_how_far_a_place_moved_is_told_of_the_way_that_it_went_farthest():
+    """On the rig at 200 rad/s 649 um, though at most 589 um along either axis."""
+    run, recording = execute_recorded(prepare(None, None, ["speed=200"], None, 2.0, None), "")
+    figures = summary(run)
+    away = np.abs(recording.place(figures["place"]).z - recording.place(figures["place"]).z[0])
+    farthest = 1e6 * away[recording.t > start_up(recording.t, recording.w)].max()
+    assert farthest > 1.05 * max(figures["x_largest_um"], figures["y_largest_um"])
+    assert figures["r_largest_um"] == pytest.approx(farthest, rel=1e-3)
+    said, *_ = sentences(figures, recording, Path("report.html"))
+    assert f"moved by at most {figures['r_largest_um']:.0f} um from rest" in said
+
+
 @pytest.mark.parametrize(
     ("sets", "reason"),
     [
@@ -199,7 +211,7 @@ def test_the_figures_of_a_run_scale_with_its_speed(scale):
         w = 400 - 10 * t
         columns = {"w": scale * w}
         columns |= {f"disc.{axis}": np.cos(10 * t) for axis in "xy"}
-        columns |= {f"disc.{axis}_amp": np.exp(-(((w - 200) / 20) ** 2)) for axis in "xy"}
+        columns |= {f"disc.{axis}_amp": np.exp(-(((w - 200) / 20) ** 2)) for axis in "xyr"}
         columns |= {"wall.psi": t, "wall.fn": np.ones(len(t))}
         return summary_of_signals(t / scale, columns)
 
