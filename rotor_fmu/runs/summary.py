@@ -15,6 +15,7 @@ from .recording import Recording
 from .run_down import Run
 
 _NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
+_ROUNDING = 1e-9  # of a share, that may be missing to all of the time
 _AXES = {"x": "horizontal", "y": "vertical"}
 
 
@@ -164,15 +165,24 @@ def _contacts(recording: Recording) -> str:
     shares = touching(recording)
     if not shares:
         return "The machine has no contact that was recorded."
-    if not any(shares.values()):  # in a row
-        if any((contact.peak > 0).any() for contact in recording.contacts):
-            return "Journals touched, but too shortly for the rows of the recording to show it."
+    met = {c.name for c in recording.contacts if (c.peak > 0).any()}  # in a row or between two
+    if not met:
         return "No journal touched."
-    least, most = (round(100 * f(shares.values())) for f in (min, max))
+    if not any(shares.values()):
+        return "Journals touched, but too shortly for the rows of the recording to show it."
+    each = {name: _percent(share, name in met) for name, share in shares.items()}
+    least, most = (each[f(shares, key=lambda name: shares[name])] for f in (min, max))
     if least == most:
         return f"The journals touched for {most} % of the time."
-    each = ", ".join(f"{display_name(name)} {100 * share:.0f} %" for name, share in shares.items())
-    return f"The journals touched for {least} to {most} % of the time ({each})."
+    listed = ", ".join(f"{display_name(name)} {share} %" for name, share in each.items())
+    return f"The journals touched for {least} to {most} % of the time ({listed})."
+
+
+def _percent(share: float, has_met: bool) -> str:
+    """Return a share of the time in whole percent: 0 only of none, 100 only of all."""
+    if has_met and share < 0.005:
+        return "less than 1"
+    return "more than 99" if 0.995 <= share < 1.0 - _ROUNDING else f"{100 * share:.0f}"
 
 
 def _state(figures: Mapping[str, Any], left: Path) -> str:

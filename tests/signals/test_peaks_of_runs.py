@@ -74,6 +74,26 @@ def test_the_page_and_the_summary_give_one_share_of_the_time_in_contact():
     assert "<td>87.5</td>" in tables(run, {})
 
 
+@pytest.mark.parametrize(
+    ("touches", "said"),
+    [
+        ((0, 0), "No journal touched."),
+        ((3, 3), "for less than 1 % of the time."),
+        ((998, 999), "for more than 99 % of the time."),
+        ((1000, 0), "for 0 to 100 % of the time (a 100 %, b 0 %)."),
+        ((3, 380), "for less than 1 to 38 % of the time (a less than 1 %, b 38 %)."),
+    ],
+)
+def test_a_short_touch_is_not_said_to_be_none_nor_a_long_one_to_be_always(touches, said):
+    t = np.arange(1001) * 0.001
+    each = zip("ab", touches, strict=True)
+    forces = {f"{name}.fn": 1.0 * (t > 1 - n * 0.001 + 1e-9) for name, n in each}
+    _, contacts, _ = sentences(
+        {"place": None, "status": OK}, Recording(t, forces, {}, {}), Path("report.html")
+    )
+    assert contacts.endswith(said)
+
+
 def test_a_spindle_that_runs_down_in_three_seconds_has_its_peak_within_the_first_two():
     t = np.linspace(0, 3, 3001)
     w = 6000 - 2000 * t
