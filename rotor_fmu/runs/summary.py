@@ -9,6 +9,7 @@ import numpy as np
 
 from ..display import current
 from ..run_status import DOUBTFUL, OK, has_failed, messages_and_codes
+from ..vibration import TURN
 from .measuring_points import display_name, probe_that_moves_most
 from .peaks import peak_index, start_up, why_no_peak
 from .recording import Recording
@@ -19,9 +20,12 @@ _ROUNDING = 1e-9  # of a share, that may be missing to all of the time
 _AXES = {"x": "horizontal", "y": "vertical"}
 
 
-def summary(run: Run, place: str | None = None) -> dict[str, Any]:
+def summary(
+    run: Run, place: str | None = None, recording: Recording | None = None
+) -> dict[str, Any]:
     """Return the figures of a run: peaks of a place after the start-up, by default of the one that
-    moves most, psi there of the last bearing that touches, and what the solver did.
+    moves most, psi there of the last bearing that touches, and what the solver did; recording: of
+    the run, whose rows show angles as communication points, some in a turn, may not.
 
     Peaks are None where there are none: an amplitude that is largest at an edge of the run, or a
     run at one speed, has none (no_peak says why). x_largest_um, y_largest_um, r_largest_um: the
@@ -37,7 +41,8 @@ def summary(run: Run, place: str | None = None) -> dict[str, Any]:
     losses = sum(last[name] for name in last if name.endswith("_loss"))
     overdamped_at = last["solver.overdamped_at"]
     return {
-        **_peaks(run, place),
+        **(figures := _peaks(run, place)),
+        **_angles(recording or run, figures["x_peak_hz"]),
         "steps": int(steps),
         "rejected": int(last["solver.rejected"]),
         "newton_per_step": last["solver.newton"] / steps if steps else None,
@@ -70,11 +75,10 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         (
             *("place", "x_peak_um", "x_peak_hz", "x_peak_s", "y_peak_um", "y_peak_hz", "y_peak_s"),
             *("no_peak", "x_largest_um", "y_largest_um", "r_largest_um", "y_static_um"),
-            *("psi_at_x_peak_deg", "circulation_hz"),
         )
     )
     c, hz = run.columns, run.hz
-    place, contact = place or probe_that_moves_most(c), last_contact(c)
+    place = place or probe_that_moves_most(c)
     figures["place"] = place
     if len(hz) and place:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
@@ -94,17 +98,35 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         else:
             largest = float(amplitude[late].max())
             figures["no_peak"] = why_no_peak(run.t, c["w"], run.status, largest)
-    if contact:
-        psi = c[f"{contact}.psi"]
-        if figures["x_peak_hz"] is not None:
-            at_peak = figures["x_peak_hz"]
-            near = late[np.abs(hz[late] - at_peak) <= _NEAR_PEAK * abs(at_peak)]
-            figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
-        ahead = np.sign(c["w"]) * (psi - psi[0]) - 0.5 * math.pi  # with the shaft
-        round_trip = late[ahead[late] % (2 * math.pi) < 1.0]
-        if len(round_trip):
-            figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
     return figures
+
+
+def _angles(run: Run | Recording, peak_hz: float | None) -> dict[str, Any]:
+    """Return psi of the last bearing that touches, from and to [deg], the latter above 360 where 0
+    is passed, at the speed of a peak, and between which speeds the journal circulates [Hz]."""
+    figures: dict[str, Any] = {"psi_at_x_peak_deg": None, "circulation_hz": None}
+    t, c, contact = run.t, run.columns, last_contact(run.columns)
+    late = np.flatnonzero(t > start_up(t, c["w"]))
+    if not contact or not len(late):
+        return figures
+    psi, hz = c[f"{contact}.psi"], c["w"] / TURN
+    if peak_hz is not None:
+        near = late[np.abs(hz[late] - peak_hz) <= _NEAR_PEAK * abs(peak_hz)]
+        if len(near):
+            figures["psi_at_x_peak_deg"] = np.degrees(_range(psi[near])).tolist()
+    ahead = np.sign(c["w"]) * (psi - psi[0]) - 0.5 * math.pi  # with the shaft
+    round_trip = late[ahead[late] % TURN < 1.0]
+    if len(round_trip):
+        figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
+    return figures
+
+
+def _range(angles: np.ndarray) -> np.ndarray:
+    """Return the ends of a range of angles about their mean direction, from [0, 2 pi) on [rad]."""
+    mean = float(np.angle(np.exp(1j * angles).sum()))
+    away = (angles - mean + math.pi) % TURN - math.pi
+    low = (mean + away.min()) % TURN
+    return np.array([low, low + np.ptp(away)])
 
 
 def sentences(figures: Mapping[str, Any], recording: Recording, left: Path) -> list[str]:

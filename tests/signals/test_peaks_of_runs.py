@@ -217,11 +217,31 @@ def test_a_run_that_begins_at_another_time_has_the_same_start_up_and_peak():
             assert "first communication step" in why_no_peak(t[:1] + begin, w[:1], "ok")
 
 
-def summary_of_signals(t, signals):
+def summary_of_signals(t, signals, recording=None):
     """The figures of a run with these signals, by a solver that did nothing."""
     solver = ("steps", "rejected", "newton", "h_min_used", "h_max_used", "h_last", "trapped")
     work = {f"solver.{name}": 0 * t for name in (*solver, "trapped_at", "overdamped_at")}
-    return summary(Run(t, work | {"energy.residual": 0 * t} | signals, OK, (), 0.0))
+    run = Run(t, work | {"energy.residual": 0 * t} | signals, OK, (), 0.0)
+    return summary(run, recording=recording)
+
+
+@pytest.mark.parametrize("middle", [5.0, 0.0])
+def test_the_range_of_a_contact_angle_is_that_of_all_rows_even_across_0(middle):
+    """It swings by 0.5 rad, and by nothing as a communication point sees it every tenth cycle."""
+
+    def signals(step):
+        t = np.arange(0.0, 40.0, step)
+        w = 400 - 10 * t
+        size = np.exp(-(((w - 200) / 20) ** 2))
+        columns = {"phi": 400 * t - 5 * t**2, "w": w, "wall.fn": 0 * t + 1}
+        columns |= {f"disc.{axis}_amp": size for axis in "xyr"} | {"disc.x": 0 * t, "disc.y": 0 * t}
+        return t, columns | {"wall.psi": (middle + 0.5 * np.sin(500 * math.pi * t)) % TURN}
+
+    figures = summary_of_signals(*signals(0.04), Recording(*signals(1e-4), {}, {}))
+    low, high = np.radians(figures["psi_at_x_peak_deg"])
+    assert (low, high) == pytest.approx(
+        ((middle - 0.5) % TURN, (middle - 0.5) % TURN + 1), abs=1e-3
+    )
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
@@ -236,7 +256,7 @@ def test_the_figures_of_a_run_scale_with_its_speed(scale):
         return summary_of_signals(t / scale, columns)
 
     at_one, scaled = figures(1.0), figures(scale)
-    assert at_one["psi_at_x_peak_deg"] == pytest.approx(np.degrees([19.9, 20.1]))
+    assert at_one["psi_at_x_peak_deg"] == pytest.approx(np.degrees([19.9, 20.1]) - 3 * 360)
     assert scaled["psi_at_x_peak_deg"] == pytest.approx(at_one["psi_at_x_peak_deg"], abs=0.6)
     assert scaled["x_peak_hz"] == pytest.approx(scale * at_one["x_peak_hz"])
     said = sentences(scaled, recorded(), Path("report.html"))[0]
