@@ -56,8 +56,8 @@ def bode(view: View) -> Figure:
     ):
         length = broken_at_reversals(n, np.abs(vector) * view.shown.amplitude)
         above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
-        over, phase = broken_at_turns(n, np.angle(vector))
-        below.plot(over, broken_at_reversals(over, phase), color=color, lw=1.2, ls=style)
+        phase = broken_at_reversals(n, np.angle(vector))
+        below.plot(*broken_at_turns(n, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
         length = broken_at_reversals(n, track.major(order) * view.shown.amplitude)
@@ -83,7 +83,7 @@ def polar(view: View) -> Figure:
         (track.x(), BLUE, "1x of x", "-"),
         (track.y(), ORANGE, "1x of y", DASHED),
     ):
-        radius = np.abs(vector) * view.shown.amplitude
+        radius = broken_at_reversals(track.speed, np.abs(vector) * view.shown.amplitude)
         curves += axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
         speeds += _speeds_along(axes, vector * view.shown.amplitude, track.speed, color)
     axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
