@@ -194,6 +194,11 @@ def run_recorded(
     units = {str(entry.name): entry.output.unit for entry in recordable(job.rotor)}
     # a column each, so that one can be kept without the others
     t, *columns = (column.copy() for column in rows.T)
+    # at standstill a peak is since the last communication point, maybe between two rows
+    after = np.minimum(np.searchsorted(t, run.t), len(t) - 1)
+    for name, column in zip(taped.names, columns, strict=True):
+        if name.endswith(".fn_peak"):
+            np.maximum.at(column, after, run.columns[name])
     return run, Recording(
         t,
         dict(zip(taped.names, columns, strict=True)),
