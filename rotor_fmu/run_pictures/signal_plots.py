@@ -111,8 +111,8 @@ def _speeds_along(
 
 
 def orbit(view: View, caption: str = "") -> Figure:
-    """Draw the orbit at a speed or a time as it was recorded, with the keyphasor marks, the rest
-    position and the clearance; caption: by default what it is."""
+    """Draw the orbit at a speed or a time as it was recorded, with the keyphasor marks, where it
+    was at rest, or released, and the clearance; caption: by default what it is."""
     figure, axes = new_figure(5.4, 5.2)
     place, shown = view.place, view.turns(_ORBIT_TURNS)
     small = current().small
@@ -132,8 +132,8 @@ def orbit(view: View, caption: str = "") -> Figure:
         ahead = z[max(1, round(per_turn / FINE))]
         arrow = {"arrowstyle": "-|>", "color": ORANGE, "lw": 1.4}
         axes.annotate("", (ahead.real, ahead.imag), (z[0].real, z[0].imag), arrowprops=arrow)
-    rest = place.z[0] * small
-    axes.plot(rest.real, rest.imag, "+", color=GREY, ms=10, mew=1.5, label="rest")
+    rest, begin = place.z[0] * small, "release" if view.run.is_released else "rest"
+    axes.plot(rest.real, rest.imag, "+", color=GREY, ms=10, mew=1.5, label=begin)
     displacement_axes(axes, place)
     legend_below(figure, 2)
     view.title(axes, caption or f"orbit of {place.label}")

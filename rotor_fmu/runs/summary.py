@@ -17,6 +17,7 @@ from .run_down import Run
 
 _NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
 _ROUNDING = 1e-9  # of a share, that may be missing to all of the time
+_OF_REST = ("y_static_um", "circulation_hz")  # of no machine that begins in the air
 _AXES = {"x": "horizontal", "y": "vertical"}
 
 
@@ -33,7 +34,8 @@ def summary(
     and highest speed at which that bearing's journal goes all round: it lies a quarter of a turn,
     or up to a radian more, ahead of where it rests; solver_s: time of the run alone [s].
 
-    energy_residual: energy error of the integrator, relative to all energy dissipated [1].
+    y_static_um and circulation_hz are None of a machine that begins in the air, which a recording
+    knows. energy_residual: energy error of the integrator, relative to all energy dissipated [1].
     """
     c = run.columns
     last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
@@ -43,6 +45,7 @@ def summary(
     return {
         **(figures := _peaks(run, place)),
         **_angles(recording or run, figures["x_peak_hz"]),
+        **(dict.fromkeys(_OF_REST) if recording and recording.is_released else {}),
         "steps": int(steps),
         "rejected": int(last["solver.rejected"]),
         "newton_per_step": last["solver.newton"] / steps if steps else None,
@@ -132,10 +135,11 @@ def _range(angles: np.ndarray) -> np.ndarray:
 def sentences(figures: Mapping[str, Any], recording: Recording, left: Path) -> list[str]:
     """Return the peak, the contacts and the state of a run; figures: its `summary`; left: its
     report, or the folder where there is none."""
-    return [_peak(figures), _contacts(recording), _state(figures, left)]
+    return [_peak(figures, recording), _contacts(recording), _state(figures, left)]
 
 
-def _peak(figures: Mapping[str, Any]) -> str:
+def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
+    begin = "where it was released" if recording.is_released else "rest"
     place = figures["place"]
     if place is None:
         return "No part's motion was observed: give the machine a disc, a body or a sensor."
@@ -145,11 +149,11 @@ def _peak(figures: Mapping[str, Any]) -> str:
         if (amount := figures[f"{axis}_peak_um"]) is not None
     ]
     if peaks:
-        return f"Peak of {display_name(place)}, 0-p from rest: {', '.join(peaks)}."
+        return f"Peak of {display_name(place)}, 0-p from {begin}: {', '.join(peaks)}."
     moved = ""
     if figures["r_largest_um"] is not None:
         far = _length(figures["r_largest_um"])
-        moved = f"; {display_name(place)} moved by at most {far} from rest after the start-up"
+        moved = f"; {display_name(place)} moved by at most {far} from {begin} after the start-up"
     return f"No peak, because {figures['no_peak']}{moved}."
 
 
