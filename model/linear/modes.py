@@ -185,13 +185,14 @@ def modes_of(
     that tilt follow each mode, not a vibration at the frequency that they follow in `linear`."""
     linear = machine.with_own_states(linear, of_all=pads_whirl)
     scale, strain = float(machine.structure.numbers[0].lowest_omega), linear.strain
-    found = lowest(ShiftedInverse(linear, scale, strain.by_d), count)
+    more = count + in_planes  # the last one may share its eigenvalue with the next
+    found = lowest(ShiftedInverse(linear, scale, strain.by_d), more)
     values, shapes, residuals, decays, is_held = found
     if strain.kappa_h > 0.0:
         # hysteresis is another one in modes faster than the rotation; both lists are of the same
         # modes, by ascending frequency, but for decays, which it makes oscillate a little: a double
         # one, of critical damping, with a share of about the root of kappa_h / 2
-        fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), count + len(decays))
+        fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), more + len(decays))
         decay = [v.imag <= strain.kappa_h**0.5 * np.abs(v) for v in (values, fast.values)]
         slow = values.imag <= abs(linear.speed)
         rest = np.flatnonzero(~decay[1])[int(np.sum(slow & ~decay[0])) :]
@@ -199,9 +200,11 @@ def modes_of(
         values = np.concatenate([values[slow], fast.values[rest]])
         shapes = np.hstack([shapes[:, slow], fast.shapes[:, rest]])
         residuals = np.concatenate([residuals[slow], fast.residuals[rest]])
-    result = np.argsort(np.abs(values))[:count]
+    result = np.argsort(np.abs(values))[:more]
     values, shapes = values[result], shapes[:, result]
     _untangle(values, shapes, machine, in_planes)
+    is_degenerate = _sharing(values).sum(axis=1)[:count] > 1
+    values, shapes, residuals = values[:count], shapes[:, :count], residuals[result][:count]
     n = 2 * len(machine.nodes)
     x, y = _scaled((machine.expand @ shapes).T, n)
     return Modes(
@@ -215,9 +218,9 @@ def modes_of(
         slope_y=y[:, 1:n:2],
         housing_x=x[:, n:-1],
         housing_y=y[:, n:-1],
-        is_degenerate=_sharing(values).sum(axis=1) > 1,
+        is_degenerate=is_degenerate,
         decays=decays,
-        residuals=residuals[result],
+        residuals=residuals,
         is_held=is_held,
     )
 
