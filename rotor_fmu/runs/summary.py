@@ -17,6 +17,7 @@ from .run_down import Run
 
 _NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
 _ROUNDING = 1e-9  # of a share, that may be missing to all of the time
+_NO_LOSS = 1e-12  # of the energies of a run: of less dissipation the ledger's rounding is a share
 _OF_REST = ("y_static_um", "circulation_hz")  # of no machine that begins in the air
 _AXES = {"x": "horizontal", "y": "vertical"}
 
@@ -41,6 +42,7 @@ def summary(
     last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
     steps = last["solver.steps"]
     losses = sum(last[name] for name in last if name.endswith("_loss"))
+    stored = max((abs(last[n]) for n in last if n.startswith("energy.")), default=0.0)
     overdamped_at = last["solver.overdamped_at"]
     return {
         **(figures := _peaks(run, place)),
@@ -53,7 +55,9 @@ def summary(
         "h_max": last["solver.h_max_used"],
         "h_last": last["solver.h_last"],
         "solver_s": run.wall_s,
-        "energy_residual": last["energy.residual"] / losses if losses else None,
+        "energy_residual": (
+            last["energy.residual"] / losses if abs(losses) > _NO_LOSS * stored else None
+        ),
         "trapped_steps": int(last["solver.trapped"]),
         "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
         "overdamped_at_s": overdamped_at if overdamped_at >= 0 else None,
