@@ -183,7 +183,7 @@ def step_length(recording: Recording, caption: str) -> Figure:
 
 def error_indicator(recording: Recording, caption: str) -> Figure:
     """Draw the relative error of the solver's steps against speed."""
-    figure, axes = _each_step(recording, recording.columns["solver.error"], caption)
+    figure, axes = _each_step(recording, recording.columns["solver.error_last"], caption)
     axes.set(yscale="log", ylabel="Relative error indicator [1]")
     return figure
 

@@ -29,7 +29,8 @@ from .progress import ReportProgress, silent
 from .recording import Recording
 
 RECORDER_ROWS = 16384  # that a communication step may have: some 250 turns
-_USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
+_USUAL = {("", name) for name in ("phi", "w", "tau")}
+_USUAL |= {("solver", name) for name in ("h_last", "error", "error_last")}
 _NO_PARTS = ("", "solver", "energy")
 _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft", "fn_peak")
 
