@@ -37,7 +37,7 @@ from .view import (
 )
 
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
-_ORBIT_TURNS = 4
+_ORBIT_TURNS, _WHIRL_TURNS = 4, 16
 FINE = 24  # rows a turn, below which a curve between them is drawn, not computed
 
 
@@ -236,7 +236,8 @@ def poincare(view: View) -> Figure:
 def whirl(view: View) -> Figure:
     """Draw the sense and the order of the whirl."""
     figure, (above, below) = two_over_speed()
-    result = vibration.whirl(*view.signal)
+    signal = vibration.synchronous(*view.signal, turns=3)
+    result = vibration.whirl_of(signal, turns=_WHIRL_TURNS)
     n = _speed(result.speed)
     above.axhline(0, color=GREY, lw=0.8)
     above.plot(n, result.sense, ".", color=BLUE, ms=3, mew=0)
@@ -246,7 +247,8 @@ def whirl(view: View) -> Figure:
     below.plot(n, result.order, ".", color=ORANGE, ms=3, mew=0)
     below.axhline(0, color=GREY, lw=0.8)
     below.set_ylabel("Whirl over rotation [1]")
-    view.title(above, f"whirl of {view.place.label}, over 16 turns each")
+    turns = min(_WHIRL_TURNS, signal.longest)
+    view.title(above, f"whirl of {view.place.label}, over {turns} turns each")
     return figure
 
 

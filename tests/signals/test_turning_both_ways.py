@@ -111,6 +111,12 @@ def test_no_picture_joins_the_two_senses_of_rotation(kind):
             assert slowest == pytest.approx(np.abs(speed).min() / TURN, rel=1e-3)
 
 
+@pytest.mark.parametrize(("stop", "turns"), [(0.15, 7), (1.0, 16)])
+def test_the_picture_of_a_short_whirl_says_over_how_many_turns_it_is(stop, turns):
+    above, _ = KINDS["whirl"](View(recordings.recorded(stop=stop))).axes
+    assert f"over {turns} turns each" in above.get_title(loc="left")
+
+
 def test_a_rest_parts_turns_and_a_small_step_back_does_not():
     t = np.arange(0, 12.0, 5e-4)
     w = np.where((t > 4) & (t < 8), 0.0, 100.0)
