@@ -186,13 +186,14 @@ def modes_of(
     that tilt follow each mode, not a vibration at the frequency that they follow in `linear`."""
     linear = machine.with_own_states(linear, of_all=pads_whirl)
     scale, strain = float(machine.structure.numbers[0].lowest_omega), linear.strain
-    found = lowest(ShiftedInverse(linear, scale, strain.by_d), count)
+    more = count + in_planes  # the last one may share its eigenvalue with the next
+    found = lowest(ShiftedInverse(linear, scale, strain.by_d), more)
     values, shapes, residuals, decays, is_held = found
     if strain.kappa_h > 0.0:
         # hysteresis is another one in modes faster than the rotation; both lists are of the same
         # modes, by ascending frequency, but for decays, which it makes oscillate a little: a double
         # one, of critical damping, with a share of about the root of kappa_h / 2
-        fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), count + len(decays))
+        fast = lowest(ShiftedInverse(linear, scale, strain.by_d_if_fast), more + len(decays))
         decay = [v.imag <= strain.kappa_h**0.5 * np.abs(v) for v in (values, fast.values)]
         slow = values.imag <= abs(linear.speed)
         rest = np.flatnonzero(~decay[1])[int(np.sum(slow & ~decay[0])) :]
@@ -205,10 +206,12 @@ def modes_of(
     )
     values, shapes, residuals, decays, is_held = found
     # what grows faster than it whirls is not left out for its high frequency
-    first = np.argsort(np.where(values.real > values.imag, 0.0, np.abs(values)))[:count]
-    result = first[np.argsort(np.abs(values[first]))]
-    values, shapes = values[result], shapes[:, result]
+    first = np.argsort(np.where(values.real > values.imag, 0.0, np.abs(values)))[:more]
+    values, shapes = values[first], shapes[:, first]
     _untangle(values, shapes, machine, in_planes)
+    is_degenerate = _sharing(values).sum(axis=1) > 1
+    result = np.argsort(np.abs(values[:count]), kind="stable")
+    values, shapes = values[result], shapes[:, result]
     n = 2 * len(machine.nodes)
     x, y = _scaled((machine.expand @ shapes).T, n)
     return Modes(
@@ -222,9 +225,9 @@ def modes_of(
         slope_y=y[:, 1:n:2],
         housing_x=x[:, n:-1],
         housing_y=y[:, n:-1],
-        is_degenerate=_sharing(values).sum(axis=1) > 1,
+        is_degenerate=is_degenerate[result],
         decays=decays,
-        residuals=residuals[result],
+        residuals=residuals[first[result]],
         is_held=is_held,
     )
 

@@ -130,7 +130,7 @@ Element = (
 
 
 _LAST = "over the last revolution, or, at standstill, since the last communication point"
-_FROM_REST = f"{_LAST}; at rest under the loads at the start"
+_FROM_REST = f"{_LAST}; at rest under the loads at the start, or where [start] releases it"
 _ONCE = "0-p, over the last whole revolution; 0 before the first one in one sense and at standstill"
 _LEADS = "leads phi, in the sense of rotation: a lag is negative"
 PROBE_OUTPUTS = (

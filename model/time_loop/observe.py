@@ -100,6 +100,13 @@ SOLVER = remembered(
         "tolerance",
         nominal=0.1,
     ),
+    Output(
+        "error_last",
+        "1",
+        "error of the last step as its mode measures it: the error indicator of the adaptive mode, "
+        "in tolerances in the controlled one",
+        nominal=1.0,
+    ),
     Output("h_min_used", "s", "shortest step length chosen", nominal=1e-3),
     Output("h_max_used", "s", "longest step length chosen", nominal=1e-3),
     Output(
@@ -215,6 +222,7 @@ def _observe_solver(r, out):
     out[_SOLVER.newton] = r.newton
     out[_SOLVER.error] = max(r.error_largest, r.error_largest_before)
     out[_SOLVER.error_rms] = r.error_rms
+    out[_SOLVER.error_last] = r.error
     out[_SOLVER.h_min_used] = r.h_smallest
     out[_SOLVER.h_max_used] = r.h_largest
     out[_SOLVER.trapped] = r.trapped

@@ -146,7 +146,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
     from ..runs.summary import summary
 
     job, result, recording, apart = outcome
-    report = summary(result) | {
+    report = summary(result, recording=recording) | {
         "recorded_steps": len(recording.t),
         "recorded_apart": apart,
         "verification": recording.about.get("verification"),

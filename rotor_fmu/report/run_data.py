@@ -16,6 +16,7 @@ from .criticals import NO_CRITICALS, Criticals
 from .packed import COARSE, packed
 
 _ROWS = 2000  # of curves over speed
+_ON_END = 8  # turns of a Poincare section, where not all are shown
 _STATIONS = 160  # speeds whose orbit and spectrum can be picked
 _BLOCK, _ORBIT = 16, 2  # turns of a spectrum, of an orbit
 _ORBIT_POINTS = 64  # a turn
@@ -59,7 +60,7 @@ def _turns(run: Recording) -> dict[str, Any]:
     d, contacts = current(), []
     for contact in run.contacts:
         rub = vibration.contact(run.t, run.phi, contact.psi, contact.fn, contact.peak)
-        rows = _thin(len(rub.t))
+        rows = np.union1d(_thin(len(rub.t)), extremes(rub.peak, _ROWS // 2))
         values = {"hz": rub.speed / TURN, "peak": rub.peak * d.force, "mean": rub.mean * d.force}
         values |= {"share": 100 * rub.share, "angle": np.degrees(rub.angle), "t": rub.t}
         values |= {"low": np.degrees(rub.low), "width": np.degrees(rub.width)}
@@ -106,7 +107,7 @@ def _shared(seen: _Evaluated) -> dict[str, Any]:
     signal, block, track, cascade, whirl = seen
     rows = _thin(len(track.t))
     speed = cascade.speed / TURN
-    turns = _thin(len(signal.values))
+    turns = _thin_turns(len(signal.values))
     blocks = _thin(len(whirl.t))
     whirls = {"t": packed(whirl.t[blocks]), "hz": packed(whirl.speed[blocks] / TURN)}
     return {
@@ -138,7 +139,7 @@ def _place(place: MeasuringPoint, seen: _Evaluated, begin: float) -> dict[str, A
     middle = cascade.first + (block - _ORBIT) // 2
     stride = signal.per_turn // _ORBIT_POINTS
     orbits = np.array([signal.values[i : i + _ORBIT, ::stride].ravel() for i in middle])
-    turns = _thin(len(signal.values))
+    turns = _thin_turns(len(signal.values))
     points = signal.values[turns, 0]
     blocks = _thin(len(whirl.t))
     return {
@@ -158,6 +159,15 @@ def _place(place: MeasuringPoint, seen: _Evaluated, begin: float) -> dict[str, A
 
 def _thin(n: int) -> np.ndarray:
     return np.unique(np.linspace(0, n - 1, min(n, _ROWS)).round().astype(int))
+
+
+def _thin_turns(n: int) -> np.ndarray:
+    """Return turns by eights on end, so that a motion that repeats in a few of them has all its
+    points in a Poincare section."""
+    if n <= _ROWS:
+        return np.arange(n)
+    first = np.linspace(0, n - _ON_END, _ROWS // _ON_END).round().astype(int)
+    return (first[:, None] + np.arange(_ON_END)).ravel()
 
 
 def signal_data(run: Recording, room: int = ROOM) -> dict[str, Any]:

@@ -32,6 +32,7 @@ from .signal_plots import FINE, orbit
 from .view import View, angle_axis, speed_axis
 
 _STRETCHES = 1500  # of a curve over time, whose extremes are drawn
+_REPEATS = 12  # turns after which motions of 2, 3, 4 or 6 turns do
 _NOTHING = 1e-100  # of a spectrum, whose scale has no zero
 _DIRECTIONS = (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical"))
 
@@ -150,7 +151,7 @@ def motion(recording: Recording, place: str, caption: str) -> Figure:
 def spectra(recording: Recording, place: str, caption: str) -> Figure:
     """Draw spectra of both displacements of a place in the second half of a run at one speed."""
     figure, axes = new_figure()
-    late = vibration.second_half(recording.t, recording.phi)
+    late = vibration.second_half(recording.t, recording.phi, turns=_REPEATS)
     d, speed = current(), float(np.abs(recording.w[late]).mean())
     highest = 0.0
     for axis, color, direction in _DIRECTIONS:
@@ -183,7 +184,7 @@ def step_length(recording: Recording, caption: str) -> Figure:
 
 def error_indicator(recording: Recording, caption: str) -> Figure:
     """Draw the relative error of the solver's steps against speed."""
-    figure, axes = _each_step(recording, recording.columns["solver.error"], caption)
+    figure, axes = _each_step(recording, recording.columns["solver.error_last"], caption)
     axes.set(yscale="log", ylabel="Relative error indicator [1]")
     return figure
 

@@ -37,7 +37,7 @@ from .view import (
 )
 
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
-_ORBIT_TURNS = 4
+_ORBIT_TURNS, _WHIRL_TURNS = 4, 16
 FINE = 24  # rows a turn, below which a curve between them is drawn, not computed
 
 
@@ -56,8 +56,8 @@ def bode(view: View) -> Figure:
     ):
         length = broken_at_reversals(n, np.abs(vector) * view.shown.amplitude)
         above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
-        over, phase = broken_at_turns(n, np.angle(vector))
-        below.plot(over, broken_at_reversals(over, phase), color=color, lw=1.2, ls=style)
+        phase = broken_at_reversals(n, np.angle(vector))
+        below.plot(*broken_at_turns(n, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
         length = broken_at_reversals(n, track.major(order) * view.shown.amplitude)
@@ -83,7 +83,7 @@ def polar(view: View) -> Figure:
         (track.x(), BLUE, "1x of x", "-"),
         (track.y(), ORANGE, "1x of y", DASHED),
     ):
-        radius = np.abs(vector) * view.shown.amplitude
+        radius = broken_at_reversals(track.speed, np.abs(vector) * view.shown.amplitude)
         curves += axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
         speeds += _speeds_along(axes, vector * view.shown.amplitude, track.speed, color)
     axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
@@ -111,8 +111,8 @@ def _speeds_along(
 
 
 def orbit(view: View, caption: str = "") -> Figure:
-    """Draw the orbit at a speed or a time as it was recorded, with the keyphasor marks, the rest
-    position and the clearance; caption: by default what it is."""
+    """Draw the orbit at a speed or a time as it was recorded, with the keyphasor marks, where it
+    was at rest, or released, and the clearance; caption: by default what it is."""
     figure, axes = new_figure(5.4, 5.2)
     place, shown = view.place, view.turns(_ORBIT_TURNS)
     small = current().small
@@ -132,8 +132,8 @@ def orbit(view: View, caption: str = "") -> Figure:
         ahead = z[max(1, round(per_turn / FINE))]
         arrow = {"arrowstyle": "-|>", "color": ORANGE, "lw": 1.4}
         axes.annotate("", (ahead.real, ahead.imag), (z[0].real, z[0].imag), arrowprops=arrow)
-    rest = place.z[0] * small
-    axes.plot(rest.real, rest.imag, "+", color=GREY, ms=10, mew=1.5, label="rest")
+    rest, begin = place.z[0] * small, "release" if view.run.is_released else "rest"
+    axes.plot(rest.real, rest.imag, "+", color=GREY, ms=10, mew=1.5, label=begin)
     displacement_axes(axes, place)
     legend_below(figure, 2)
     view.title(axes, caption or f"orbit of {place.label}")
@@ -236,7 +236,8 @@ def poincare(view: View) -> Figure:
 def whirl(view: View) -> Figure:
     """Draw the sense and the order of the whirl."""
     figure, (above, below) = two_over_speed()
-    result = vibration.whirl(*view.signal)
+    signal = vibration.synchronous(*view.signal, turns=3)
+    result = vibration.whirl_of(signal, turns=_WHIRL_TURNS)
     n = _speed(result.speed)
     above.axhline(0, color=GREY, lw=0.8)
     above.plot(n, result.sense, ".", color=BLUE, ms=3, mew=0)
@@ -246,7 +247,8 @@ def whirl(view: View) -> Figure:
     below.plot(n, result.order, ".", color=ORANGE, ms=3, mew=0)
     below.axhline(0, color=GREY, lw=0.8)
     below.set_ylabel("Whirl over rotation [1]")
-    view.title(above, f"whirl of {view.place.label}, over 16 turns each")
+    turns = min(_WHIRL_TURNS, signal.longest)
+    view.title(above, f"whirl of {view.place.label}, over {turns} turns each")
     return figure
 
 

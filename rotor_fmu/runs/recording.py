@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..files import unfinished
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
+from ..model.parts.base import ReleaseElement
 from ..model.quantities import QuantityError
 from ..run_status import OK
 from ..short_repr import ShortRepr
@@ -96,6 +97,11 @@ class Recording(ShortRepr):
             return parse_rotor(str(self.about["toml"]))
         except (KeyError, QuantityError):
             return None
+
+    @cached_property
+    def is_released(self) -> bool:
+        """Whether the machine, where it is known, begins in the air and not at rest."""
+        return self.rotor is not None and bool(self.rotor.elements_of_kind(ReleaseElement))
 
     @property
     def shown_units(self) -> str:

@@ -29,7 +29,8 @@ from .progress import ReportProgress, silent
 from .recording import Recording
 
 RECORDER_ROWS = 16384  # that a communication step may have: some 250 turns
-_USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
+_USUAL = {("", name) for name in ("phi", "w", "tau")}
+_USUAL |= {("solver", name) for name in ("h_last", "error", "error_last")}
 _NO_PARTS = ("", "solver", "energy")
 _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft", "fn_peak")
 
@@ -194,6 +195,11 @@ def run_recorded(
     units = {str(entry.name): entry.output.unit for entry in recordable(job.rotor)}
     # a column each, so that one can be kept without the others
     t, *columns = (column.copy() for column in rows.T)
+    # at standstill a peak is since the last communication point, maybe between two rows
+    after = np.minimum(np.searchsorted(t, run.t), len(t) - 1)
+    for name, column in zip(taped.names, columns, strict=True):
+        if name.endswith(".fn_peak"):
+            np.maximum.at(column, after, run.columns[name])
     return run, Recording(
         t,
         dict(zip(taped.names, columns, strict=True)),

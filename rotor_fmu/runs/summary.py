@@ -9,34 +9,45 @@ import numpy as np
 
 from ..display import current
 from ..run_status import DOUBTFUL, OK, has_failed, messages_and_codes
+from ..vibration import TURN
 from .measuring_points import display_name, probe_that_moves_most
 from .peaks import peak_index, start_up, why_no_peak
 from .recording import Recording
 from .run_down import Run
 
 _NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
+_ROUNDING = 1e-9  # of a share, that may be missing to all of the time
+_NO_LOSS = 1e-12  # of the energies of a run: of less dissipation the ledger's rounding is a share
+_OF_REST = ("y_static_um", "circulation_hz")  # of no machine that begins in the air
 _AXES = {"x": "horizontal", "y": "vertical"}
 
 
-def summary(run: Run, place: str | None = None) -> dict[str, Any]:
+def summary(
+    run: Run, place: str | None = None, recording: Recording | None = None
+) -> dict[str, Any]:
     """Return the figures of a run: peaks of a place after the start-up, by default of the one that
-    moves most, psi there of the last bearing that touches, and what the solver did.
+    moves most, psi there of the last bearing that touches, and what the solver did; recording: of
+    the run, whose rows show angles as communication points, some in a turn, may not.
 
     Peaks are None where there are none: an amplitude that is largest at an edge of the run, or a
-    run at one speed, has none (no_peak says why). x_largest_um, y_largest_um: the largest after the
-    start-up, peak or not; circulation_hz: lowest and highest speed at which that bearing's journal
-    goes all round: it lies a quarter of a turn, or up to a radian more, ahead of where it rests;
-    solver_s: time of the run alone [s].
+    run at one speed, has none (no_peak says why). x_largest_um, y_largest_um, r_largest_um: the
+    largest after the start-up, peak or not, in x, in y, in any direction; circulation_hz: lowest
+    and highest speed at which that bearing's journal goes all round: it lies a quarter of a turn,
+    or up to a radian more, ahead of where it rests; solver_s: time of the run alone [s].
 
-    energy_residual: energy error of the integrator, relative to all energy dissipated [1].
+    y_static_um and circulation_hz are None of a machine that begins in the air, which a recording
+    knows. energy_residual: energy error of the integrator, relative to all energy dissipated [1].
     """
     c = run.columns
     last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
     steps = last["solver.steps"]
     losses = sum(last[name] for name in last if name.endswith("_loss"))
+    stored = max((abs(last[n]) for n in last if n.startswith("energy.")), default=0.0)
     overdamped_at = last["solver.overdamped_at"]
     return {
-        **_peaks(run, place),
+        **(figures := _peaks(run, place)),
+        **_angles(recording or run, figures["x_peak_hz"]),
+        **(dict.fromkeys(_OF_REST) if recording and recording.is_released else {}),
         "steps": int(steps),
         "rejected": int(last["solver.rejected"]),
         "newton_per_step": last["solver.newton"] / steps if steps else None,
@@ -44,7 +55,9 @@ def summary(run: Run, place: str | None = None) -> dict[str, Any]:
         "h_max": last["solver.h_max_used"],
         "h_last": last["solver.h_last"],
         "solver_s": run.wall_s,
-        "energy_residual": last["energy.residual"] / losses if losses else None,
+        "energy_residual": (
+            last["energy.residual"] / losses if abs(losses) > _NO_LOSS * stored else None
+        ),
         "trapped_steps": int(last["solver.trapped"]),
         "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
         "overdamped_at_s": overdamped_at if overdamped_at >= 0 else None,
@@ -68,18 +81,19 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     figures: dict[str, Any] = dict.fromkeys(
         (
             *("place", "x_peak_um", "x_peak_hz", "x_peak_s", "y_peak_um", "y_peak_hz", "y_peak_s"),
-            *("no_peak", "x_largest_um", "y_largest_um", "y_static_um"),
-            *("psi_at_x_peak_deg", "circulation_hz"),
+            *("no_peak", "x_largest_um", "y_largest_um", "r_largest_um", "y_static_um"),
         )
     )
     c, hz = run.columns, run.hz
-    place, contact = place or probe_that_moves_most(c), last_contact(c)
+    place = place or probe_that_moves_most(c)
     figures["place"] = place
     if len(hz) and place:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > start_up(run.t, c["w"]))
     if not len(late):
         return figures | {"no_peak": why_no_peak(run.t, c["w"], run.status)}
+    if place:
+        figures["r_largest_um"] = float(c[f"{place}.r_amp"][late].max()) * 1e6
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
         figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
@@ -91,26 +105,45 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         else:
             largest = float(amplitude[late].max())
             figures["no_peak"] = why_no_peak(run.t, c["w"], run.status, largest)
-    if contact:
-        psi = c[f"{contact}.psi"]
-        if figures["x_peak_hz"] is not None:
-            at_peak = figures["x_peak_hz"]
-            near = late[np.abs(hz[late] - at_peak) <= _NEAR_PEAK * abs(at_peak)]
-            figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
-        ahead = np.sign(c["w"]) * (psi - psi[0]) - 0.5 * math.pi  # with the shaft
-        round_trip = late[ahead[late] % (2 * math.pi) < 1.0]
-        if len(round_trip):
-            figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
     return figures
+
+
+def _angles(run: Run | Recording, peak_hz: float | None) -> dict[str, Any]:
+    """Return psi of the last bearing that touches, from and to [deg], the latter above 360 where 0
+    is passed, at the speed of a peak, and between which speeds the journal circulates [Hz]."""
+    figures: dict[str, Any] = {"psi_at_x_peak_deg": None, "circulation_hz": None}
+    t, c, contact = run.t, run.columns, last_contact(run.columns)
+    late = np.flatnonzero(t > start_up(t, c["w"]))
+    if not contact or not len(late):
+        return figures
+    psi, hz = c[f"{contact}.psi"], c["w"] / TURN
+    if peak_hz is not None:
+        near = late[np.abs(hz[late] - peak_hz) <= _NEAR_PEAK * abs(peak_hz)]
+        if len(near):
+            figures["psi_at_x_peak_deg"] = np.degrees(_range(psi[near])).tolist()
+    ahead = np.sign(c["w"]) * (psi - psi[0]) - 0.5 * math.pi  # with the shaft
+    round_trip = late[ahead[late] % TURN < 1.0]
+    if len(round_trip):
+        figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
+    return figures
+
+
+def _range(angles: np.ndarray) -> np.ndarray:
+    """Return the ends of a range of angles about their mean direction, from [0, 2 pi) on [rad]."""
+    mean = float(np.angle(np.exp(1j * angles).sum()))
+    away = (angles - mean + math.pi) % TURN - math.pi
+    low = (mean + away.min()) % TURN
+    return np.array([low, low + np.ptp(away)])
 
 
 def sentences(figures: Mapping[str, Any], recording: Recording, left: Path) -> list[str]:
     """Return the peak, the contacts and the state of a run; figures: its `summary`; left: its
     report, or the folder where there is none."""
-    return [_peak(figures), _contacts(recording), _state(figures, left)]
+    return [_peak(figures, recording), _contacts(recording), _state(figures, left)]
 
 
-def _peak(figures: Mapping[str, Any]) -> str:
+def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
+    begin = "where it was released" if recording.is_released else "rest"
     place = figures["place"]
     if place is None:
         return "No part's motion was observed: give the machine a disc, a body or a sensor."
@@ -120,12 +153,11 @@ def _peak(figures: Mapping[str, Any]) -> str:
         if (amount := figures[f"{axis}_peak_um"]) is not None
     ]
     if peaks:
-        return f"Peak of {display_name(place)}, 0-p from rest: {', '.join(peaks)}."
-    largest = [um for axis in "xy" if (um := figures[f"{axis}_largest_um"]) is not None]
+        return f"Peak of {display_name(place)}, 0-p from {begin}: {', '.join(peaks)}."
     moved = ""
-    if largest:
-        far = _length(max(largest))
-        moved = f"; {display_name(place)} moved by at most {far} from rest after the start-up"
+    if figures["r_largest_um"] is not None:
+        far = _length(figures["r_largest_um"])
+        moved = f"; {display_name(place)} moved by at most {far} from {begin} after the start-up"
     return f"No peak, because {figures['no_peak']}{moved}."
 
 
@@ -163,15 +195,24 @@ def _contacts(recording: Recording) -> str:
     shares = touching(recording)
     if not shares:
         return "The machine has no contact that was recorded."
-    if not any(shares.values()):  # in a row
-        if any((contact.peak > 0).any() for contact in recording.contacts):
-            return "Journals touched, but too shortly for the rows of the recording to show it."
+    met = {c.name for c in recording.contacts if (c.peak > 0).any()}  # in a row or between two
+    if not met:
         return "No journal touched."
-    least, most = (round(100 * f(shares.values())) for f in (min, max))
+    if not any(shares.values()):
+        return "Journals touched, but too shortly for the rows of the recording to show it."
+    each = {name: _percent(share, name in met) for name, share in shares.items()}
+    least, most = (each[f(shares, key=lambda name: shares[name])] for f in (min, max))
     if least == most:
         return f"The journals touched for {most} % of the time."
-    each = ", ".join(f"{display_name(name)} {100 * share:.0f} %" for name, share in shares.items())
-    return f"The journals touched for {least} to {most} % of the time ({each})."
+    listed = ", ".join(f"{display_name(name)} {share} %" for name, share in each.items())
+    return f"The journals touched for {least} to {most} % of the time ({listed})."
+
+
+def _percent(share: float, has_met: bool) -> str:
+    """Return a share of the time in whole percent: 0 only of none, 100 only of all."""
+    if has_met and share < 0.005:
+        return "less than 1"
+    return "more than 99" if 0.995 <= share < 1.0 - _ROUNDING else f"{100 * share:.0f}"
 
 
 def _state(figures: Mapping[str, Any], left: Path) -> str:

@@ -157,17 +157,20 @@ def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return np.fft.rfftfreq(count, float(step)), 2 * np.abs(lines)
 
 
-def second_half(t: np.ndarray, phi: np.ndarray) -> slice:
+def second_half(t: np.ndarray, phi: np.ndarray, *, turns: int = 1) -> slice:
     """Return the rows of the second half of a run, cut to whole turns where it holds any: orders
-    then lie on lines of a spectrum. Of a run of few rows it is more than half, the last three or
-    all. What is not finite counts for none. Raises `TooFewRows` for no row, `InputError` for what
-    is no signal."""
+    then lie on lines of a spectrum; turns: to a multiple of so many, where it holds these, so that
+    orders of a motion that repeats after them do, as halves after 2. Of a run of few rows it is
+    more than half, the last three or all. What is not finite counts for none. Raises `TooFewRows`
+    for no row, `InputError` for what is no signal."""
     t, phi = recorded(t=t, phi=phi)
     rows = np.flatnonzero(np.isfinite(t) & np.isfinite(phi))
     enough(rows, 1)
     t, phi = t[rows], phi[rows]
     turned = np.abs(phi - phi[-1])
     half = int(np.searchsorted(t, (t[0] + t[-1]) / 2))
-    whole = TURN * math.floor(turned[half] / TURN)
+    check_integer("turns", turns, 1)
+    count = math.floor(turned[half] / TURN)
+    whole = TURN * (count - count % turns if count >= turns else count)
     begin = half + int(np.argmax(turned[half:] <= whole)) if whole else half
     return slice(int(rows[max(0, min(begin, len(t) - LEAST_ROWS))]), None)

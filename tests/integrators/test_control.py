@@ -12,6 +12,9 @@ from rotor_fmu.model.settings import SettingsError, choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.time_loop import adaptive_control
 
+import rotor_fmu as rf
+from rotor_fmu.run_pictures.run_folder import error_indicator as error_indicator_of_steps
+
 from ..machines import balanced, first_order, overhung
 
 error_indicator = interpreted(adaptive_control.error_indicator)
@@ -140,6 +143,32 @@ def test_the_steps_of_a_run_down_keep_within_their_limits(stop):
         sim.advance(i * stop, 60 - 10 * sim.time)
         assert sim.read("solver.h_last") <= min(stop, 0.02) * (1 + 1e-9)
     assert 0.004 <= sim.read("solver.h_min_used") < sim.read("solver.h_max_used") <= 0.02
+
+
+def test_the_error_of_a_step_is_told_in_the_measure_of_the_mode():
+    """Zienkiewicz and Xie's indicator by its formula (paper A, eq. 13), from what moved."""
+    settings = choose("paper-adaptive", indicator="zienkiewicz-xie", h=0.004)
+    sim = Simulation(rig(), settings, speed=380.0)
+    motion, beta, told = sim._run.motion, settings.numbers.beta_error, []
+    for _ in range(200):
+        steps, q, a = sim.read("solver.steps"), motion.q.copy(), motion.a.copy()
+        sim.advance(sim.time + 0.004, 380.0)
+        if sim.read("solver.steps") == steps + 1:
+            error = abs(beta - 1 / 6) * 0.004**2 * np.linalg.norm(motion.a - a)
+            told.append((sim.read("solver.error_last"), error / np.linalg.norm(motion.q - q)))
+    shown, expected = np.array(told).T
+    assert len(told) > 100
+    assert shown == pytest.approx(expected, rel=1e-7)
+
+
+def test_the_picture_of_the_error_shows_the_indicator_that_the_limits_are_for():
+    """It exceeds eps_max in the shortest steps alone; the local error is hundreds of tolerances."""
+    at = {"speed": 100.0, "stop": 4.0, "step": 0.04}
+    run = rf.simulate(rf.load(), **at, preset="paper-adaptive", per_turn=None)
+    (line,) = error_indicator_of_steps(run.recording, "").axes[0].lines
+    is_longer = run["solver.h_last"][1:] > 1.001 * 0.004
+    assert is_longer.sum() > 50
+    assert 0.05 < line.get_ydata()[is_longer].max() <= 1.0
 
 
 def test_a_finer_limit_of_the_error_takes_more_steps():

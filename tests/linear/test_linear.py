@@ -89,6 +89,14 @@ def test_damped_frequencies_are_the_textbooks_to_the_digits_printed():
         np.testing.assert_allclose(result[: len(printed)] / (2 * math.pi), printed, atol=0.0051)
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+def test_the_last_mode_at_rest_may_share_its_frequency_with_one_that_is_not_shown(count):
+    found = modes(PRINTED["5.9.9"][0], count=count)
+    assert found.whirl == ("planar",) * count
+    shapes = np.abs([found.x, found.y]).max(axis=2)  # each in x or in y
+    np.testing.assert_allclose(np.sort(shapes, axis=0).T, [[0.0, 1.0]] * count, atol=1e-6)
+
+
 def test_circles_turn_either_way_at_speed_and_neither_at_rest():
     rotor = PRINTED["5.9.1"][0]
     found = modes(rotor)

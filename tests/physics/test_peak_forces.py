@@ -92,3 +92,15 @@ def test_a_touch_between_all_rows_is_known():
     assert contacts.startswith("Journals touched, but too shortly")
     assert last_contact({"first.psi": run.t, "first.fn": 0.0 * run.t} | never) == "contact[1]"
     assert contact_force(View(run)).axes[0].get_title("left").endswith("of contact 1")
+
+
+@pytest.mark.parametrize("force", [200.0, 400.0])
+def test_at_standstill_no_force_is_lost_between_a_row_and_a_communication_point(force):
+    machine = Machine(parse_rotor(HARD + "[[port]]\nnode = 2\n"), "")
+    t = np.linspace(0.0, 0.5, 51)
+    loads = {"port[1].fx": (t, np.where(np.arange(51) % 6 < 3, force, -force))}
+    largest, shown = (
+        simulate(machine, speed=0.0, loads=loads, step=1e-3, per_turn=rows)["contact[1].fn_peak"]
+        for rows in (None, 64)
+    )
+    assert shown.max() == largest.max() > 10.0

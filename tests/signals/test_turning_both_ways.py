@@ -11,8 +11,11 @@ from scipy.integrate import solve_ivp
 
 from rotor_fmu import vibration
 from rotor_fmu.errors import InputError
+from rotor_fmu.run_pictures.signal_plots import KINDS
+from rotor_fmu.run_pictures.view import View
 from rotor_fmu.vibration.recorded import recorded
 
+from .. import recordings
 from ..linear.test_linear_steady import MACHINE
 
 TURN = 2 * math.pi
@@ -87,6 +90,31 @@ def test_blocks_of_turns_do_not_reach_across_a_reversal():
     )
     spot = vibration.orbit(t, phi, z, -50.0)
     assert np.abs(spot.z) == pytest.approx(12e-6, rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["bode", "polar"])
+def test_no_picture_joins_the_two_senses_of_rotation(kind):
+    """Whose phase jumps by 180 degrees, as that of y does, which lags first and then leads."""
+    run = recordings.recorded(stop=30.0)
+    speed = vibration.order_track(run.t, run.phi, run.place("disc[2]").z).speed
+    curves = [
+        line.get_data() for axes in KINDS[kind](View(run, "disc[2]")).axes for line in axes.lines
+    ]
+    curves = [curve for curve in curves if len(curve[0]) >= len(speed)]  # not marks of speeds
+    assert len(curves) == {"bode": 6, "polar": 2}[kind]
+    for over, along in curves:
+        sense = np.sign(over if kind == "bode" else speed)
+        is_drawn = np.isfinite(np.diff(over) + np.diff(along))
+        assert not (is_drawn & (np.diff(sense) != 0)).any()
+        if kind == "bode":
+            slowest = np.abs(over[np.isfinite(along)]).min()
+            assert slowest == pytest.approx(np.abs(speed).min() / TURN, rel=1e-3)
+
+
+@pytest.mark.parametrize(("stop", "turns"), [(0.15, 7), (1.0, 16)])
+def test_the_picture_of_a_short_whirl_says_over_how_many_turns_it_is(stop, turns):
+    above, _ = KINDS["whirl"](View(recordings.recorded(stop=stop))).axes
+    assert f"over {turns} turns each" in above.get_title(loc="left")
 
 
 def test_a_rest_parts_turns_and_a_small_step_back_does_not():

@@ -203,7 +203,8 @@ class OverSpeed {
       const x = run.track[this.across];
       part.phaseX.data = broken(x, xRe, xIm);
       part.phaseY.data = broken(x, yRe, yIm);
-      part.polar.data = { x: xRe.map((v) => this.factor * v), y: xIm.map((v) => this.factor * v) };
+      const real = xRe.map((v) => this.factor * v);
+      part.polar.data = { x: parted(x, real).y, y: xIm.map((v) => this.factor * v) };
       part.whirl.data = { x: run.whirl[this.across], y: place.sense };
       part.points.data = this.sized(place.points.re, place.points.im);
       part.ring.data = circle(place.clearance === null ? null : place.clearance * this.small);

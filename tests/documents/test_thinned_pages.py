@@ -1,0 +1,32 @@
+"""What the page of a run of many turns still shows, of which it holds a part."""
+
+import numpy as np
+import pytest
+
+from rotor_fmu.report.run_data import run_data
+from rotor_fmu.runs.recording import Recording
+
+from .test_report import unpacked
+
+
+@pytest.fixture(scope="module")
+def many_turns():
+    """3999 turns with a motion that repeats every second one, and a touch in one of them."""
+    phi = np.arange(3999 * 20 + 1) * (2 * np.pi / 20)
+    z = 1e-5 * np.exp(1j * phi) + 4e-6 * np.exp(0.5j * phi)
+    columns = {"phi": phi, "w": np.full(len(phi), 100.0)}
+    columns |= {"disc[1].x": z.real, "disc[1].y": z.imag}
+    force = np.where(np.arange(len(phi)) == 1001 * 20 + 7, 239.0, 0.0)
+    columns |= {"bearing[1].psi": 0 * phi, "bearing[1].fn": force}
+    return run_data(Recording(phi / 100.0, columns, {}, {}))
+
+
+def test_a_motion_of_two_turns_has_both_its_points_in_the_section(many_turns):
+    points = unpacked(many_turns["places"][0]["points"]["re"])
+    assert len(points) == len(unpacked(many_turns["turns"]["t"])) <= 2000
+    assert np.abs(points - 14.0).min() < 0.01
+    assert np.abs(points - 6.0).min() < 0.01
+
+
+def test_the_largest_force_of_a_single_turn_is_shown(many_turns):
+    assert unpacked(many_turns["touches"][0]["peak"]).max() == pytest.approx(239.0, rel=1e-6)
