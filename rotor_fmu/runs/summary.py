@@ -162,12 +162,14 @@ def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
 
 
 def _speed(hz: float) -> str:
-    """Return a speed [Hz] to a tenth of a Hz and in whole rpm, or to three digits if fewer."""
-    shown, rpm = (
-        f"{value:.{places}f}" if abs(value) >= least else f"{value:.3g}"
-        for value, places, least in ((hz, 1, 10.0), (60 * hz, 0, 100.0))
-    )
-    return f"{shown} Hz ({rpm} rpm)"
+    """Return a speed [Hz] to a tenth of a Hz and in whole rpm, or to three digits if fewer, first
+    in the unit that is shown."""
+    both = [
+        f"{value:.{places}f} {unit}" if abs(value) >= least else f"{value:.3g} {unit}"
+        for unit, value, places, least in (("Hz", hz, 1, 10.0), ("rpm", 60 * hz, 0, 100.0))
+    ]
+    first, second = both if current().speed_unit == "Hz" else reversed(both)
+    return f"{first} ({second})"
 
 
 def _length(um: float) -> str:

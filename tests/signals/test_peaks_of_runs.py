@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rotor_fmu.display import choose, restored
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
 from rotor_fmu.run_pictures.run_folder import amplitude
@@ -269,6 +270,10 @@ def test_the_figures_of_a_run_scale_with_its_speed(scale):
     said = sentences(scaled, recorded(), Path("report.html"))[0]
     shown = {1e-3: "at 0.0318 Hz (1.91 rpm)", 1e3: "at 31831.0 Hz (1909859 rpm)"}
     assert shown[scale] in said
+    with restored():
+        choose("rpm")
+        said = sentences(scaled, recorded(), Path("report.html"))[0]
+    assert re.sub(r"at (.*) \((.*)\)", r"at \2 (\1)", shown[scale]) in said
 
 
 def test_what_is_largest_is_sought_after_the_start_up():
