@@ -18,6 +18,7 @@ from ..display import current
 from ..linear.answers import static
 from ..model.linear.amplification import with_tops
 from ..model.linear.linearization import OPEN
+from ..model.linear.orbit import farthest, semi_axes
 from ..model.linear.places import PlacedAmount, as_place
 from ..model.linear.supports import touching, walls
 from ..model.linear.unbalance import SteadyWhirl, steady_whirl
@@ -41,9 +42,10 @@ _NARROW = 0.01  # of the highest speed: what a run passes of a range that is a s
 
 
 class Closing(NamedTuple):
-    """A clearance that the linear response closes: the contact, its clearance [m], the static
-    distance from the middle and the largest amplitude beside it [m], and the speeds between which
-    it is closed [rad/s]; NaN where the contact holds the machine and is always closed."""
+    """A clearance that the linear response closes: the contact, its clearance [m]; where the most
+    of it is taken, the static distance from the middle and the major semi-axis of the orbit about
+    there [m]; and the speeds between which it is closed [rad/s]; NaN where the contact holds the
+    machine and is always closed."""
 
     name: str
     clearance: float
@@ -203,32 +205,35 @@ def _closings(
     if whirl.machine.contacts != OPEN:
         held = gaps(whirl.machine, contacts)
         return [Closing(gap.name, gap.clearance, *4 * (math.nan,)) for gap in held]
-    rest = static(rotor, afloat=high)
-    of_nodes, of_housings = rest.x + 1j * rest.y, rest.housing_x + 1j * rest.housing_y
+    lying = static(rotor, afloat=high)
+    of_nodes, of_housings = lying.x + 1j * lying.y, lying.housing_x + 1j * lying.housing_y
     at_rest = np.concatenate([np.repeat(of_nodes, 2), of_housings, [0.0]])  # last: ground
     found = []
     for gap in gaps(whirl.machine, touching(rotor)):
         is_open = gap.name in contacts  # nothing of it bears; a film's journal rises with the speed
-        sag = partial(_distance, gap, (lambda speed: at_rest) if is_open else whirl.rest)
-        size = _scaled(scale, whirl, gap.dof, gap.end, -1.0)
-        found.append(_closing(gap, sag, size, speeds))
+        rest = partial(_across, gap, 1.0, (lambda speed: at_rest) if is_open else whirl.rest)
+        found.append(_closing(gap, rest, partial(_across, gap, scale, whirl.at), speeds))
     return [each for each in found if each]
 
 
-def _distance(gap: Gap, rest: Callable[[float], np.ndarray], speed: float) -> float:
-    """Return how far a gap's middle is left at rest, the machine being there, at a speed."""
-    at = rest(speed)
-    return float(abs(at[gap.dof] - at[gap.end]))
+def _across(gap: Gap, scale: float, of: Callable[[float], np.ndarray], speed: float) -> Any:
+    """Return how the ends of a gap are displaced against each other, times a factor, at a speed."""
+    at = of(speed)
+    return scale * (at[gap.dof] - at[gap.end])
 
 
 def _closing(
-    gap: Gap, sag: Callable[[float], float], size: Callable[[float], float], speeds: np.ndarray
+    gap: Gap, rest: Callable[[float], Any], motion: Callable[[float], Any], speeds: np.ndarray
 ) -> Closing | None:
-    """Return where a motion closes a gap, if it does; sag, size: at rest, and of the motion, at a
-    speed. A journal that rests on its wall behind a film is not moved there."""
+    """Return where a motion closes a gap, if it does; rest, motion: of its ends against each other,
+    x + i y and complex amplitudes of x and y, at a speed [m]. A journal that rests on its wall
+    behind a film is not moved there."""
+
+    def sag(speed: float) -> float:
+        return float(abs(rest(speed)))
 
     def taken(speed: float) -> float:
-        return sag(speed) + size(speed)
+        return farthest(rest(speed), *motion(speed))
 
     def free(speed: float) -> float:
         return gap.clearance - taken(speed)
@@ -241,7 +246,8 @@ def _closing(
         return None
     begin, end = (_meeting(free, peaked, int(closed[i]), side) for i, side in ((0, -1), (-1, 1)))
     most = float(peaked[left.argmin()])
-    return Closing(gap.name, gap.clearance, sag(most), size(most), begin, end)
+    size = float(semi_axes(*motion(most))[0])
+    return Closing(gap.name, gap.clearance, sag(most), size, begin, end)
 
 
 def _meeting(free: Callable[[float], float], speeds: np.ndarray, i: int, side: int) -> float:
