@@ -212,7 +212,8 @@ def _closings(
     for gap in gaps(whirl.machine, touching(rotor)):
         is_open = gap.name in contacts  # nothing of it bears; a film's journal rises with the speed
         rest = partial(_across, gap, 1.0, (lambda speed: at_rest) if is_open else whirl.rest)
-        found.append(_closing(gap, rest, partial(_across, gap, scale, whirl.at), speeds))
+        motion = partial(_across, gap, scale, whirl.at)
+        found.append(_closing(gap, rest, motion, speeds, is_open))
     return [each for each in found if each]
 
 
@@ -223,11 +224,16 @@ def _across(gap: Gap, scale: float, of: Callable[[float], np.ndarray], speed: fl
 
 
 def _closing(
-    gap: Gap, rest: Callable[[float], Any], motion: Callable[[float], Any], speeds: np.ndarray
+    gap: Gap,
+    rest: Callable[[float], Any],
+    motion: Callable[[float], Any],
+    speeds: np.ndarray,
+    is_open: bool,
 ) -> Closing | None:
     """Return where a motion closes a gap, if it does; rest, motion: of its ends against each other,
-    x + i y and complex amplitudes of x and y, at a speed [m]. A journal that rests on its wall
-    behind a film is not moved there."""
+    x + i y and complex amplitudes of x and y, at a speed [m]; is_open: whether nothing in the gap
+    bears. A journal that rests on its wall behind a film is not moved there; a shaft that lies in
+    an open contact touches whether it is or not."""
 
     def sag(speed: float) -> float:
         return float(abs(rest(speed)))
@@ -239,7 +245,7 @@ def _closing(
         return gap.clearance - taken(speed)
 
     peaked = with_tops([taken], speeds)
-    peaked = peaked[[sag(speed) < gap.clearance for speed in peaked]]
+    peaked = peaked[[is_open or sag(speed) < gap.clearance for speed in peaked]]
     left = np.array([free(speed) for speed in peaked])
     closed = np.flatnonzero(left <= 0.0)
     if not len(closed):

@@ -167,6 +167,17 @@ def test_a_rotor_that_vibrates_across_its_sag_takes_less_than_both_together():
 
 
 @pytest.mark.usefixtures("coarse_report", "without_runs")
+def test_a_contact_in_which_the_shaft_lies_is_closed_at_all_speeds():
+    """It sags by 0.16 mm into a ring of 10 um."""
+    rotor = _machine(1e4, 300.0, 0.0)
+    check = rub_check(replace(rotor, gravity=9.81), 299.0, 300.0)
+    (closing,) = check.closings
+    assert (closing.begin, closing.end) == pytest.approx((37.5, 375.0))
+    assert closing.sag > closing.clearance
+    assert not check.conclusion.startswith("The linear response closes no contact")
+
+
+@pytest.mark.usefixtures("coarse_report", "without_runs")
 def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at_that_speed():
     rotor = module.with_unbalances(_on_films("oil_film", 0.005), None, 30.0)
     for closing in rub_check(rotor, 400.0, 450.0).closings:
