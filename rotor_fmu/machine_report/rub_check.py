@@ -37,7 +37,7 @@ _SETTLING = 60.0  # turns at the first speed, before the run begins
 _FIRST = 0.1  # of the highest speed: where a run begins
 _POINTS = 400
 _BINS = 120
-_LASTING = 0.02  # of the time in the range, from which a rub lasts
+_LASTING = 0.02  # of the turns in the range, from which a rub lasts
 _NARROW = 0.01  # of the highest speed: what a run passes of a range that is a single speed
 
 
@@ -57,14 +57,16 @@ class Closing(NamedTuple):
 
 class ContactRun(NamedTuple):
     """A contact in a run: its name, the speeds of its first and last touch [rad/s], the shares of
-    time that it touches in the operating range and in the whole run [1], the largest normal force
-    [N]; all NaN of a run that failed before it had settled."""
+    time that it touches in the operating range and in the whole run [1], of the turns in the range
+    the share in which it touches [1], the largest normal force [N]; all NaN of a run that failed
+    before it had settled. What bounces once a turn rubs all the time, touching hardly ever."""
 
     name: str
     first: float
     last: float
     share_in_range: float
     share: float
+    turns_in_range: float
     force: float
 
 
@@ -114,7 +116,7 @@ class RubCheck:
                 "this rate of the speed the resonance has no time to build up, or oil films bear "
                 "more than their linearized ones."
             )
-        lasting = [c for c in touched if c.share_in_range > _LASTING]
+        lasting = [c for c in touched if c.turns_in_range > _LASTING]
         largest = max(touched, key=lambda c: c.force)
         force = f"{largest.force * current().force:.4g} {current().force_unit}"
         force = f"The largest contact force is {force}, of {largest.name}."
@@ -122,7 +124,7 @@ class RubCheck:
             return f"The machine rubs, but not for long in the operating range. {force}"
         names = ", ".join(dict.fromkeys(c.name for c in lasting))
         up, down = (
-            max((c.share_in_range for c in run.contacts), default=0.0) > _LASTING
+            max((c.turns_in_range for c in run.contacts), default=0.0) > _LASTING
             for run in self.runs
         )
         how = "in both directions" if up and down else "only running up"
@@ -322,7 +324,7 @@ def _contact_run(
     result: Result, name: str, passed: tuple[float, float], after: np.ndarray
 ) -> ContactRun:
     if np.count_nonzero(after) < 2:
-        return ContactRun(name, *5 * [math.nan])
+        return ContactRun(name, *6 * [math.nan])
     w = np.abs(result.speed)[after]
     touches = result[f"{name}.contact"][after] > 0.5
     weight = np.gradient(result.t[after])
@@ -331,5 +333,7 @@ def _contact_run(
     first, last = (float(w[i]) for i in where[[0, -1]]) if len(where) else (math.nan, math.nan)
     share_in_range = weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)
     share = weight[touches].sum() / weight.sum()
+    turn = np.floor(np.cumsum(w * weight) / (2 * math.pi))
+    turns = len(np.unique(turn[touches & inside])) / max(len(np.unique(turn[inside])), 1)
     force = result[f"{name}.fn"][after].max(initial=0.0)
-    return ContactRun(name, first, last, float(share_in_range), float(share), float(force))
+    return ContactRun(name, first, last, float(share_in_range), float(share), turns, float(force))

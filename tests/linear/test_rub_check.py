@@ -68,6 +68,18 @@ def test_a_rub_that_lasts_is_told_of_a_rated_speed_too(low):
 
 
 @pytest.mark.usefixtures("coarse_report")
+def test_a_rub_that_bounces_once_a_turn_lasts():
+    """The shaft's orbit of 0.1 mm about its sag of 0.19 mm reaches a hard ring in every turn."""
+    bearings = "".join(_BEARING.format(node=node, c=300.0, crossed=0.0) for node in (1, 3))
+    hard = f"{_JEFFCOTT}k = 1e10\n{bearings}".replace("gravity = 0.0", "")
+    check = rub_check(parse_rotor(hard.replace("1e-5", "2.6e-4")), 240.0, 300.0)
+    for run in check.runs:
+        assert run.contacts[0].share_in_range < 0.02
+        assert run.contacts[0].turns_in_range > 0.95
+    assert "The rub lasts in the operating range (contact[1]), in both" in check.conclusion
+
+
+@pytest.mark.usefixtures("coarse_report")
 def test_the_force_of_a_hard_contact_is_the_largest_of_all_steps(monkeypatch):
     """Bounces last less than a 64th of a turn, at which runs are recorded unless told otherwise."""
     runs = []
