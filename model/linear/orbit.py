@@ -31,9 +31,10 @@ def semi_axes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where(is_infinite, np.inf, forward + backward), forward - backward
 
 
-def farthest(rest: complex, x: complex, y: complex) -> float:
-    """Return the largest distance from the middle of a motion about where it rests, x + i y: as
-    far as both together only where it rests along the major axis."""
+def farthest(rest: complex, x: np.ndarray, y: np.ndarray) -> float:
+    """Return the largest distance from the middle of a motion of complex amplitudes, each of one
+    number, about where it rests, x + i y: as far as both together only where it rests along the
+    major axis."""
     if np.isinf(x) or np.isinf(y):
         return np.inf
     f, b = forward_part(x, y), backward_part(x, y)
