@@ -223,7 +223,8 @@ def test_derivatives_of_a_floating_ring_are_those_of_force_and_rates(short):
     assert errors_of_derivatives(laws, motion, sizes, speed).max() < 1e-6
 
 
-@pytest.mark.parametrize("turns", [30, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.slow  # test_every_part compares the motion of a race with a run in time
+@pytest.mark.parametrize("turns", [30, 100])
 def test_a_race_turns_as_fast_as_friction_and_drag_let_it(turns):
     """Over a turn friction's torque is what the drag takes."""
     text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS["race"] + MORE)
