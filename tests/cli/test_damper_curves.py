@@ -40,7 +40,7 @@ def test_orbits_of_a_damper_are_those_of_the_closed_form(full):
     np.testing.assert_allclose(found.K, 1e5 * np.eye(2), atol=1e-6)
 
 
-@pytest.mark.parametrize("short", [True, False])
+@pytest.mark.parametrize("short", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_a_film_that_never_ruptures_has_no_stiffness_and_is_drawn_so(short):
     """Not what rounding leaves of it, on an axis of logarithms from 1e-9 N/m on."""
     part = SqueezeFilmDamper(**DAMPER, short=short, full=True, stiffness=1e5)

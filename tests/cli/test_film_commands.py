@@ -113,7 +113,11 @@ def test_the_report_has_the_machine_at_rest_at_the_speed_that_was_asked(with_sea
 
 @pytest.mark.usefixtures("without_peaks")
 @pytest.mark.parametrize(
-    "shape", ["", 'offset = 1.0\npads = [1.5708, 4.71239]\narc = 2.8\nrupture = "guembel"\n']
+    "shape",
+    [
+        pytest.param("", marks=pytest.mark.slow),
+        'offset = 1.0\npads = [1.5708, 4.71239]\narc = 2.8\nrupture = "guembel"\n',
+    ],
 )
 def test_the_usual_speeds_begin_where_the_films_carry_the_machine(
     command, tmp_path, monkeypatch, shape

@@ -255,7 +255,9 @@ def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
 
 
 @pytest.mark.usefixtures("without_peaks")
-@pytest.mark.parametrize("angle", ["90", "90deg", "0.25turn"])
+@pytest.mark.parametrize(
+    "angle", [*(pytest.param(at, marks=pytest.mark.slow) for at in ("90", "0.25turn")), "90deg"]
+)
 def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path, angle):
     """The amplitudes are those of the answer; an unbalance may be given in g mm."""
     given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", f"4:50g.mm:{angle}")
@@ -292,7 +294,7 @@ def turbocharger():
     return rotor, answers.campbell(rotor, np.linspace(100.0, 1000.0, 7), count=2).threshold
 
 
-@pytest.mark.parametrize("top", [1.01, 20.0])
+@pytest.mark.parametrize("top", [1.01, pytest.param(20.0, marks=pytest.mark.slow)])
 def test_the_threshold_of_stability_is_named_within_the_picture(turbocharger, top):
     """Of a rotor that becomes unstable at the end of the speeds, and soon after their beginning."""
     rotor, threshold = turbocharger

@@ -34,7 +34,9 @@ def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
 
 
 @pytest.mark.usefixtures("drawn")
-@pytest.mark.parametrize("orders", [(1.0,), tuple(np.arange(1.0, 11.0))])
+@pytest.mark.parametrize(
+    "orders", [(1.0,), pytest.param(tuple(np.arange(1.0, 11.0)), marks=pytest.mark.slow)]
+)
 def test_the_legend_of_a_campbell_diagram_lies_within_it_and_covers_no_line(orders):
     rotor = load_rotor(TURBOCHARGER)[1]
     figure = answers.campbell(rotor, [100.0, 1000.0], harmonic=orders).figure()

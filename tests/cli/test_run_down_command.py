@@ -114,7 +114,8 @@ main()
 @pytest.mark.parametrize(
     ("how", "module", "name", "method"),
     [
-        ([], "fmpy.fmi2", "FMU2Slave", "doStep"),
+        # within a step of the FMU, which test_members stops too
+        pytest.param([], "fmpy.fmi2", "FMU2Slave", "doStep", marks=pytest.mark.slow),
         (["--direct"], "rotor_fmu.model.simulation", "Simulation", "advance"),
     ],
 )
@@ -171,7 +172,7 @@ def test_ctrl_c_while_an_fmu_is_instantiated_ends_the_run_in_one_line(process, m
     assert "stopped" in done.stderr
 
 
-@pytest.mark.parametrize("limit", [400e-6, 600e-6])
+@pytest.mark.parametrize("limit", [400e-6, pytest.param(600e-6, marks=pytest.mark.slow)])
 def test_a_run_that_a_limit_ends_ends_there_with_and_without_the_fmu(process, tmp_path, limit):
     """Also in its first step, of which the FMU leaves no row."""
     done = process(

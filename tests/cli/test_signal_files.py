@@ -148,7 +148,7 @@ def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
         np.testing.assert_allclose(two.values[name], one.values[name], rtol=1e-12)
 
 
-@pytest.mark.parametrize("way", ["run-down", "run-up"])
+@pytest.mark.parametrize("way", ["run-down", pytest.param("run-up", marks=pytest.mark.slow)])
 def test_a_run_ends_with_its_signals_unless_a_stop_is_given(process, tmp_path, way):
     """Signals of loads alone too, whose speed is the start value."""
     for header, first in (("speed", 100), ("disc[2].fy", 0)):

@@ -38,12 +38,16 @@ def named(speed, part="linear_bearing[1]"):
         (["modes", "--speed", "200"], []),
         pytest.param(["modes", "--speed", "400"], ["400"], marks=pytest.mark.slow),
         (["campbell", "--speed", "0:400:5"], ["0", "400"]),
-        (["unbalance", "--speed", "200:500:5"], ["500"]),
+        pytest.param(["unbalance", "--speed", "200:500:5"], ["500"], marks=pytest.mark.slow),
         (["unbalance", "--speed", "200:300:5", "--rated", "190"], []),
         (["unbalance", "--speed", "200:300:5", "--rated", "220"], ["330"]),
         (["static"], ["0"]),
         (["critical-map", "--stiffness", "1e7:1e8:3", "--count", "1"], ["1803"]),
-        (["frequency-response", "--speed", "400", "--force", "1"], ["400"]),
+        pytest.param(
+            ["frequency-response", "--speed", "400", "--force", "1"],
+            ["400"],
+            marks=pytest.mark.slow,
+        ),
         (["frequency-response", "--speed", "400", "--loop", "loops.toml"], ["400"]),
     ],
 )

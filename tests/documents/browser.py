@@ -148,14 +148,10 @@ def _installed(browser, *marks):
     return pytest.param(browser, marks=[lacks, *marks], id=browser.__name__)
 
 
-# Firefox has its turn with the slow tests, but where a test asks for every browser
-IN_CHROMIUM = _installed(Chromium)
-in_every_browser = pytest.mark.parametrize(
-    "driver", [IN_CHROMIUM, _installed(Firefox)], indirect=True
+# Firefox has its turn with the slow tests
+@pytest.fixture(
+    scope="session", params=[_installed(Chromium), _installed(Firefox, pytest.mark.slow)]
 )
-
-
-@pytest.fixture(scope="session", params=[IN_CHROMIUM, _installed(Firefox, pytest.mark.slow)])
 def driver(request):
     browser = request.param()
     yield browser

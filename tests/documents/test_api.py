@@ -165,10 +165,24 @@ def test_an_fmu_gives_the_numbers_of_the_run_without_it(tmp_path):
     assert through.machine.toml == RIG.toml
 
 
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    """The rig's FMU in Python, and the native one."""
+    kinds = ({}, {"is_native": True, "platforms": ["linux64"]})
+    return [rf.build_fmu(RIG, tmp_path_factory.mktemp("fmu"), **kind) for kind in kinds]
+
+
+BRIEF = {"speed": ([0, 0.1], [190, 189]), "step": 0.01, "preset": "robust"}
+
+
+@pytest.fixture(scope="module")
+def whole():
+    """A run that no limit ends, at each of its steps."""
+    return rf.simulate(RIG, **BRIEF, per_turn=None)
+
+
 @pytest.mark.parametrize("name", ["limit.displacement", "limit.force", "limit.contact"])
-def test_a_limit_ends_a_run_before_the_first_step_beyond_it_as_it_ends_the_fmus(tmp_path, name):
-    options = {"speed": ([0, 0.1], [190, 189]), "step": 0.01, "preset": "robust"}
-    whole = rf.simulate(RIG, **options, per_turn=None)
+def test_a_limit_ends_a_run_before_the_first_step_beyond_it_as_it_ends_the_fmus(fmus, whole, name):
     moved = np.max([np.hypot(whole[f"disc[{i}].x"], whole[f"disc[{i}].y"]) for i in (1, 2, 3)], 0)
     force = np.max(
         [np.hypot(whole[f"bearing[{i}].fn"], whole[f"bearing[{i}].ft"]) for i in (1, 2)], 0
@@ -180,24 +194,23 @@ def test_a_limit_ends_a_run_before_the_first_step_beyond_it_as_it_ends_the_fmus(
         "limit.force": (0.9 * force.max(), np.argmax(force > 0.9 * force.max()) - 1),
         "limit.contact": ("true", changes[0] + 1),
     }[name]
-    options["parameters"] = {name: value}
+    options = {**BRIEF, "parameters": {name: value}}
     with pytest.warns(UserWarning, match="passes limit|closed|opened"):
         direct = rf.simulate(RIG, **options, per_turn=None)
     assert direct.t[-1] == whole.t[last]
     assert direct.status.startswith(f"failed: t = {whole.t[last]:.9g} s: ")
-    for kind in ({}, {"is_native": True, "platforms": ["linux64"]}):
+    for fmu in fmus:
         with pytest.warns(UserWarning, match="passes limit|closed|opened"):
-            through = rf.simulate_fmu(rf.build_fmu(RIG, tmp_path, **kind), **options)
+            through = rf.simulate_fmu(fmu, **options)
         assert through.status == direct.status
         assert through.t == pytest.approx(0.01 * np.arange(len(through.t)))
         assert through.t[-1] < direct.t[-1] < through.t[-1] + 0.01
 
 
-def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(tmp_path):
-    options = {"speed": ([0, 0.1], [190, 189]), "step": 0.01, "preset": "robust"}
-    options["parameters"] = {"solver.sensitivities": "true"}
+def test_sensitivities_that_were_asked_for_are_those_of_the_fmu(fmus):
+    options = {**BRIEF, "parameters": {"solver.sensitivities": "true"}}
     direct = rf.simulate(RIG, **options)
-    through = rf.simulate_fmu(rf.build_fmu(RIG, tmp_path), **options)
+    through = rf.simulate_fmu(fmus[0], **options)
     for name in through.names:
         assert np.array_equal(through[name], direct.points.columns[name]), name
     assert direct.points.columns["disc[2].dx_dfx"][-1] > 0

@@ -234,7 +234,9 @@ def test_a_rotor_on_dampers_jumps_where_the_closed_form_folds():
 # --- turbocharger ---
 
 
-@pytest.mark.parametrize(("speed", "film"), [(2500.0, "inner"), (12500.0, "outer")])
+@pytest.mark.parametrize(
+    ("speed", "film"), [pytest.param(2500.0, "inner", marks=pytest.mark.slow), (12500.0, "outer")]
+)
 def test_the_turbocharger_whirls_in_its_inner_films_and_later_in_an_outer_one(speed, film):
     """Far above its own weight at a fraction of the mean speed of the film's surfaces: below half,
     as shaft and films hold it back, of an outer one at half."""

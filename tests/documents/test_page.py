@@ -13,7 +13,7 @@ from rotor_fmu.report.study_page import study_page
 from rotor_fmu.saved_results import read_study
 
 from ..recordings import recorded, write_study
-from .browser import ENTER, LEFT, NASTY, Page, in_every_browser, look
+from .browser import ENTER, LEFT, NASTY, Page, look
 
 ONE = {"one": {"parameters": {"bearing[1].clearance": 6e-5}}}
 LONG = 4 * "a_word_of_sixteen"[:16]
@@ -23,10 +23,10 @@ SHOWN = {
     "two": ONE | {"two": {"speed": 350.0, "rate": -30.0}},
     "steady": {"steady": {"rate": 0.0}},
     "cut": {"cut": {"stop": 0.03, "status": "failed: whirled apart"}},
-    "nasty": {NASTY: {"machine": NASTY, "messages": [NASTY]}},
+    # which turns both ways
+    "nasty": {NASTY: {"machine": NASTY, "messages": [NASTY], "speed": 150.0, "rate": -50.0}},
     "long": {"long": {"disc": LONG, "parameters": {f"{LONG}.e": 1e-5}}},
     "backward": {"backward": {"speed": -300.0, "rate": 20.0}},
-    "both ways": {"both ways": {"speed": 150.0, "rate": -50.0}},
 }
 OTHERS = (*(name for name in SHOWN if name != "one"), "study")
 
@@ -54,7 +54,7 @@ def content(name, folder):
 
 
 @pytest.mark.parametrize(
-    ("name", "sign"), [pytest.param("backward", -1, marks=pytest.mark.slow), ("both ways", 1)]
+    ("name", "sign"), [pytest.param("backward", -1, marks=pytest.mark.slow), ("nasty", 1)]
 )
 def test_speeds_of_a_shaft_that_turns_backward_are_below_zero(silent, pages, name, sign):
     page = Page(silent, pages(name))
@@ -76,7 +76,7 @@ def test_speeds_of_a_shaft_that_turns_backward_are_below_zero(silent, pages, nam
 
 
 def test_a_name_is_shown_as_it_is(silent, pages):
-    page = Page(silent, pages("nasty"))
+    page = Page(silent, pages("nasty"), is_anew=False)
     assert page.run("return document.querySelector('h1').textContent") == NASTY
     assert page.run("return document.querySelector('.about').textContent") == NASTY
     assert page.run("return time.runs[0].name") == NASTY
@@ -89,7 +89,6 @@ def page(silent, pages):
     return Page(silent, pages("one"), is_anew=False)
 
 
-@in_every_browser
 def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(page):
     page.click_at("over.bode", 40.0, 50.0)
     run = recorded()

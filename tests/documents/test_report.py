@@ -122,7 +122,9 @@ def test_the_tables_say_what_the_closed_form_has(tmp_path):
     assert float(cells["bearing 1"][2]) == pytest.approx(50.0, abs=1.0)
 
 
-@pytest.mark.parametrize(("share", "is_fast"), [(0.05, False), (1.0, True)])
+@pytest.mark.parametrize(
+    ("share", "is_fast"), [pytest.param(0.05, False, marks=pytest.mark.slow), (1.0, True)]
+)
 def test_an_amplification_is_marked_where_the_run_passed_too_fast(tmp_path, share, is_fast):
     """A mode of 50 Hz and an amplification of 15; slow is a fifth of the half width's square."""
     q, frequency = 15.0, 100 * np.pi

@@ -140,8 +140,13 @@ def test_a_call_that_fails_without_a_message_is_not_laid_to_an_earlier_one(fmu, 
     ("table", "right", "wrong"),
     [
         ("CONNECTIONS", '("rotor.tau", "partner.tau"))\nI', '("rotr.tau", "partner.tau"))\nI'),
-        ("CONNECTIONS", '"partner.w", "rotor.speed"', '"partner.w", "speed"'),
-        ("INITIAL", '"partner.w_start"', '"w_start"'),
+        *(
+            pytest.param(*each, marks=pytest.mark.slow)
+            for each in (
+                ("CONNECTIONS", '"partner.w", "rotor.speed"', '"partner.w", "speed"'),
+                ("INITIAL", '"partner.w_start"', '"w_start"'),
+            )
+        ),
         ("INITIAL", '"partner.w_start"', '"rotor.w"'),
     ],
 )
@@ -325,7 +330,10 @@ def test_an_initial_value_of_a_name_that_the_fmu_lacks_is_refused(fmu, tmp_path)
 
 @pytest.mark.parametrize(
     ("example", "script"),
-    [("drive_train", "run_up.py"), ("magnetic_bearing", "lift_and_drop.py")],
+    [
+        pytest.param("drive_train", "run_up.py", marks=pytest.mark.slow),
+        ("magnetic_bearing", "lift_and_drop.py"),
+    ],
 )
 def test_the_script_of_a_copied_example_runs_from_anywhere(tmp_path, example, script):
     """As `rotor-fmu example NAME --out DIR` copies it."""

@@ -171,7 +171,9 @@ def test_a_run_is_read_as_it_was_written(through_fmpy, tmp_path):
             np.testing.assert_array_equal(read[side][name], column)
 
 
-@pytest.mark.parametrize("file", ["OspSystemStructure.xml", "SystemStructure.ssd"])
+@pytest.mark.parametrize(
+    "file", ["OspSystemStructure.xml", pytest.param("SystemStructure.ssd", marks=pytest.mark.slow)]
+)
 def test_libcosim_gives_the_same_from_the_system_files(system, through_fmpy, file):
     shown = ("drive.w", "drive.tau_motor", "rotor.tau_load", "rotor.disc[3].x_amp")
     row = through_libcosim(system, file, 1.0, shown)
@@ -202,6 +204,7 @@ def test_the_rotor_starts_at_the_speed_of_the_drive_in_a_master_that_connects_ou
         assert row[name] == pytest.approx(output, rel=1e-9), name
 
 
+@pytest.mark.slow  # as libcosim does, and test_hosts has CoFMPy run
 def test_cofmpy_gives_the_same_from_its_system_file(system, through_fmpy):
     pytest.importorskip("cofmupy", reason="pip install --no-deps cofmupy: it pins old versions")
     row = last_row(system / "with_cofmpy.py", "1")
@@ -216,7 +219,10 @@ def test_cofmpys_gauss_seidel_differs_by_the_communication_step_only(system, thr
     assert row["drive.w"] == pytest.approx(through_fmpy["partner"]["w"][-1], rel=1e-3)
 
 
-@pytest.mark.parametrize(("continuation", "order"), [*zip(CONTINUATIONS, (1, 2), strict=True)])
+@pytest.mark.parametrize(
+    ("continuation", "order"),
+    [pytest.param(CONTINUATIONS[0], 1, marks=pytest.mark.slow), (CONTINUATIONS[1], 2)],
+)
 def test_the_energy_lost_between_the_fmus_falls_with_the_step(drive_fmu, fmu, continuation, order):
     drive = {"continuation": float(CONTINUATIONS.index(continuation))}
     runs = [
@@ -249,6 +255,7 @@ def test_a_motor_just_too_weak_hangs_at_the_horizontal_resonance(drive_fmu, fmu)
     assert rates[1] < -0.01
 
 
+@pytest.mark.slow  # as one does in tests/studies/test_examples
 def test_ample_torque_passes_both_resonances(drive_fmu, fmu):
     run = couple(drive_fmu, fmu, 12.0, 0.002, {"w_start": 130.0}, {})
     assert run["partner"]["w"][-1] == pytest.approx(250.0, rel=0.01)

@@ -249,13 +249,14 @@ build(Path(sys.argv[2]), machine_of())
 show(wrapper=wrapper)
 """,
         arguments=[str(tmp_path)],
-        is_anew=True,
     )
     assert "resources" in seen.wrapper
     assert contents_of(tmp_path / fmu.name) == contents_of(fmu)
 
 
-@pytest.mark.parametrize("order", ["foreign first", "foreign last"])
+@pytest.mark.parametrize(
+    "order", ["foreign first", pytest.param("foreign last", marks=pytest.mark.slow)]
+)
 def test_a_foreign_fmu_with_a_package_of_the_same_name_is_not_met(fmu, foreign, order):
     seen = in_a_process(
         fmu,

@@ -194,7 +194,9 @@ def seen(control, folder, toml, step, stop):
 
 
 @pytest.mark.parametrize(
-    ("sensors", "grows"), [((4, 12), False), ((7, 9), True)], ids=["beside", "beyond the node"]
+    ("sensors", "grows"),
+    [pytest.param((4, 12), False, marks=pytest.mark.slow), ((7, 9), True)],
+    ids=["beside", "beyond the node"],
 )
 def test_the_bending_mode_is_damped_or_driven_as_the_sampled_loop_says(
     control, tmp_path, sensors, grows
@@ -231,7 +233,9 @@ def through_fmpy(control, compressor):
     return couple(control, compressor, 0.3, STEP, {}, {})
 
 
-@pytest.mark.parametrize("file", ["OspSystemStructure.xml", "SystemStructure.ssd"])
+@pytest.mark.parametrize(
+    "file", [pytest.param("OspSystemStructure.xml", marks=pytest.mark.slow), "SystemStructure.ssd"]
+)
 def test_libcosim_gives_the_same_from_the_system_files(
     tmp_path, control, compressor, through_fmpy, file
 ):

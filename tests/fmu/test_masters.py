@@ -30,7 +30,9 @@ def reference(fmu):
     return simulate(fmu, 0.7, 0.05, [(0, 200.0)], solver__adaptive=FIXED, solver__h=1e-4)
 
 
-@pytest.mark.parametrize("step", [2e-4, 1e-3, 7e-3, 0.02, 0.1])
+@pytest.mark.parametrize(
+    "step", [pytest.param(2e-4, marks=pytest.mark.slow), 1e-3, 7e-3, 0.02, 0.1]
+)
 def test_at_constant_speed_the_communication_step_does_not_matter(fmu, reference, step):
     result = simulate(fmu, 0.7, step, [(0, 200.0)], solver__adaptive=FIXED, solver__h=1e-4)
     assert result["time"][-1] == pytest.approx(0.7)

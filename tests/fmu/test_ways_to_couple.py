@@ -49,7 +49,16 @@ def test_derivatives_take_most_of_an_explicit_couplings_error_away(folder, refer
     assert better.lost < 0.1 * plain.lost
 
 
-@pytest.mark.parametrize("h", [pytest.param(SHORT, marks=pytest.mark.slow), 5e-4, 3e-3, LONG, 2e-2])
+@pytest.mark.parametrize(
+    "h",
+    [
+        pytest.param(SHORT, marks=pytest.mark.slow),
+        pytest.param(5e-4, marks=pytest.mark.slow),
+        3e-3,
+        LONG,
+        2e-2,
+    ],
+)
 def test_a_line_is_stable_at_every_step_and_loses_next_to_nothing(folder, h):
     """Over a run-up with a motor that is switched on, through both resonances."""
     run = ways.couple(folder, "transmission line", h, RUN_UP, 6e-2)

@@ -122,7 +122,9 @@ def test_within_a_limit_the_residual_is_what_the_forces_lack_of_their_laws(limit
     [(INTERPRETED, 5), pytest.param(solve_interfaces, 300, marks=pytest.mark.slow)],
     ids=["interpreted", "compiled"],
 )
-@pytest.mark.parametrize("h", [0.0005, 0.001, 0.002, 0.004])
+@pytest.mark.parametrize(
+    "h", [0.0005, *(pytest.param(h, marks=pytest.mark.slow) for h in (0.001, 0.002)), 0.004]
+)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_every_coarse_step_is_solved_to_tolerance(h, scheme, solve, draws):
     rng = np.random.default_rng(int(1e5 * h))

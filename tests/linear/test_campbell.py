@@ -29,7 +29,13 @@ def test_a_frequency_meets_the_speed_at_a_critical_speed():
         assert np.abs(frequencies - critical.speed).min() < 1e-8 * critical.speed
 
 
-@pytest.mark.parametrize("speeds", [(-300.0, 0.0), (-300.0, -10.0), (-300.0, 300.0), (0.0, 300.0)])
+@pytest.mark.parametrize(
+    "speeds",
+    [
+        *(pytest.param(each, marks=pytest.mark.slow) for each in ((-300.0, 0.0), (0.0, 300.0))),
+        *((-300.0, -10.0), (-300.0, 300.0)),
+    ],
+)
 def test_critical_speeds_do_not_care_which_way_the_shaft_turns(speeds):
     """From two speeds alone, one of them at rest or beyond it."""
     found = campbell(rig(), speeds, contacts="pinned").critical
@@ -39,7 +45,9 @@ def test_critical_speeds_do_not_care_which_way_the_shaft_turns(speeds):
     np.testing.assert_allclose([c.speed for c in found], expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("most", [1e4, 1e5, 1e6])
+@pytest.mark.parametrize(
+    "most", [*(pytest.param(most, marks=pytest.mark.slow) for most in (1e4, 1e5)), 1e6]
+)
 def test_no_branch_is_lost_where_bearings_overdamp_modes(most):
     """Damping that rises up to ten thousand times and falls again, with cross coupling: a branch
     is interrupted at most where its mode does not oscillate, no two end at one mode, and of the
@@ -89,7 +97,11 @@ def dense_oscillating(machine, speed, scale):
 
 
 @pytest.mark.parametrize(
-    ("example", "top"), [("oil_film", 900.0), ("turbocharger", 11310.0), ("squeeze_film", 500.0)]
+    ("example", "top"),
+    [
+        pytest.param("oil_film", 900.0, marks=pytest.mark.slow),
+        *(("turbocharger", 11310.0), ("squeeze_film", 500.0)),
+    ],
 )
 def test_every_one_of_the_lowest_modes_lies_on_a_line_of_its_own(example, top):
     """Also those that films overdamp at the first speed."""
@@ -148,7 +160,7 @@ def test_a_mode_has_no_frequency_where_it_does_not_oscillate():
 def test_a_mode_that_does_not_oscillate_in_between_meets_no_speed_there():
     """Of the turbocharger, whose floating rings overdamp modes that oscillate at other speeds."""
     text = (ROOT / "examples" / "turbocharger" / "rotor.toml").read_text()
-    result = campbell(parse_rotor(text), np.linspace(7.1, 11310.0, 13), count=12)
+    result = campbell(parse_rotor(text), np.linspace(7.1, 11310.0, 7), count=12)
     assert len(result.critical) >= 3
     for critical in result.critical:
         seen = modes(parse_rotor(text), critical.speed, count=18).damped

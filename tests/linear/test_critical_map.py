@@ -67,7 +67,9 @@ def test_a_bearing_over_the_speed_meets_a_line_where_it_has_that_stiffness():
     assert K[0, 0] == pytest.approx(crossing.stiffness, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["rolling_bearing", "oil_film"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("rolling_bearing", marks=pytest.mark.slow), "oil_film"]
+)
 def test_the_own_stiffness_of_a_bearing_is_that_of_its_force_where_the_machine_rests(name):
     """By the loads and the displacements of two small further forces on the shaft, at the speed
     of the crossing."""
@@ -113,7 +115,13 @@ def dense_synchronous(kx, ky, bearings):
     return values[some] ** -0.5, ((forward - backward) / (forward + backward))[some]
 
 
-@pytest.mark.parametrize(("kx", "ky"), [(5e6, 2e7), (8e6, 9e6), (2e7, 5e6)])
+@pytest.mark.parametrize(
+    ("kx", "ky"),
+    [
+        (8e6, 9e6),
+        *(pytest.param(*each, marks=pytest.mark.slow) for each in ((5e6, 2e7), (2e7, 5e6))),
+    ],
+)
 def test_lines_of_the_map_on_pedestals_that_differ_are_the_dense_eigenvalues_and_do_not_jump(
     kx, ky
 ):

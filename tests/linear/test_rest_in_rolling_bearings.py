@@ -73,7 +73,7 @@ def test_a_machine_rests_where_gravity_pulls_it_in_its_clearance(angle):
     )
 
 
-@pytest.mark.parametrize("cage", [0.0, -0.5 * math.pi])
+@pytest.mark.parametrize("cage", [0.0, pytest.param(-0.5 * math.pi, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("left", [-1e-6, 0.0, 1e-6, 2e-5, 5e-4])
 @pytest.mark.parametrize("right", [-1e-6, 1e-6, 2e-5, 5e-4])
 def test_clearances_may_be_unlike(left, right, cage):

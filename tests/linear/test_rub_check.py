@@ -55,7 +55,7 @@ def _machine(k, c, crossed):
 
 
 @pytest.mark.usefixtures("coarse_report")
-@pytest.mark.parametrize("low", [300.0, 299.0])
+@pytest.mark.parametrize("low", [300.0, pytest.param(299.0, marks=pytest.mark.slow)])
 def test_a_rub_that_lasts_is_told_of_a_rated_speed_too(low):
     """An unbalance of 0.1 mm above the critical speed, in a ring of 10 um so soft that it changes
     nothing: the journal rubs all around."""

@@ -179,7 +179,7 @@ def test_modes_that_rounding_hides_are_said_and_are_no_instability():
     assert machine_warnings(rotor) == []
 
 
-@pytest.mark.parametrize("young", [2e16, 2e18, 2e20])
+@pytest.mark.parametrize("young", [2e16, pytest.param(2e18, marks=pytest.mark.slow), 2e20])
 def test_rounding_of_a_stiff_shaft_without_damping_is_no_instability(young):
     """Its bending modes are a million times faster than those of the rigid rotor, and known to that
     share of rounding."""

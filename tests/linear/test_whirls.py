@@ -117,7 +117,14 @@ IDLE = {"preload": 0.0, "pads": [math.radians(270 + 72 * i) for i in range(5)], 
 OWN_WHIRLS["pads that hardly bear"] = (on_pads(0.0, pivot_stiffness=1e9, **IDLE), 50.0, 0)
 
 
-@pytest.mark.parametrize("machine", OWN_WHIRLS)
+# what has neither, and what has one, beside the pads that have both
+SLOW = ("pads, massless", "pads, with inertia", "pads, on elastic pivots")
+
+
+@pytest.mark.parametrize(
+    "machine",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in OWN_WHIRLS],
+)
 def test_rings_and_pads_follow_each_whirl_at_its_own_frequency(machine):
     """A run's own whirls are those of `modes`, which `test_campbell` has from dense matrices."""
     text, speed, count = OWN_WHIRLS[machine]

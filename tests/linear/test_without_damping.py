@@ -71,7 +71,7 @@ def test_the_amplification_factor_is_infinite_and_no_clearance_is_kept():
     assert not clearance.is_met
 
 
-@pytest.mark.parametrize("zeta", [1e-4, 1e-6])
+@pytest.mark.parametrize("zeta", [pytest.param(1e-4, marks=pytest.mark.slow), 1e-6])
 def test_a_little_damping_leaves_a_finite_peak(zeta):
     damped = machine(ky=KX, c=2 * zeta * math.sqrt(KX * MASS))
     (x, _) = critical_peaks(damped, 200.0, [2])

@@ -150,9 +150,10 @@ RAMP = ("--direct", "--from", "100", "--to", "99", "--rate", "100")
             ["run-down", *RAMP, "--set", "disc[1].phase=90"],
             "--set disc[1].phase = 90 rad: is that what is meant; 90 deg?",
         ),
-        (
+        pytest.param(
             ["response", "--speed", "5:6", "--step", "3", "--set", "disc[1].phase=90"],
             "--set disc[1].phase = 90 rad: is that what is meant; 90 deg?",
+            marks=pytest.mark.slow,
         ),
     ],
 )

@@ -5,6 +5,7 @@ A small kernel is compiled, in a process of its own where what is in memory matt
 """
 
 import os
+import pwd
 import runpy
 import subprocess
 import sys
@@ -130,6 +131,20 @@ show()
 """
 
 
+def test_code_of_a_user_without_a_home_is_not_cached(monkeypatch, caplog):
+    def nobody(number):
+        raise KeyError(number)
+
+    for name in ("HOME", "ROTOR_FMU_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pwd, "getpwuid", nobody)
+    monkeypatch.setattr(cache, "_said", set())
+    assert dispatching().cache_folder.__wrapped__() is None
+    (said,) = caplog.messages
+    assert "compiled code is not cached for the next process: this user has no home folder" in said
+
+
+@pytest.mark.slow
 def test_a_user_without_a_home_reads_one_sentence_for_the_libraries_and_one_for_the_code(kernel):
     out, said = kernel.run(NO_PASSWD, HOME=None, ROTOR_FMU_CACHE=None)
     assert out == COMPILED

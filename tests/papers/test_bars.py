@@ -40,7 +40,7 @@ def test_newmark_with_beta_one_half_keeps_the_energy_and_rings():
 
 
 @pytest.mark.parametrize(("scheme", "impact"), DAMPED)
-@pytest.mark.parametrize("opening", [0.01, 0.02])
+@pytest.mark.parametrize("opening", [0.01, pytest.param(0.02, marks=pytest.mark.slow)])
 def test_damped_schemes_follow_the_wave(scheme, impact, opening):
     fine = run(scheme, 5e-5, impact, opening=opening)
     assert fine.rms_error() < 0.2

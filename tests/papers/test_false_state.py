@@ -62,8 +62,16 @@ def displacements(simulation, h, count):
     return np.array(seen)
 
 
-@pytest.mark.parametrize("direction", [one_axis.X, one_axis.Y])
-@pytest.mark.parametrize("name", SCHEMES)
+def by_turns(others):
+    """Each scheme with one of two others, by turns; with the second one among the slow tests."""
+    return [
+        pytest.param(name, others[(i + second) % 2], marks=[pytest.mark.slow] * second)
+        for i, name in enumerate(SCHEMES)
+        for second in (0, 1)
+    ]
+
+
+@pytest.mark.parametrize(("name", "direction"), by_turns((one_axis.X, one_axis.Y)))
 def test_a_predicted_cycle_is_a_motion_of_the_integrator(name, direction):
     scheme, rotor = SCHEMES[name], smooth()
     axis = one_axis.axis_of(rotor, 0, direction)
@@ -146,14 +154,23 @@ def test_newmark_sees_a_mass_as_a_mass_at_any_step():
     assert false_state.quarter_phase(still, newmark(), H) == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("h", SOME_STEPS[:-1])
-@pytest.mark.parametrize("name", SCHEMES)
+@pytest.mark.parametrize(
+    ("name", "h"),
+    [
+        *by_turns((1e-3, H)),
+        *(
+            pytest.param(name, h, marks=pytest.mark.slow)
+            for name in SCHEMES
+            for h in (4e-3, 2e-3, 2.5e-4)
+        ),
+    ],
+)
 def test_on_the_rig_only_cycles_without_a_free_step_bear_anything_and_last(name, h):
     for bears, *_, cycle in lasting_cycles(SCHEMES[name], h):
         assert "." not in cycle.word or bears < 20.0
 
 
-@pytest.mark.parametrize("rho", [0.0, 0.1, 0.2])
+@pytest.mark.parametrize("rho", [0.0, pytest.param(0.1, marks=pytest.mark.slow), 0.2])
 @pytest.mark.parametrize("h", SOME_STEPS)
 def test_chung_hulbert_up_to_0_2_has_no_cycle_that_bears_two_newtons(rho, h):
     assert all(bears < 2.0 for bears, *_ in lasting_cycles(chung_hulbert(rho), h))

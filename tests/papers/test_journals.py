@@ -94,7 +94,9 @@ def test_average_time_stalls_with_an_undamped_scheme():
     assert result.run.cutbacks > 400
 
 
-@pytest.mark.parametrize("scheme", [MODERATE_DISSIPATION, TRANSIENT_FIDELITY])
+@pytest.mark.parametrize(
+    "scheme", [MODERATE_DISSIPATION, pytest.param(TRANSIENT_FIDELITY, marks=pytest.mark.slow)]
+)
 def test_impulses_ruin_a_rotor_whose_shaft_is_viscous(scheme):
     for impact in ("average-time", "current-time"):
         result = run_journals(RunDown(RIG, 200.0, -10.0), scheme, 1e-3, impact, 0.06, 1000)

@@ -208,7 +208,10 @@ def test_a_speed_outside_the_table_is_warned_of_whichever_way_the_shaft_turns(se
     assert "viscosity" in warned
 
 
-@pytest.mark.parametrize("shape", [{}, _PADS | {"offset": 0.4}, _TILTING | {"offset": 0.6}])
+@pytest.mark.parametrize(
+    "shape",
+    [{}, _PADS | {"offset": 0.4}, pytest.param(_TILTING | {"offset": 0.6}, marks=pytest.mark.slow)],
+)
 def test_a_film_turned_the_other_way_heats_up_as_its_mirror_image_does(shape):
     """Mirrored across its load; it has another temperature than its own at the positive speed,
     unless it is its own mirror image."""

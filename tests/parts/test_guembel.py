@@ -61,7 +61,7 @@ def test_a_short_film_is_the_pi_film(e):
 
 
 @pytest.mark.parametrize("count", [2, pytest.param(6, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("supply", [0.0, 2e5, 3e6])
+@pytest.mark.parametrize("supply", [0.0, pytest.param(2e5, marks=pytest.mark.slow), 3e6])
 @pytest.mark.parametrize("shape", _SHAPES)
 def test_its_tangent_and_its_load_in_two_dimensions(shape, supply, count):
     part = _bearing(**_SHAPES[shape], supply_pressure=supply)

@@ -87,8 +87,10 @@ def test_an_unheld_pad_idles_where_its_film_begins_to_converge_at_its_end(part, 
 @pytest.mark.parametrize(
     "given",
     [
-        {"count": 6},
-        {"count": 4, "on_pad": True},
+        *(
+            pytest.param(each, marks=pytest.mark.slow)
+            for each in ({"count": 6}, {"count": 4, "on_pad": True})
+        ),
         {"count": 6, "offset": 0.54},
         {"count": 5, "offset": 0.6, "on_pad": True},
         {"count": 5, "preload": 0.024},

@@ -205,7 +205,12 @@ def test_the_ledger_closes_over_sticking_and_sliding():
     assert max(residuals) < 2e-4 * lost
 
 
-@pytest.mark.parametrize("name", ["linear", "hertz", "stribeck", "worn", "all"])
+ALONE = ("hertz", "stribeck", "worn")  # each of which the last one has too
+
+
+@pytest.mark.parametrize(
+    "name", ["linear", *(pytest.param(name, marks=pytest.mark.slow) for name in ALONE), "all"]
+)
 @pytest.mark.parametrize("kind", [ClearanceContact, TouchdownBearing])
 def test_the_tangent_is_the_derivative_of_the_force_and_the_springs_equation_holds(name, kind):
     more = RACE | {"race_inertia": 1.0} if kind is TouchdownBearing else {}

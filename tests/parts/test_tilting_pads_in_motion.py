@@ -70,7 +70,13 @@ def test_a_pivot_displaced_inwards_returns_nearly_at_once(inertia):
         np.testing.assert_allclose(of_seen, expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize(("inertia", "pivot"), [(0.0, 0.0), (1e-3, 0.0), (0.0, 1e8), (1e-3, 1e8)])
+@pytest.mark.parametrize(
+    ("inertia", "pivot"),
+    [
+        *((0.0, 0.0), (1e-3, 1e8)),
+        *(pytest.param(*each, marks=pytest.mark.slow) for each in ((1e-3, 0.0), (0.0, 1e8))),
+    ],
+)
 def test_a_run_begins_at_the_static_position_and_comes_back_to_it(inertia, pivot):
     rotor = _in_pads(pad_inertia=inertia, pivot_stiffness=pivot)
     run = _run(rotor, 500.0)
@@ -121,7 +127,7 @@ def test_without_gravity_pads_without_preload_are_said_to_lack_stiffness_not_to_
     assert "at least 2" not in said
 
 
-@pytest.mark.parametrize("seconds", [0.1, pytest.param(0.3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seconds", [0.05, pytest.param(0.3, marks=pytest.mark.slow)])
 def test_pads_are_stable_far_beyond_the_whip_of_pads_that_stand(seconds):
     standing = {"pads": [0.785398163, 2.35619449, 3.926990817, 5.497787144], "arc": 1.4}
     stands = "".join(
@@ -207,7 +213,7 @@ def test_ledger_closes_as_a_load_presses_a_journal_on_its_pads_at_speed(more):
     run.advance(0.002, 300.0)
     run.advance(0.01, 300.0, np.array([-1e5j]))
     assert run.read("journal_bearing[1].contact") == 1.0
-    run.advance(0.15, 300.0, np.array([0j]))
+    run.advance(0.04, 300.0, np.array([0j]))
     assert run.read("journal_bearing[1].contact") == 0.0
     assert run.read("energy.friction_loss") > 0
     lost = sum(run.read(n) for n in run.names if n.startswith("energy.") and n.endswith("_loss"))

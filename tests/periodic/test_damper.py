@@ -73,7 +73,8 @@ def test_every_orbit_is_one_of_the_closed_form(curve, speed):
         assert abs(left_of(e, speed)) < 1e-4 * abs(slope)
 
 
-@pytest.mark.parametrize("turns", [30, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.slow  # of rubs the same check is made in test_rub and test_branches
+@pytest.mark.parametrize("turns", [30, 100])
 def test_stable_orbits_stay_in_time_and_the_unstable_one_is_left(curve, turns):
     for _, point in orbits(curve, 2.0):
         seen = curve.check(point, turns=turns)

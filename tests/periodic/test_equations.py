@@ -178,8 +178,19 @@ def errors_of_derivatives(laws, motion, sizes, speed):
     return np.abs(mine - slopes) / np.maximum(np.abs(mine).max(axis=2, keepdims=True), 1e-12)
 
 
-@pytest.mark.parametrize(("inertia", "pivot"), [(0.0, 0.0), (2e-3, 0.0), (2e-3, 3e8)])
-@pytest.mark.parametrize("wall", ["", "k = 1e8\nroughness = 4e-5\n"])
+WALL = "k = 1e8\nroughness = 4e-5\n"
+
+
+@pytest.mark.parametrize(
+    ("inertia", "pivot", "wall"),
+    [
+        *((0.0, 0.0, WALL), (2e-3, 0.0, ""), (2e-3, 3e8, WALL)),
+        *(
+            pytest.param(*each, marks=pytest.mark.slow)
+            for each in ((0.0, 0.0, ""), (2e-3, 0.0, WALL), (2e-3, 3e8, ""))
+        ),
+    ],
+)
 def test_derivatives_of_pads_are_those_of_force_and_rates(inertia, pivot, wall):
     """Beside them a contact that sticks, whose derivatives are differences."""
     from rotor_fmu.model.periodic.linear_structure import CondensedMachine
@@ -212,7 +223,8 @@ def test_derivatives_of_a_floating_ring_are_those_of_force_and_rates(short):
     assert errors_of_derivatives(laws, motion, sizes, speed).max() < 1e-6
 
 
-@pytest.mark.parametrize("turns", [30, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.slow  # test_every_part compares the motion of a race with a run in time
+@pytest.mark.parametrize("turns", [30, 100])
 def test_a_race_turns_as_fast_as_friction_and_drag_let_it(turns):
     """Over a turn friction's torque is what the drag takes."""
     text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS["race"] + MORE)

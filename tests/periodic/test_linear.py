@@ -57,7 +57,7 @@ def test_a_seed_of_a_machine_without_contacts_is_searched_without_a_run_in_time(
     assert [note.code for note in found.notes] == ["no-motion"]
 
 
-@pytest.mark.parametrize("damping", [1.0, 1e-3])
+@pytest.mark.parametrize("damping", [pytest.param(1.0, marks=pytest.mark.slow), 1e-3])
 def test_no_peak_lies_between_two_points_of_a_machine_without_contacts(damping):
     """Not even one as narrow as a thousandth of the range, nor the weak one of backward whirl."""
     text = UNBALANCED
@@ -87,7 +87,7 @@ def test_a_narrow_peak_is_drawn_as_the_closed_form_between_its_points_too():
     assert np.abs(drawn / (1e6 * CLEARANCE) - whirl).max() < 0.01 * most
 
 
-@pytest.mark.parametrize("most", [1e-5, 0.1, 0.75])
+@pytest.mark.parametrize("most", [1e-5, pytest.param(0.1, marks=pytest.mark.slow), 0.75])
 def test_no_step_passes_over_a_narrow_resonance_nor_goes_through_it_twice(most):
     """One whose whirl, at most so many clearances, touches nothing; its damping is a thousandth,
     and its width a thousandth of the longest step. However few clearances it is, a picture shows

@@ -1,13 +1,11 @@
 """A machine that turns the other way has the periodic motions of its mirror image: by harmonics, by
 shooting, and the whirls that roll along a wall or grow from rest."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
-from rotor_fmu.model.periodic import starting_points
 from rotor_fmu.model.periodic.arclength import with_tangent
 from rotor_fmu.model.periodic.branch import solution
 from rotor_fmu.model.periodic.newton import solve
@@ -69,10 +67,8 @@ def assert_mirrored(motions, mirrored):
 @pytest.mark.parametrize(
     ("machine", "at", "seeds", "count"), [(sagging, 245.0, (), 1), (jeffcott, 151.0, (151.0,), 2)]
 )
-def test_a_rub_turned_the_other_way_is_the_mirrored_one(machine, at, seeds, count, monkeypatch):
-    """Of one of the circles that a seed begins with, which turns as the machine does."""
-    monkeypatch.setattr(starting_points, "_RADII", (1.5,))
-    monkeypatch.setattr(starting_points, "_PHASES", (-0.5 * math.pi,))
+@pytest.mark.usefixtures("one_circle")
+def test_a_rub_turned_the_other_way_is_the_mirrored_one(machine, at, seeds, count):
     (found, motions), (image, mirrored) = of_both(askew(machine(), **UNLIKE), at, seeds)
     assert len(motions) == count
     for motion, other in zip(motions, mirrored, strict=True):

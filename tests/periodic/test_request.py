@@ -50,7 +50,9 @@ def switched():
     return rf.response(rotor, **SLOWLY).curve("disc[3].r_amp").value.tolist()
 
 
-@pytest.mark.parametrize("value", [True, 1, "true"])
+@pytest.mark.parametrize(
+    "value", [*(pytest.param(value, marks=pytest.mark.slow) for value in (True, 1)), "true"]
+)
 def test_a_switch_of_the_machine_may_be_given(switched, value):
     given = rf.response(rf.load(), parameters={"shaft.rotating_damping": value}, **SLOWLY)
     assert given.points[0].value == 20.0

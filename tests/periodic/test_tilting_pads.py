@@ -49,7 +49,9 @@ def stood(rotor):
     return run, machines_of(rotor, Task(100.0, 300.0))(SPEED).laws
 
 
-@pytest.mark.parametrize("more", [{"inertia": 1e-5}, {"pivot": 1e8}])
+@pytest.mark.parametrize(
+    "more", [{"inertia": 1e-5}, pytest.param({"pivot": 1e8}, marks=pytest.mark.slow)]
+)
 def test_pads_that_bear_nothing_stay_where_they_are_in_a_response(more):
     """The upper two: what they are free to do is no part of the rotor's stability."""
     result = rf.response(on_pads(9.81, **more), speed=(SPEED, 1.01 * SPEED))
@@ -115,7 +117,7 @@ def test_pads_that_bear_and_do_not_move_have_the_derivatives_of_their_rates():
     assert (np.diag(seen) < -0.1 * SPEED).all()
 
 
-@pytest.mark.parametrize("pivot", [0.0, 1e8])
+@pytest.mark.parametrize("pivot", [pytest.param(0.0, marks=pytest.mark.slow), 1e8])
 def test_pads_without_preload_of_a_vertical_rotor_leave_it_to_its_other_supports(pivot):
     """None bears at rest, where each is at the edge of bearing: it whirls between them freely."""
     result = rf.response(on_pads(0.0, pivot=pivot), speed=(SPEED, 1.01 * SPEED), step=3.0)

@@ -43,6 +43,7 @@ def test_every_study_of_the_examples_can_be_read_and_sent_to_a_worker(path):
     assert len(read_study(path, is_quick=True).design) <= 12
 
 
+@pytest.mark.slow  # through the FMU it is in tests/fmu/test_fold.py
 def test_the_jump_up_is_the_fold_of_the_full_annular_rub_within_a_percent(quick):
     data = quick("hysteresis")
     assert data.fall.values / 100.0 == pytest.approx([2.02208], rel=0.01)
