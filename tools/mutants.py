@@ -101,7 +101,7 @@ MUTANTS = (
     Mutant(_OF_TERMINALS, '"tau": "tau_drive"}', '"tau": "tau"}', _TERMINALS),
     Mutant(_OF_TERMINALS, '("fx", "fy", "x", "y")', '("fx", "fy", "y")', _TERMINALS),
     Mutant(_DOCUMENTS, 'version=__version__', 'version="0"', _PAGE),
-    Mutant(_DOCUMENTS, 'number != "1"', 'number == "1"', _README),
+    Mutant(_DOCUMENTS, 'len(variables) == len(', 'len(variables) != len(', _README),
     Mutant(_DOCUMENTS, "rotor != rig() or ", "", _RESULT),
     # the ledger
     Mutant(_ENERGY, "out[FLOW.external] = external", "out[FLOW.external] = -external", _FORCE),

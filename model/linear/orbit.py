@@ -9,6 +9,7 @@ import numpy as np
 
 # of the largest orbit of a mode: nodes whose orbits are smaller rest, but for rounding
 AT_REST = 1e-9
+_ANGLES = np.exp(2j * np.pi * np.arange(360) / 360)  # of a turn, between which it is nearly a line
 
 
 def forward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -28,6 +29,20 @@ def semi_axes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     forward, backward = np.abs(forward_part(x, y)), np.abs(backward_part(x, y))
     is_infinite = np.isinf(x) | np.isinf(y)
     return np.where(is_infinite, np.inf, forward + backward), forward - backward
+
+
+def farthest(rest: complex, x: np.ndarray, y: np.ndarray) -> float:
+    """Return the largest distance from the middle of a motion of complex amplitudes, each of one
+    number, about where it rests, x + i y: as far as both together only where it rests along the
+    major axis."""
+    if np.isinf(x) or np.isinf(y):
+        return np.inf
+    f, b = forward_part(x, y), backward_part(x, y)
+    away = np.abs(rest + f * _ANGLES + b * _ANGLES.conj())
+    top = int(away.argmax())
+    before, most, after = away[[top - 1, top, (top + 1) % len(away)]]
+    bent = 2 * most - before - after
+    return float(most + (after - before) ** 2 / (8 * bent) if bent > 0 else most)
 
 
 def lengths_of_nodes(z: np.ndarray) -> np.ndarray:

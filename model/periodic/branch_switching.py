@@ -22,7 +22,7 @@ from .problem import Response, Task
 from .queries import motions_of
 
 # Distances of the first motion from the bifurcation, in lengths of the interfaces.
-_PERTURBATIONS = (0.05, 0.02, 0.1, 0.2, 0.005)
+_PERTURBATIONS = (0.05, 0.02, 0.1, 0.2, 0.005, 1e-3, 2e-4)
 _MOST_BRANCHES = 24
 
 

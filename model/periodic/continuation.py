@@ -261,12 +261,13 @@ def _gap(branch: Branch, orbit: Orbit, value: float, is_whirl: bool = False) -> 
 
 def is_one_of(motions: Sequence[Solution], orbit: Orbit) -> bool:
     """Return whether an orbit is one of some motions, each solved for, also whole revolutions
-    later."""
+    later. What counts is the size of the motion, not how far off the middle it is, as by a sag."""
     for own in motions:
         turns, (first, second) = over_common_period(own.orbit, orbit)
         for turn in range(turns):
             apart = np.linalg.norm(first - shifted(second, 2 * math.pi * turn / turns))
-            if apart <= _ONE * np.linalg.norm(first):
+            size = max(np.linalg.norm(first[1:]), _ONE * np.linalg.norm(first))
+            if apart <= _ONE * size:
                 return True
     return False
 

@@ -18,6 +18,7 @@ from ..display import current
 from ..linear.answers import static
 from ..model.linear.amplification import with_tops
 from ..model.linear.linearization import OPEN
+from ..model.linear.orbit import farthest, semi_axes
 from ..model.linear.places import PlacedAmount, as_place
 from ..model.linear.supports import touching, walls
 from ..model.linear.unbalance import SteadyWhirl, steady_whirl
@@ -36,14 +37,15 @@ _SETTLING = 60.0  # turns at the first speed, before the run begins
 _FIRST = 0.1  # of the highest speed: where a run begins
 _POINTS = 400
 _BINS = 120
-_LASTING = 0.02  # of the time in the range, from which a rub lasts
+_LASTING = 0.02  # of the turns in the range, from which a rub lasts
 _NARROW = 0.01  # of the highest speed: what a run passes of a range that is a single speed
 
 
 class Closing(NamedTuple):
-    """A clearance that the linear response closes: the contact, its clearance [m], the static
-    distance from the middle and the largest amplitude beside it [m], and the speeds between which
-    it is closed [rad/s]; NaN where the contact holds the machine and is always closed."""
+    """A clearance that the linear response closes: the contact, its clearance [m]; where the most
+    of it is taken, the static distance from the middle and the major semi-axis of the orbit about
+    there [m]; and the speeds between which it is closed [rad/s]; NaN where the contact holds the
+    machine and is always closed."""
 
     name: str
     clearance: float
@@ -55,14 +57,16 @@ class Closing(NamedTuple):
 
 class ContactRun(NamedTuple):
     """A contact in a run: its name, the speeds of its first and last touch [rad/s], the shares of
-    time that it touches in the operating range and in the whole run [1], the largest normal force
-    [N]; all NaN of a run that failed before it had settled."""
+    time that it touches in the operating range and in the whole run [1], of the turns in the range
+    the share in which it touches [1], the largest normal force [N]; all NaN of a run that failed
+    before it had settled. What bounces once a turn rubs all the time, touching hardly ever."""
 
     name: str
     first: float
     last: float
     share_in_range: float
     share: float
+    turns_in_range: float
     force: float
 
 
@@ -112,7 +116,7 @@ class RubCheck:
                 "this rate of the speed the resonance has no time to build up, or oil films bear "
                 "more than their linearized ones."
             )
-        lasting = [c for c in touched if c.share_in_range > _LASTING]
+        lasting = [c for c in touched if c.turns_in_range > _LASTING]
         largest = max(touched, key=lambda c: c.force)
         force = f"{largest.force * current().force:.4g} {current().force_unit}"
         force = f"The largest contact force is {force}, of {largest.name}."
@@ -120,7 +124,7 @@ class RubCheck:
             return f"The machine rubs, but not for long in the operating range. {force}"
         names = ", ".join(dict.fromkeys(c.name for c in lasting))
         up, down = (
-            max((c.share_in_range for c in run.contacts), default=0.0) > _LASTING
+            max((c.turns_in_range for c in run.contacts), default=0.0) > _LASTING
             for run in self.runs
         )
         how = "in both directions" if up and down else "only running up"
@@ -203,45 +207,55 @@ def _closings(
     if whirl.machine.contacts != OPEN:
         held = gaps(whirl.machine, contacts)
         return [Closing(gap.name, gap.clearance, *4 * (math.nan,)) for gap in held]
-    rest = static(rotor, afloat=high)
-    of_nodes, of_housings = rest.x + 1j * rest.y, rest.housing_x + 1j * rest.housing_y
+    lying = static(rotor, afloat=high)
+    of_nodes, of_housings = lying.x + 1j * lying.y, lying.housing_x + 1j * lying.housing_y
     at_rest = np.concatenate([np.repeat(of_nodes, 2), of_housings, [0.0]])  # last: ground
     found = []
     for gap in gaps(whirl.machine, touching(rotor)):
         is_open = gap.name in contacts  # nothing of it bears; a film's journal rises with the speed
-        sag = partial(_distance, gap, (lambda speed: at_rest) if is_open else whirl.rest)
-        size = _scaled(scale, whirl, gap.dof, gap.end, -1.0)
-        found.append(_closing(gap, sag, size, speeds))
+        rest = partial(_across, gap, 1.0, (lambda speed: at_rest) if is_open else whirl.rest)
+        motion = partial(_across, gap, scale, whirl.at)
+        found.append(_closing(gap, rest, motion, speeds, is_open))
     return [each for each in found if each]
 
 
-def _distance(gap: Gap, rest: Callable[[float], np.ndarray], speed: float) -> float:
-    """Return how far a gap's middle is left at rest, the machine being there, at a speed."""
-    at = rest(speed)
-    return float(abs(at[gap.dof] - at[gap.end]))
+def _across(gap: Gap, scale: float, of: Callable[[float], np.ndarray], speed: float) -> Any:
+    """Return how the ends of a gap are displaced against each other, times a factor, at a speed."""
+    at = of(speed)
+    return scale * (at[gap.dof] - at[gap.end])
 
 
 def _closing(
-    gap: Gap, sag: Callable[[float], float], size: Callable[[float], float], speeds: np.ndarray
+    gap: Gap,
+    rest: Callable[[float], Any],
+    motion: Callable[[float], Any],
+    speeds: np.ndarray,
+    is_open: bool,
 ) -> Closing | None:
-    """Return where a motion closes a gap, if it does; sag, size: at rest, and of the motion, at a
-    speed. A journal that rests on its wall behind a film is not moved there."""
+    """Return where a motion closes a gap, if it does; rest, motion: of its ends against each other,
+    x + i y and complex amplitudes of x and y, at a speed [m]; is_open: whether nothing in the gap
+    bears. A journal that rests on its wall behind a film is not moved there; a shaft that lies in
+    an open contact touches whether it is or not."""
+
+    def sag(speed: float) -> float:
+        return float(abs(rest(speed)))
 
     def taken(speed: float) -> float:
-        return sag(speed) + size(speed)
+        return farthest(rest(speed), *motion(speed))
 
     def free(speed: float) -> float:
         return gap.clearance - taken(speed)
 
     peaked = with_tops([taken], speeds)
-    peaked = peaked[[sag(speed) < gap.clearance for speed in peaked]]
+    peaked = peaked[[is_open or sag(speed) < gap.clearance for speed in peaked]]
     left = np.array([free(speed) for speed in peaked])
     closed = np.flatnonzero(left <= 0.0)
     if not len(closed):
         return None
     begin, end = (_meeting(free, peaked, int(closed[i]), side) for i, side in ((0, -1), (-1, 1)))
     most = float(peaked[left.argmin()])
-    return Closing(gap.name, gap.clearance, sag(most), size(most), begin, end)
+    size = float(semi_axes(*motion(most))[0])
+    return Closing(gap.name, gap.clearance, sag(most), size, begin, end)
 
 
 def _meeting(free: Callable[[float], float], speeds: np.ndarray, i: int, side: int) -> float:
@@ -310,7 +324,7 @@ def _contact_run(
     result: Result, name: str, passed: tuple[float, float], after: np.ndarray
 ) -> ContactRun:
     if np.count_nonzero(after) < 2:
-        return ContactRun(name, *5 * [math.nan])
+        return ContactRun(name, *6 * [math.nan])
     w = np.abs(result.speed)[after]
     touches = result[f"{name}.contact"][after] > 0.5
     weight = np.gradient(result.t[after])
@@ -319,5 +333,7 @@ def _contact_run(
     first, last = (float(w[i]) for i in where[[0, -1]]) if len(where) else (math.nan, math.nan)
     share_in_range = weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)
     share = weight[touches].sum() / weight.sum()
+    turn = np.floor(np.cumsum(w * weight) / (2 * math.pi))
+    turns = len(np.unique(turn[touches & inside])) / max(len(np.unique(turn[inside])), 1)
     force = result[f"{name}.fn"][after].max(initial=0.0)
-    return ContactRun(name, first, last, float(share_in_range), float(share), float(force))
+    return ContactRun(name, first, last, float(share_in_range), float(share), turns, float(force))

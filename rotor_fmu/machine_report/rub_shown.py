@@ -41,7 +41,12 @@ def runs_table(rub: RubCheck) -> Table:
     d = current()
     heads = (
         *("run", "contact", f"first touch [{d.speed_unit}]", "last touch", "touches [%]"),
-        *("in the range [%]", f"largest force [{d.force_unit}]", "status"),
+        *(
+            "in the range [%]",
+            "turns of the range [%]",
+            f"largest force [{d.force_unit}]",
+            "status",
+        ),
     )
     rows = [
         (
@@ -51,6 +56,7 @@ def runs_table(rub: RubCheck) -> Table:
             c.last * d.speed,
             100 * c.share,
             100 * c.share_in_range,
+            100 * c.turns_in_range,
             c.force * d.force,
             run.status,
         )

@@ -270,7 +270,7 @@ def _check_jump(metric: Metric, how: Excitation) -> None:
 
 
 @_kind(
-    "speed of the largest jump {way} of the mean of {of}",
+    "speed of the largest jump of the mean of {of} on the way {way}",
     "way",
     optional={"least": 0.2},
     unit="rad/s",

@@ -192,6 +192,24 @@ def test_what_drives_it_is_said(free_fmu):
     )
 
 
+def test_a_row_of_several_parts_has_the_start_value_of_each_and_none_is_lost():
+    """Two discs that differ, and of two bearings the first one has tables, which are no
+    parameters."""
+    bearing = "[[linear_bearing]]\nnode = {}\nkxx = {}\nkyy = {}\ncxx = {}\ncyy = {}\n"
+    tables = bearing.format(1, *["[1e7, 2e7]", "[1e7, 2e7]", "[0.0, 0.0]", "[0.0, 0.0]"])
+    disc = "[[disc]]\nnode = {}\ndiameter = 0.1\nwidth = 0.01\ne = {}\n"
+    shaft = "[shaft]\nnodes = [0.0, 0.2, 0.4]\ndiameters = [0.02, 0.02]\n"
+    text = (
+        f"[material]\nyoung = 2.1e11\ndensity = 7800.0\n{shaft}{disc.format(1, 1e-5)}"
+        f"{disc.format(2, 2e-5)}{tables}speed = [0.0, 500.0]\n{bearing.format(3, 3e6, 3e6, 0, 0)}"
+    )
+    starts = {row[0]: row[3] for row in rows(interface(parse_rotor(text)))}
+    assert starts["disc[i].e"] == "1e-05, 2e-05"
+    assert starts["disc[i].phase"] == "0"
+    assert starts["linear_bearing[2].kxx"] == "3e+06"
+    assert "linear_bearing[i].x" in starts
+
+
 def test_parts_with_names_are_counted_by_what_they_are():
     toml = rig_toml().replace("[[disc]]", '[[disc]]\nname = "impeller"', 1)
     assert summary(parse_rotor(toml), False) == (

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from rotor_fmu.model.linear import static, unbalance_response
 from rotor_fmu.model.machine.operating_speeds import Operation
@@ -64,6 +65,18 @@ def test_a_rub_that_lasts_is_told_of_a_rated_speed_too(low):
     assert "The rub lasts in the operating range (contact[1]), in both directions." in (
         check.conclusion
     )
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_a_rub_that_bounces_once_a_turn_lasts():
+    """The shaft's orbit of 0.1 mm about its sag of 0.19 mm reaches a hard ring in every turn."""
+    bearings = "".join(_BEARING.format(node=node, c=300.0, crossed=0.0) for node in (1, 3))
+    hard = f"{_JEFFCOTT}k = 1e10\n{bearings}".replace("gravity = 0.0", "")
+    check = rub_check(parse_rotor(hard.replace("1e-5", "2.6e-4")), 240.0, 300.0)
+    for run in check.runs:
+        assert run.contacts[0].share_in_range < 0.02
+        assert run.contacts[0].turns_in_range > 0.95
+    assert "The rub lasts in the operating range (contact[1]), in both" in check.conclusion
 
 
 @pytest.mark.usefixtures("coarse_report")
@@ -145,14 +158,44 @@ def test_films_that_the_response_closes_are_run_too(viscosity, touches):
     assert ("oil films bear more" in check.conclusion) != touches
 
 
+def _farthest(response, rest, node):
+    """The largest distance of a node from the middle in a turn, at the first of the speeds."""
+    turn = np.exp(2j * np.pi * np.arange(100_000) / 100_000)
+    x = rest.x[node] + (response.x[0, node] * turn).real
+    y = rest.y[node] + (response.y[0, node] * turn).real
+    return np.hypot(x, y).max()
+
+
+@pytest.mark.usefixtures("coarse_report", "without_runs")
+def test_a_rotor_that_vibrates_across_its_sag_takes_less_than_both_together():
+    """It lies deep in a ring, and its resonance in x is far below the one in y."""
+    bearings = "".join(_BEARING.format(node=n, c=300.0, crossed=0.0) for n in (1, 3))
+    text = f"{_JEFFCOTT}k = 1e4\n{bearings.replace('kxx = 1e6', 'kxx = 1e5')}"
+    rotor = parse_rotor(text.replace("gravity = 0.0", "").replace("1e-5", "3e-4"))
+    (closing,) = rub_check(rotor, 110.0, 120.0).closings
+    response = unbalance_response(rotor, [closing.begin])
+    assert _farthest(response, static(rotor), 1) == pytest.approx(closing.clearance, rel=1e-6)
+    assert closing.sag + response.major[0, 1] > 1.3 * closing.clearance
+
+
+@pytest.mark.usefixtures("coarse_report", "without_runs")
+def test_a_contact_in_which_the_shaft_lies_is_closed_at_all_speeds():
+    """It sags by 0.16 mm into a ring of 10 um."""
+    rotor = _machine(1e4, 300.0, 0.0)
+    check = rub_check(replace(rotor, gravity=9.81), 299.0, 300.0)
+    (closing,) = check.closings
+    assert (closing.begin, closing.end) == pytest.approx((37.5, 375.0))
+    assert closing.sag > closing.clearance
+    assert not check.conclusion.startswith("The linear response closes no contact")
+
+
 @pytest.mark.usefixtures("coarse_report", "without_runs")
 def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at_that_speed():
     rotor = module.with_unbalances(_on_films("oil_film", 0.005), None, 30.0)
     for closing in rub_check(rotor, 400.0, 450.0).closings:
         response, rest = unbalance_response(rotor, [closing.begin]), static(rotor, closing.begin)
         node = next(part.node for name, part in rotor.named_parts() if name == closing.name) - 1
-        sag = math.hypot(rest.x[node], rest.y[node])
-        assert sag + response.major[0, node] == pytest.approx(closing.clearance, rel=1e-6)
+        assert _farthest(response, rest, node) == pytest.approx(closing.clearance, rel=1e-6)
         assert 0.1 * closing.clearance < closing.sag < closing.clearance
         assert closing.begin < closing.end == pytest.approx(1.25 * 450.0)
 

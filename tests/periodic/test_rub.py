@@ -16,6 +16,7 @@ from rotor_fmu.model.periodic.self_excited import rolling_whirls
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
 
+from ..known import EXAMPLES
 from .machines import BETA, CLEARANCE, OMEGA, RADIUS, ZETA, E, growth, jeffcott, rolling, rub
 
 WHOLE = 2 * ("end of the range",)  # how both ends of a curve of folds are said
@@ -293,3 +294,15 @@ def test_over_its_clearance_a_rub_goes_on_beyond_the_corner_where_its_contact_be
     whirl = E * 1.6**2 / abs(1 - 1.6**2 + 2j * ZETA * 1.6)
     assert corner.value == pytest.approx(whirl * CLEARANCE, rel=1e-4)
     assert len(found.at(1e-3)) == 3
+
+
+def test_a_doubled_period_that_differs_by_less_than_a_thousandth_of_the_sag_is_found():
+    """In a resonance of the rub a turn's mark of the sagging disc alternates by 0.86 um, its sag is
+    0.98 mm and the clearance 1 mm. The numbers are of a run of 600 turns, tolerance 1e-7."""
+    machine = rf.load(EXAMPLES / "response" / "sag.toml")
+    found = rf.response(machine, speed=(29.4, 29.75), branches=True)
+    doubled = next(p for p in found.at(29.6) if p.orbit.turns == 2)
+    marks = found.series(doubled, "disc", 256)[1][::128]
+    assert sorted(marks) == pytest.approx([-986.22e-6, -985.37e-6], abs=0.01e-6)
+    assert doubled.is_stable
+    assert found.check(doubled).stays

@@ -219,11 +219,10 @@ def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up(
         for speed, is_up in zip(speeds, upper, strict=True)
     ]
     steps = Excitation(STEPS, {**HELD.numbers, "from": 1.0, "to": 3.0, "count": 3.0, "back": 1.0})
-    up, down = (
-        cell(Metric("q", KINDS["jump"], "d.x", (("way", way),)), seen, steps)
-        for way in ("up", "down")
-    )
-    assert (up, down) == (sense * 2.5, sense * 1.5)
+    jumps = [Metric("q", KINDS["jump"], "d.x", (("way", way),)) for way in ("up", "down")]
+    assert [cell(jump, seen, steps) for jump in jumps] == [sense * 2.5, sense * 1.5]
+    for jump, way in zip(jumps, ("up", "down"), strict=True):  # on the way up it falls
+        assert jump.column("m", None).text.endswith(f"of the mean of d.x on the way {way}")
 
 
 @pytest.mark.parametrize("per_turn", [8, 256])

@@ -129,21 +129,33 @@ def terminals(table: Sequence[Variable]) -> bytes:
 
 
 def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
-    """Return the head and rows; variables of parts that there are several of once, as `disc[i]`."""
-    listed: list[tuple[str, ...]] = [_HEAD]
+    """Return the head and rows; variables of parts that there are several of once, as `disc[i]`,
+    with the start value of each if they differ, unless some of these parts have none."""
+    alike: dict[tuple[str, str], list[Variable]] = {}
+    numbers: dict[str, set[str]] = {}
     for variable in table:
-        name, text = variable.name, variable.text
-        numbered = re.match(r"(\w+)\[(\d+)\]", name)
-        if numbered:
-            kind, number = numbered.groups()
-            if number != "1":
-                continue
-            name = name.replace(f"{kind}[1]", f"{kind}[i]")
-            text = text.replace(f"{kind} 1", f"{kind} i")
-        text = re.sub(r" at z = \S+ m", "", text)
-        causality = f"{'tunable ' if variable.is_tunable else ''}{variable.causality}"
-        listed.append((name, causality, _unit(variable), _start(variable), text))
+        kind, number, rest = _numbered(variable.name)
+        alike.setdefault((kind, rest), []).append(variable)
+        numbers.setdefault(kind, set()).add(number)
+    listed: list[tuple[str, ...]] = [_HEAD]
+    for (kind, rest), variables in alike.items():
+        is_of_all = bool(kind) and len(variables) == len(numbers[kind])
+        for variable in variables[: 1 if is_of_all else None]:
+            name, text = variable.name, re.sub(r" at z = \S+ m", "", variable.text)
+            if is_of_all:
+                number = _numbered(name)[1]
+                name, text = f"{kind}[i]{rest}", text.replace(f"{kind} {number}", f"{kind} i")
+            starts = [_start(v) for v in (variables if is_of_all else [variable])]
+            start = starts[0] if len(set(starts)) == 1 else ", ".join(starts)
+            causality = f"{'tunable ' if variable.is_tunable else ''}{variable.causality}"
+            listed.append((name, causality, _unit(variable), start, text))
     return listed
+
+
+def _numbered(name: str) -> tuple[str, str, str]:
+    """Return a variable's kind of part, its number and what follows; of other names all is that."""
+    found = re.match(r"(\w+)\[(\d+)\]", name)
+    return (found[1], found[2], name[found.end() :]) if found else ("", "", name)
 
 
 def markdown(table: Sequence[Variable]) -> str:
