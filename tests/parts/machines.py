@@ -112,6 +112,17 @@ DROPPED = (
 )
 
 
+def bouncing(clearance=1e-3):
+    """A rotor at 101 rad/s that bounces off a hard wall once a turn, for less than a 64th of it,
+    without friction; from 1.1 mm on it does not reach it."""
+    return (
+        rigid(gravity=4.0, parts=bearings(1e4, 20.0))
+        + "[[unbalance]]\nnode = 2\namount = 1.2e-4\n"
+        + f"[[contact]]\nnode = 2\njournal_radius = 0.05\nclearance = {clearance}\n"
+        + "mu = 0.0\nk = 1e9\nc = 50.0\n"
+    )
+
+
 def end_of(text, duration=0.01, h=1e-4, speed=150.0, loads=None, probe=0):
     """Where a place that is looked at is at the end of a run of a machine file, and the run."""
     sim = Simulation(parse_rotor(text), choose("robust", h=h), speed=speed, rate=500.0, loads=loads)

@@ -19,26 +19,11 @@ from rotor_fmu.run_pictures.signal_plots import contact_force
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.summary import last_contact, sentences
 
-from ..parts.machines import bearings, rigid
+from ..parts.machines import bouncing
 
 SPEED = 101.0
 TURN = 2 * math.pi / SPEED
-# Bounces off its wall once a turn, for less than a 64th of it, and loses no energy by friction.
-HARD = (
-    rigid(gravity=4.0, parts=bearings(1e4, 20.0))
-    + """
-[[unbalance]]
-node = 2
-amount = 1.2e-4
-[[contact]]
-node = 2
-journal_radius = 0.05
-clearance = 1e-3
-mu = 0.0
-k = 1e9
-c = 50.0
-"""
-)
+HARD = bouncing()
 ROUNDING = 1e-9
 
 
