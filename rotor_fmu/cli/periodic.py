@@ -4,16 +4,14 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..display import Shown, choose, current
-from ..errors import InputError, known_name, writable_folder
+from ..errors import InputError, writable_folder
 from ..machine_file.loading import load_rotor, warn_of_changes
-from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options, write_json
 from ..screen import progress_of
@@ -274,10 +272,11 @@ def _checked(result: "ResponseResult") -> list[dict[str, Any]]:
 
 def _range(text: str, option: str, machine: Rotor) -> tuple[str, float, float]:
     """Return a parameter's name and both ends, in SI units, of `NAME=FROM:TO`."""
+    from ..runs.settings_text import known_parameter
+
     name, equals, ends = (part.strip() for part in text.partition("="))
     if not equals or ends.count(":") != 1:
         raise InputError(f"{option} {text}: must be NAME=FROM:TO")
-    known, why_not = machine.parameters(), partial(why_no_parameter, machine)
-    unit = known[known_name(option, name, known, why_not=why_not)].quantity.unit
+    unit = machine.parameters()[known_parameter(option, name, machine)].quantity.unit
     low, high = number_range(ends, None, f"{option} {name} =", unit)
     return name, float(low), float(high)

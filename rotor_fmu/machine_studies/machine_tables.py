@@ -20,7 +20,7 @@ from ..model.machine.rotor import Rotor
 from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
-from ..runs.settings_text import value_of
+from ..runs.settings_text import known_parameter, value_of
 from ..studies.design import MOST, Axis
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
@@ -59,9 +59,10 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     check_one_of("run kind" if name is None else f"run kind = {name!r}", name, kinds)
     kind, make = kinds[name]
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
-    values, why_not = {}, partial(why_no_parameter, runs.machine.rotor)
+    values = {}
     for target, value in table_of(tables, "set").items():
-        variable = runs.settable[known_name("set", target, runs.settable, OTHER_NAMES, why_not)]
+        rotor, known = runs.machine.rotor, runs.settable
+        variable = known[known_parameter("set", target, rotor, known, OTHER_NAMES)]
         values[target] = value_of(f"set {target}", variable, value)
     runs = replace(runs, values=values)
     warn_of_changes("set", runs.machine.rotor, *_machines(runs, {}))
@@ -125,8 +126,7 @@ def _excitation(
             raise InputError(
                 f"run {kind.name}: over = {over!r}: the name of a quantity, of a response"
             )
-        why_not = partial(why_no_parameter, machine.rotor)
-        known_name("run response: over", over, machine.units, why_not=why_not)
+        known_parameter("run response: over", over, machine.rotor)
     abscissa_unit = machine.units[over] if over else "rad/s"
     speeds = operating_speeds(machine.rotor)
     numbers = {

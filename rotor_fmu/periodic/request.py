@@ -3,7 +3,6 @@ and studies."""
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -13,7 +12,6 @@ from ..display import current
 from ..errors import (
     InputError,
     check_integer,
-    known_name,
     mapped,
     meant,
     number,
@@ -23,7 +21,6 @@ from ..errors import (
 )
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
-from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
 from ..model.periodic.arclength import ContinuationSteps
@@ -33,7 +30,7 @@ from ..model.periodic.continuation import ReportPoint
 from ..model.periodic.harmonic_count import Accuracy
 from ..model.periodic.problem import SPEED, Task, check
 from ..model.periodic.response import response
-from ..runs.settings_text import machine_values
+from ..runs.settings_text import known_parameter, machine_values
 from .result import ResponseResult
 
 
@@ -119,7 +116,7 @@ def response_request(
         name = over[0]
         if np.ndim(speed):
             raise InputError("speed: must be one speed where another parameter is varied")
-        known_name("over:", name, rotor.parameters(), why_not=partial(why_no_parameter, rotor))
+        known_parameter("over:", name, rotor)
         if name in given:
             raise InputError(f"{name}: is varied; it cannot be given one value too")
         held, ends = number("speed", speed), numbers("over", over[1:])

@@ -1,14 +1,13 @@
 """What `rf.response` returns: branches of periodic motions, with tables and pictures."""
 
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..display import current, in_its_units
-from ..errors import InputError, known_name
-from ..model.machine.no_parameters import why_no_parameter
+from ..errors import InputError
 from ..model.message_templates import Message
 from ..model.periodic.arclength import NotConverged
 from ..model.periodic.branch import FOLD, TORUS, Bifurcation, Solution
@@ -17,6 +16,7 @@ from ..model.periodic.problem import Note
 from ..model.periodic.queries import folds_over, motions_at, persists_in_time
 from ..model.periodic.starting_points import Persistence
 from ..plotting.notebook import png
+from ..runs.settings_text import known_parameter
 from ..tables import Table
 from .curves import ResponseCurves
 
@@ -73,8 +73,7 @@ class ResponseResult(ResponseCurves):
             raise InputError("the curve has no smooth fold")
         if not 0 <= i < len(folds):
             raise InputError(f"i = {i}: must be from 0 to {len(folds) - 1}, a fold of the curve")
-        rotor = self._response.rotor
-        known_name("", name, rotor.parameters(), why_not=partial(why_no_parameter, rotor))
+        known_parameter("", name, self._response.rotor)
         try:
             return folds_over(self._response, folds[i], name, low, high, report_value)
         except NotConverged as error:

@@ -1,10 +1,10 @@
 """Values of variables from texts `NAME=VALUE`, as commands and Python take them."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
-from ..errors import InputError, known_name
+from ..errors import NO_OTHERS, InputError, known_name
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import AS_PRESET, OTHER_NAMES, PREFIX, REDUCTION, chosen_at_build
 from ..fmi.variables import Variable
@@ -47,8 +47,7 @@ def parse_settings(
         observed = next((v for v in table if v.is_observed and v.name == name), None)
         if observed is not None:
             raise InputError(f"--set {name}: is an output, which the model computes")
-        why_not = partial(why_no_parameter, rotor)
-        variable = known[known_name("--set", name, known, OTHER_NAMES, why_not)]
+        variable = known[known_parameter("--set", name, rotor, known, OTHER_NAMES)]
         values[name] = value_of(f"--set {name}", variable, value)
         if variable.is_unset_at_start and values[name] == variable.start:
             raise InputError(
@@ -86,11 +85,24 @@ def machine_values(where: str, rotor: Rotor, given: Mapping[str, object]) -> dic
     `where`."""
     own = rotor.parameters()
     known = {v.name: v for v in interface(rotor, False) if v.name in own}
-    why_not = partial(why_no_parameter, rotor)
     return {
-        n: value_of(f"{where} {n}", known[known_name(where, n, known, why_not=why_not)], v)
+        n: value_of(f"{where} {n}", known[known_parameter(where, n, rotor, known)], v)
         for n, v in given.items()
     }
+
+
+def known_parameter(
+    where: str,
+    name: str,
+    rotor: Rotor,
+    known: Iterable[str] | None = None,
+    others: Mapping[str, str] = NO_OTHERS,
+) -> str:
+    """Return a name that is among `known`, by default the machine's own parameters; `InputError`,
+    which begins with `where` and says of what the machine's file fixes that it does; others: see
+    `known_name`."""
+    known = rotor.parameters() if known is None else known
+    return known_name(where, name, known, others, partial(why_no_parameter, rotor))
 
 
 def value_of(where: str, variable: Variable, given: object) -> float:

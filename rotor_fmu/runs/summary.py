@@ -69,11 +69,11 @@ def summary(
 def last_contact(columns: Mapping[str, np.ndarray]) -> str | None:
     """Return the last part with a contact angle of those that touch, of all where none does."""
     parts = [name.removesuffix(".psi") for name in columns if name.endswith(".psi")]
-    touching = [
-        part
-        for part in parts
-        if any(np.any(columns.get(f"{part}.{force}", 0.0) > 0.0) for force in ("fn", "fn_peak"))
-    ]
+    none = np.zeros(1)
+    forces = {
+        part: columns.get(f"{part}.fn_peak", columns.get(f"{part}.fn", none)) for part in parts
+    }
+    touching = [part for part, force in forces.items() if (force > 0.0).any()]
     return next(reversed(touching or parts), None)
 
 

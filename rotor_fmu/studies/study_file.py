@@ -30,8 +30,7 @@ TABLES = (*_GENERAL, *_OF_THE_SUBJECT)
 
 
 class Subject(Protocol):
-    """The subject of a study. It may have a method `why_not`, which returns why a name cannot be
-    varied, empty of one that it does not have."""
+    """The subject of a study."""
 
     @property
     def units(self) -> Mapping[str, str]:
@@ -41,6 +40,10 @@ class Subject(Protocol):
     @property
     def display_units(self) -> str:
         """Units in which it asks to be shown, empty for the usual ones."""
+        ...
+
+    def why_not(self, name: str) -> str:
+        """Return why what the subject has cannot be varied, empty of a name that it has not."""
         ...
 
     def value(self, name: str, where: str, given: object) -> float:
@@ -162,14 +165,14 @@ def _matching(where: str, pattern: object, subject: Subject) -> list[str]:
     """Return the names that match a pattern, in which [*] is any number."""
     if not isinstance(pattern, str):
         raise InputError(f"vary {where}: names = {pattern!r}: must be names")
-    names, why_not = subject.units, getattr(subject, "why_not", lambda _: "")
+    names = subject.units
     if "[*]" not in pattern:
-        return [known_name("vary", pattern, names, why_not=why_not)]
+        return [known_name("vary", pattern, names, why_not=subject.why_not)]
     expression = re.escape(pattern).replace(r"\[\*\]", r"\[\d+\]")
     result = [name for name in names if re.fullmatch(expression, name)]
     if not result:
         one = pattern.replace("[*]", "[1]")
-        hint = why_not(one) or meant(one, names)
+        hint = subject.why_not(one) or meant(one, names)
         raise InputError(f"vary {where}: {pattern}: no variable matches this pattern; {hint}")
     return result
 
