@@ -22,7 +22,6 @@ from rotor_fmu.runs.recording import Recording, load_recording
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.summary import summary
 
-_RECORDED = ("converged", "paper", "adaptive")  # whose orbits and contact angles are drawn
 _PHASE_STEP = 1e-5  # between perturbed runs, of all unbalances [rad]
 PLACE = "disc[3]"  # whose motion the paper draws
 SECONDS = 40.0  # of a run-down
@@ -109,19 +108,13 @@ CASES = (
 @dataclass(frozen=True)
 class Result:
     """A case that was run: the run, its `summary`, those of its perturbed repetitions, and the run
-    at its own steps where pictures need it."""
+    at its own steps."""
 
     case: PaperRun
     run: Run
     figures: Mapping[str, Any]
     repeated: tuple[Mapping[str, Any], ...]
-    recording: Recording | None
-
-    @property
-    def steps(self) -> Recording:
-        """The run at its own steps."""
-        assert self.recording is not None, self.case.name
-        return self.recording
+    steps: Recording
 
     def spread(self, key: str) -> tuple[float, float, float] | None:
         """Median, least and largest of a figure over all repetitions; None if the run failed."""
@@ -160,10 +153,8 @@ def run_cases(out: Path, announce: Callable[[str], None]) -> list[Result]:
             )
             for i in range(1, case.repetitions)
         )
-        recording = None
-        if case.name in _RECORDED:
-            recording = _recorded(store / f"{case.name}-steps.npz", job, case.title)
-        results.append(Result(case, first, summary(first, PLACE), repeated, recording))
+        steps = _recorded(store / f"{case.name}-steps.npz", job, case.title)
+        results.append(Result(case, first, summary(first, PLACE, steps), repeated, steps))
         announce(f"{case.title}: {first.status.split(':')[0]}")
     return results
 

@@ -30,7 +30,6 @@ def test_a_table_is_made_of_runs_and_made_again_of_those_that_are_there(monkeypa
     cases = (converged, *(replace(case, repetitions=min(2, case.repetitions)) for case in others))
     monkeypatch.setattr(reproduce, "CASES", cases)
     monkeypatch.setattr(reproduce, "SECONDS", 3.0)
-    monkeypatch.setattr(reproduce, "_RECORDED", ())
     said = []
     reproduce.reproduce(tmp_path, said.append)
     text = (tmp_path / "table.md").read_text(encoding="utf-8")
