@@ -18,7 +18,8 @@ DOCS = Path(__file__).parents[1]
 
 def made() -> dict[Path, str]:
     """Return the text of each generated file as the code makes it now."""
-    commands = runpy.run_path(str(Path(__file__).with_name("commands.py")))
+    beside = Path(__file__).parent
+    commands, results = (runpy.run_path(str(beside / f"{n}.py")) for n in ("commands", "results"))
     variables = DOCS / "reference" / "variables.md"
     head, bar, _ = variables.read_text(encoding="utf-8").partition("| variable |")
     if not bar:
@@ -26,6 +27,7 @@ def made() -> dict[Path, str]:
     return {
         DOCS / "reference" / "commands.md": commands["page"](),
         DOCS / "reference" / "machine.md": machine_page() + "\n",
+        DOCS / "reference" / "results.md": results["page"](),
         variables: head + markdown(interface(rig())),
         DOCS / PAGE: page_text(Findings(read_table(DOCS / "data" / "integrators.csv.gz"))),
         PICTURE: picture(),

@@ -20,9 +20,9 @@ class RingCurves:
     bearing: its name; clearance, outer_clearance: of both films [m]; load: on the journal, to the
     right and upwards, shape (n, 2) [N]; x, y: of the journal [m], ring_x, ring_y [m], ring_speed
     [rad/s], ratio: of the ring's speed to the journal's [1], eccentricity of the journal in the
-    ring, and of the ring, over their clearances [1], torque that brakes the rotor [N.m], power,
-    outer_power: dissipated in both films [W], shape (n,); K [N/m], C [N.s/m], of the journal as it
-    vibrates at the frequency of rotation and the ring follows, shape (n, 2, 2).
+    ring, outer_eccentricity of the ring, over their clearances [1], torque that brakes the rotor
+    [N.m], power, outer_power: dissipated in both films [W], shape (n,); K [N/m], C [N.s/m], of the
+    journal as it vibrates at the frequency of rotation and the ring follows, shape (n, 2, 2).
     """
 
     bearing: str

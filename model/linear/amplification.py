@@ -48,9 +48,9 @@ _SHARPEST = 1e-5 / (2 * math.pi)
 
 @dataclass(frozen=True)
 class Peak:
-    """A peak of a response over the speed: the critical speed [rad/s], the response there, infinite
-    without damping, and the speeds below and above at which it has fallen to 0.707 of that [rad/s];
-    NaN where it does not fall so far before the speeds end or another peak follows."""
+    """A peak of a response over the speed: the critical speed [rad/s], the amplitude there,
+    infinite without damping, and the speeds below and above at which it has fallen to 0.707 of that
+    [rad/s]; NaN where it does not fall so far before the speeds end or another peak follows."""
 
     speed: float
     amplitude: float

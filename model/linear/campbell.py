@@ -25,8 +25,8 @@ _LOST = complex(np.nan, np.nan)  # a frequency of 0 would be one
 @dataclass(frozen=True)
 class CriticalSpeed:
     """Where the frequency of a mode that answers with a peak, damping ratio below 1 / sqrt(2), is
-    `harmonic` times the speed [rad/s]; mode: its place in the diagram, from 0; log_dec: its
-    logarithmic decrement there [1]."""
+    `harmonic` times the speed [rad/s]; mode: its place in the diagram, from 0; whirl: `forward`,
+    `backward`, `planar` or `mixed`; log_dec: its logarithmic decrement there [1]."""
 
     mode: int
     speed: float

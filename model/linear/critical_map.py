@@ -27,7 +27,7 @@ _ALIKE = 1e-9  # relative difference of two stiffnesses that are one
 
 
 class BearingStiffness(NamedTuple):
-    """The stiffness that a bearing has itself in one direction, `x` or `y`, over speeds [rad/s];
+    """The stiffness that a bearing has itself along one axis, `x` or `y`, over the speed [rad/s];
     stiffness [N/m]."""
 
     bearing: str
@@ -37,8 +37,8 @@ class BearingStiffness(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """Where the stiffness of a bearing meets a line of the map: the mode from 0, the stiffness
-    [N/m] and the critical speed [rad/s]."""
+    """Where the stiffness of a bearing along an axis meets a line of the map: the mode from 0, the
+    stiffness [N/m] and the critical speed [rad/s]."""
 
     bearing: str
     axis: str

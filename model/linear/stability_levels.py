@@ -105,8 +105,9 @@ class StabilityLevel1:
 
 
 class StabilityCase(NamedTuple):
-    """What is on the rotor, logarithmic decrement [1] and damped frequency [rad/s] of the forward
-    mode that has the least, and of the first forward mode."""
+    """The forward modes with what `name` says on the rotor: log_dec, logarithmic decrement [1], and
+    damped frequency [rad/s] of the one that has the least; first_log_dec, first_frequency: alike,
+    of the first forward mode."""
 
     name: str
     log_dec: float

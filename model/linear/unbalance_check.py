@@ -32,7 +32,7 @@ _CLEARANCE = 0.75  # of a clearance, which the motion may take
 @dataclass(frozen=True)
 class ProbeCritical:
     """A critical speed as a probe shows it: node (from 1), axis `x` or `y`, the peak (amplitude 0-p
-    [m]), its separation from the operating range, None where no range was given."""
+    [m]); margin: its separation from the operating range, None where no range was given."""
 
     node: int
     axis: str
@@ -54,7 +54,8 @@ class ProbeLevel:
 class ClearanceLevel:
     """How much of a radial clearance [m] the motion takes at most between standstill and the trip
     speed: the part's name, amplitude 0-p of the major axis under the unbalance [m] and the speed of
-    it [rad/s]; the same once the unbalance is scaled up until the probes reach their limit [m]."""
+    it [rad/s]; scaled: the amplitude once the unbalance is scaled up until the probes reach their
+    limit [m]."""
 
     name: str
     clearance: float
@@ -72,6 +73,8 @@ class ClearanceLevel:
 class UnbalanceCheck:
     """The response of a machine to unbalance in its operating range, against API 617 and 684.
 
+    contacts: `open` or `pinned`; criticals: critical speeds of the probes, by ascending speed;
+    probes: the largest motion of each; clearances: how far each is used up;
     low, high: minimum and maximum continuous speed [rad/s]; unbalances: (node from 1 or `Place`,
     amount [kg.m], angle [rad]), None: the machine's own; limit: of vibration at the probes,
     peak-to-peak [m]; scale: factor on the unbalance with which the probes reach that limit [1].

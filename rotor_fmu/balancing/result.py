@@ -22,7 +22,7 @@ _LINEAR = 0.1  # of the initial vibration: what a linear machine's differs by fr
 class Vibration(NamedTuple):
     """Once-per-revolution vibration of a node (from 1) along an axis at a speed [rad/s], complex
     amplitudes 0-p [m] whose angles are measured from the shaft's mark, x towards y as those of
-    unbalances: initial, expected after the correction, and in the run with it."""
+    unbalances: initial, expected after the correction, and corrected, in the run with it."""
 
     node: int
     axis: str
@@ -47,8 +47,8 @@ class CorrectionPlane(NamedTuple):
 
 class ResidualUnbalance(NamedTuple):
     """The unbalance of the rotor, taken as rigid, in the plane of a bearing, complex [kg.m]: its
-    node (from 1), the mass that it bears [kg], initial and with the correction; the most that API
-    617 permits [kg.m]; the balance quality grade that is met [mm/s], infinite where none is."""
+    node (from 1), the mass that it bears [kg], initial and corrected; permitted: the most by API
+    617 [kg.m]; the balance quality grade that is met [mm/s], infinite where none is."""
 
     node: int
     mass: float

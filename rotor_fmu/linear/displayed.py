@@ -2,7 +2,8 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
+from inspect import cleandoc
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -25,7 +26,8 @@ Answer = TypeVar("Answer")
 
 class Displayed(ABC):
     """Something with a table and a picture, of a machine of this name, whose elements have these
-    ratios of shear to bending [1], in the units of its file."""
+    ratios of shear to bending [1], in the units of its file; its docstring begins with that of what
+    it shows."""
 
     machine_name: ClassVar[str] = ""
     shear: ClassVar[tuple[float, ...]] = ()
@@ -34,6 +36,8 @@ class Displayed(ABC):
     def __init_subclass__(cls) -> None:
         for name in {"table", "figure"} & vars(cls).keys():
             setattr(cls, name, in_its_units(vars(cls)[name]))
+        texts = [base.__doc__ or "" for base in cls.__bases__ if is_dataclass(base)]
+        cls.__doc__ = "\n\n".join(map(cleandoc, [*texts, cls.__doc__ or ""]))
 
     @abstractmethod
     def table(self) -> Table:

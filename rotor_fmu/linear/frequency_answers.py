@@ -101,8 +101,10 @@ class FrequencyResponse(Displayed, model.FrequencyResponse):
 
 @dataclass(frozen=True, repr=False)
 class Sensitivity(Displayed, model.Sensitivity):
-    """`model.linear.frequency_response.Sensitivity`, shown; zones: largest sensitivities of zones
-    A, B and C [1], as the user gave them, empty without."""
+    """`model.linear.frequency_response.Sensitivity`, shown.
+
+    zones: largest sensitivities of zones A, B and C [1], as the user gave them, empty without.
+    """
 
     zones: tuple[float, ...] = ()
 

@@ -38,15 +38,19 @@ def peaks(size: np.ndarray) -> list[int]:
 
 def numbers(result: Any) -> dict[str, object]:
     """Return all numbers of a linear analysis for JSON, SI units, complex as [real, imaginary]."""
-    names = (*result.__dataclass_fields__, *(name for name in _DERIVED if hasattr(result, name)))
-    return {name: _plain(getattr(result, name)) for name in names}
+    return {name: _plain(getattr(result, name)) for name in names_of(result)}
+
+
+def names_of(result: Any) -> tuple[str, ...]:
+    """Return the keys of a result, or of its class: its fields, and what follows from them."""
+    if hasattr(result, "_fields"):
+        return tuple(result._fields)
+    return (*result.__dataclass_fields__, *(name for name in _DERIVED if hasattr(result, name)))
 
 
 def _plain(value: Any) -> Any:
-    if hasattr(value, "__dataclass_fields__"):
+    if hasattr(value, "__dataclass_fields__") or hasattr(value, "_fields"):
         return numbers(value)
-    if hasattr(value, "_asdict"):
-        return {name: _plain(item) for name, item in value._asdict().items()}
     if isinstance(value, Mapping):
         return {str(name): _plain(item) for name, item in value.items()}
     if isinstance(value, np.ndarray):

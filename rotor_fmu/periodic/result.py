@@ -144,7 +144,14 @@ class ResponseResult(ResponseCurves):
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """The numbers for JSON."""
+        """The numbers for JSON.
+
+        parameter, unit: what the response is over; bifurcations: each with its branch (from 1),
+        kind, value of the parameter, frequency omega [rad/s] and crossing multiplier; branches:
+        each with its ends in words, and, point by point, the value, whether the motion is stable,
+        its number of harmonics, and r_amp, the largest distance from the mean [m], of each probe;
+        notes: what was not found, or is to be known.
+        """
         return {
             "parameter": self.parameter,
             "unit": self.unit,

@@ -25,18 +25,27 @@ _AXES = {"x": "horizontal", "y": "vertical"}
 def summary(
     run: Run, place: str | None = None, recording: Recording | None = None
 ) -> dict[str, Any]:
-    """Return the figures of a run: peaks of a place after the start-up, by default of the one that
-    moves most, psi there of the last bearing that touches, and what the solver did; recording: of
-    the run, whose rows show angles as communication points, some in a turn, may not.
+    """Return the figures of a run; recording: of the run, whose rows show angles as communication
+    points, some in a turn, may not, and which knows whether the machine begins in the air.
 
-    Peaks are None where there are none: an amplitude that is largest at an edge of the run, or a
-    run at one speed, has none (no_peak says why). x_largest_um, y_largest_um, r_largest_um: the
-    largest after the start-up, peak or not, in x, in y, in any direction; circulation_hz: lowest
-    and highest speed at which that bearing's journal goes all round: it lies a quarter of a turn,
-    or up to a radian more, ahead of where it rests; solver_s: time of the run alone [s].
+    place: whose peaks these are, by default of the part that moves most; x_peak_um, y_peak_um:
+    largest amplitude 0-p from rest after the start-up; x_peak_hz, y_peak_hz, x_peak_s, y_peak_s:
+    the speed and the time of it; no_peak: why there is none, and these are None, as of an amplitude
+    that is largest at an edge of the run, or of a run at one speed; x_largest_um, y_largest_um,
+    r_largest_um: the largest after the start-up, peak or not, in x, in y, in any direction;
+    y_static_um: where the place begins in y.
 
-    y_static_um and circulation_hz are None of a machine that begins in the air, which a recording
-    knows. energy_residual: energy error of the integrator, relative to all energy dissipated [1].
+    psi_at_x_peak_deg: between which contact angles the last bearing that touches is at the peak in
+    x; circulation_hz: lowest and highest speed at which that bearing's journal goes all round: it
+    lies a quarter of a turn, or up to a radian more, ahead of where it rests. This and y_static_um
+    are None of a machine that begins in the air.
+
+    steps, rejected: steps that the solver took, and took again more finely; newton_per_step: its
+    iterations; h_min, h_max, h_last: shortest, longest and last step [s]; solver_s: time of the run
+    alone [s]; energy_residual: energy error of the integrator, relative to all energy dissipated
+    [1]; trapped_steps, trapped_at_s: steps in the false state, and when it began; overdamped_at_s:
+    since when the integrator dissipates more than the machine; status: `ok`, `doubtful` or
+    `failed`, with the reason; messages: all that the run says of itself; codes: one for each.
     """
     c = run.columns
     last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}

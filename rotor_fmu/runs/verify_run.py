@@ -70,7 +70,14 @@ class Verification:
 
     @property
     def figures(self) -> dict[str, Any]:
-        """Return the comparison as it stands in `summary.json`."""
+        """The comparison.
+
+        conclusion: confirmed, sensitive or not confirmed; finer: the finer run's settings that
+        differ; finer_status: its status; allowed: largest difference of amplitudes that agree [1];
+        peaks: the largest amplitudes of each part; final: those over the last revolution and the
+        displacements at the end, each with its name, value and that of the finer run [m], and the
+        difference, relative to the part's motion [1].
+        """
         return {
             "conclusion": self.conclusion,
             "finer": dict(self.changed),

@@ -2,7 +2,9 @@
 
 import json
 import math
+import re
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -20,6 +22,7 @@ from rotor_fmu.screen import progress_of
 
 from ..toml_text import table
 
+ROOT = Path(__file__).parents[2]
 SHORT = ("run-down", "--direct", "--preset", "robust", "--stop", "0.02", "--out", ".")
 DIVERGING = (
     *("run-down", "--direct", "--preset", "paper", "--set", "solver.method=wbz"),
@@ -64,6 +67,10 @@ def test_the_keys_of_a_run_are_the_same_through_the_fmu_and_after_a_failure(outp
         for arguments in (SHORT, [x for x in SHORT if x != "--direct"], DIVERGING)
     ]
     assert keys[0] == keys[1] == keys[2]
+    page = (ROOT / "docs" / "reference" / "results.md").read_text(encoding="utf-8")
+    of_runs = page.partition("## `run-down`")[2].partition("\n## ")[0]
+    for key in keys[0]:
+        assert re.search(rf"\b{key}\b", of_runs), key
 
 
 def test_quiet_prints_nothing_but_errors(output):
