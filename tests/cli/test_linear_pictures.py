@@ -13,6 +13,7 @@ from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.plotting.figure_style import COLORS
 from rotor_fmu.vibration.influence_coefficients import once_per_turn
 
 from ..known import EXAMPLES
@@ -131,6 +132,22 @@ def test_pictures_write_the_sign_of_micrometres_where_tables_write_letters():
     assert ring.axes[0].get_xlabel() == "x [µm]"
     swing = frequency_answers.frequency_response(rotor, [100.0, 200.0], 1, [1], speed=2000.0)
     assert swing.figure().axes[0].get_ylabel() == "Displacement by force [µm/N]"
+
+
+def test_pictures_draw_each_of_many_nodes_in_a_colour_of_its_own():
+    """Of more nodes than there are colours of pictures."""
+    rotor = load_rotor(ROSS / "under_tension.toml")[1]
+    nodes = range(1, len(rotor.nodes) + 1)
+    assert len(nodes) > len(COLORS)
+    unbalance = answers.unbalance_response(rotor, [100.0, 200.0]).figure(nodes)
+    force = frequency_answers.frequency_response(rotor, [100.0, 200.0], 1, nodes).figure()
+    for figure in (unbalance, force):
+        legend = figure.axes[0].get_legend()
+        lines = zip(legend.texts, legend.legend_handles, strict=True)
+        shown = {t.get_text(): h.get_color() for t, h in lines if t.get_text()[:4] == "node"}
+        assert [*shown] == [f"node {node}" for node in nodes]
+        assert len(set(shown.values())) == len(nodes)
+        assert {line.get_color() for line in figure.axes[0].lines} == {*shown.values()}
 
 
 @pytest.mark.parametrize("factor", [0.5, 3.0, 3e4])
