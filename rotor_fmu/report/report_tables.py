@@ -94,6 +94,10 @@ def _ran(run: Recording, summary: Mapping[str, Any], of: str) -> str:
         shown = current().of_si(units.get(name, "1"))
         given = value if shown.factor == 1 else value * shown.factor
         rows.append([column_head(f"{name}, as set", shown.unit), given])
+    for name, ends in run.about.get("loads", {}).items():
+        shown = current().of_si(units.get(name, "1"))
+        given = [cell(shown.factor * end) for end in dict.fromkeys(ends)]
+        rows.append([column_head(f"{name}, as given", shown.unit), " to ".join(given)])
     return table(f"{of}the run", ["", ""], rows)
 
 

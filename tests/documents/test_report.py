@@ -109,11 +109,14 @@ def test_words_in_a_table_are_flush_left_and_numbers_flush_right():
 
 
 def test_the_tables_say_what_the_closed_form_has(tmp_path):
-    write_report(recorded(), {"steps": 4321}, tmp_path / "report.html")
+    loads = {"disc[1].fx": [-2.0, 3.0], "disc[1].fy": [-20.0, -20.0]}
+    write_report(recorded(loads=loads), {"steps": 4321}, tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     rows = [re.findall(r"<td.*?>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", text)]
     cells = {row[0]: row[1:] for row in rows if row}
     assert cells["steps"] == ["4321"]
+    assert cells["disc[1].fx, as given"] == ["-2 to 3"]
+    assert cells["disc[1].fy, as given"] == ["-20"]
     # forward 80, backward 20: the major semi-axis is 100 um, the largest x is that
     assert float(cells["disc 2"][0]) == pytest.approx(100.0, rel=1e-3)
     assert float(cells["disc 2"][-1]) == pytest.approx(100.0, rel=5e-3)
