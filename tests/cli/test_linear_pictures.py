@@ -198,6 +198,8 @@ def test_a_lag_is_negative_in_a_balancing_whichever_way_the_shaft_turns(sense):
     found = Balancing((), vibrations, (), service_speed=30.0, messages=(), **numbers)
     (row,) = found.table().rows
     assert row[6] == pytest.approx(np.degrees(-0.3))
+    # whose angles beside it grow from x towards y, against the rotation
+    assert ("of vibrations in the sense of rotation" in found.table().title) == (sense < 0)
     (axes,) = found.figure().axes
     shown = next(line for line in axes.lines if line.get_label() == "initial")
     assert np.arctan2(*shown.get_data()[::-1]) == pytest.approx(-0.3)
