@@ -1,5 +1,7 @@
 """Pictures of linear analyses: what is read in them covers nothing else."""
 
+import math
+
 import numpy as np
 import pytest
 from matplotlib.text import Text
@@ -148,6 +150,14 @@ def test_pictures_draw_each_of_many_nodes_in_a_colour_of_its_own():
         assert [*shown] == [f"node {node}" for node in nodes]
         assert len(set(shown.values())) == len(nodes)
         assert {line.get_color() for line in figure.axes[0].lines} == {*shown.values()}
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_n1_is_the_half_power_speed_nearer_to_standstill_whichever_way_the_shaft_turns(sense):
+    ends = sorted((sense * 90.0 * math.tau, sense * 115.0 * math.tau))
+    peak = Peak(sense * 100.0 * math.tau, 1e-5, *ends)
+    (row,) = CriticalPeaks((ProbeCritical(1, "x", peak, None),)).table().rows
+    assert row[4:] == pytest.approx((sense * 90.0, sense * 115.0, 4.0))
 
 
 @pytest.mark.parametrize("factor", [0.5, 3.0, 3e4])
