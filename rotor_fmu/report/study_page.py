@@ -97,7 +97,9 @@ def _curves(
         if not 0 < values.size <= room:
             continue
         room -= values.size
-        across, unit = _shown_in(column["coordinate_unit"])
+        # what is counted has no unit, such as held speeds that differ from run to run
+        is_counted = not column["coordinate"]
+        across, unit = _shown_in("1" if is_counted else column["coordinate_unit"])
         head: dict[str, Any] = _head(column)
         head |= {"dimension": column["dimension"], "coordinate_unit": unit}
         head["coordinate"] = [

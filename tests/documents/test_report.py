@@ -231,14 +231,16 @@ def test_a_studys_rows_are_told_once_each(tmp_path):
     assert f"{failed} runs: failed: whirled apart" in text
 
 
-def test_lists_without_a_coordinate_are_counted_from_one(tmp_path):
-    """The rows of a Poincare section, or the points of a response, whose number varies."""
+@pytest.mark.parametrize("unit", ["1", "rad/s"])
+def test_lists_without_a_coordinate_are_counted_from_one(tmp_path, unit):
+    """The rows of a Poincare section, the points of a response, whose number varies, or held speeds
+    that differ from run to run."""
     columns = write_study(tmp_path / "study")
     about, rows = read_study(tmp_path / "study")
     for column in about["columns"]:
-        column |= {"coordinate": [], "coordinate_unit": "1"}
+        column |= {"coordinate": [], "coordinate_unit": unit}
     (curve,) = block(study_page(about, rows), "data")["curves"]
-    assert curve["coordinate"] == [1.0, 2.0, 3.0]
+    assert (curve["coordinate"], curve["coordinate_unit"]) == ([1.0, 2.0, 3.0], "-")
     values = unpacked(curve["values"]).reshape(-1, 3)
     known = [1e6 * np.array(kept or [np.nan] * 3) for kept in columns["amplitude"]]
     assert values == pytest.approx(np.array(known), rel=1e-3, nan_ok=True)
