@@ -185,9 +185,12 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
     return {"blocks": int(whole.sum()), "of": len(whole), "indices": indices}
 
 
-def worst(data: "xarray.Dataset", name: str, count: int = 10) -> list[dict[str, Any]]:
-    """Return the runs with the largest absolute value of a column, those that failed first."""
-    values = np.abs(data[name].values)
+def worst(
+    data: "xarray.Dataset", name: str, count: int = 10, *, is_limited: bool = False
+) -> list[dict[str, Any]]:
+    """Return the runs with the largest absolute value of a column, of one that has a limit those
+    with the largest value; those that failed first."""
+    values = data[name].values if is_limited else np.abs(data[name].values)
     failed = np.char.startswith(data.status.values.astype(str), FAILED)
     order = np.lexsort((-values, ~failed))  # a nan is behind all others
     axes = [str(c) for c in data.coords if data[c].dims == ("run",) and c not in ("run", "id")]

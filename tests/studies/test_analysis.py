@@ -7,7 +7,7 @@ import pytest
 from SALib.analyze import morris
 from xarray import Dataset
 
-from rotor_fmu.cli.studies import _analyse, _print_table
+from rotor_fmu.cli.studies import _analyse, _print_table, _say_result
 from rotor_fmu.studies.analysis import (
     analyse,
     design_of,
@@ -284,3 +284,14 @@ def test_the_worst_runs_are_the_failed_ones_and_then_the_largest(tmp_path):
     assert failed == sorted(failed, reverse=True)
     finite = [abs(row["y"]) for row in rows if not math.isnan(row["y"])]
     assert finite == sorted(finite, reverse=True)
+
+
+@pytest.mark.parametrize("limits", ["", "[limits]\ny = 5\n"])
+def test_runs_above_a_limit_stand_before_those_far_below_it(tmp_path, capsys, limits):
+    lists = "x1 = { values = [1.5, -1.5] }\nx2 = { values = [0] }\nx3 = { values = [1, 3] }\n"
+    study = ishigami_study(tmp_path, text=f"[vary]\n{lists}{limits}")
+    progress = run_study(study, tmp_path / "out", here, quiet)
+    shown = _say_result(study, tmp_path / "out", progress)["worst"]
+    said, order = ("[1]", [3, 1, -1, -3]) if limits else ("[1] in size", [3, -3, 1, -1])
+    assert f"the largest of y {said}, what failed first:" in capsys.readouterr().out
+    assert [row["x3"] * np.sign(row["x1"]) for row in shown] == order
