@@ -50,6 +50,13 @@ def analyse(folder: Path) -> dict[str, Any]:
             del result[key]
         if "interval" in result:
             result["conservative"] = design.kind in _EVEN
+    said = _says(design, count_failed, len(rows))
+    for name, result in limits.items():
+        if "share" in result and (lacking := len(rows) - result["count"]):
+            said.append(
+                f"{lacking} of {len(rows)} runs have no value of {name}, whose share is of the "
+                "others"
+            )
     report: dict[str, Any] = {
         "name": about["name"],
         "runs": about["runs"],
@@ -58,7 +65,7 @@ def analyse(folder: Path) -> dict[str, Any]:
         "doubtful": int((status != OK).sum() - failed.sum()),
         "columns": columns,
         "limits": limits,
-        "says": _says(design, count_failed, len(rows)),
+        "says": said,
     }
     if design.kind in SENSITIVITY:
         report["sensitivity"] = {name: sensitivity(design, data, name) for name in numbers}

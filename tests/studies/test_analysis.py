@@ -1,6 +1,7 @@
 """What a study says, against what is known of the function it runs."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -151,6 +152,26 @@ def test_the_share_of_a_grids_points_is_no_estimate(tmp_path):
     assert 0 < result["above"] < result["count"] == 27
     assert "interval" not in result
     assert "the points of a grid are chosen" in report["says"][0]
+
+
+class _PartOfIshigami(Ishigami):
+    """Without a value of y where x1 is not positive, as of a speed that no run passes."""
+
+    def run(self, values):
+        result = super().run(values)
+        is_there = values["x1"] > 0
+        return result if is_there else replace(result, cells={**result.cells, "y": math.nan})
+
+
+@pytest.mark.parametrize("kind", ["random", "morris"])
+def test_a_share_tells_how_many_runs_have_no_value(tmp_path, kind):
+    report = with_limit(tmp_path, kind, 20, _PartOfIshigami(fails_above=3.0))
+    result = report["limits"]["y"]
+    said = [text for text in report["says"] if "no value" in text]
+    lacking = 20 - result["count"]
+    assert 0 < lacking < 20 or kind == "morris"
+    words = f"{lacking} of 20 runs have no value of y, whose share is of the others"
+    assert said == ([words] if kind == "random" else [])
 
 
 class _IshigamiInMetres(Ishigami):
