@@ -30,8 +30,9 @@ _SUMMARY = {
 }
 
 
-def notices(run: Recording, why: str | None) -> str:
-    """Return the notices at the page's head: how far a failed run came, why, and warnings."""
+def notices(run: Recording, why: str | None, shown: int) -> str:
+    """Return the notices at the page's head: how far a failed run came, why, and warnings; shown:
+    places in the pictures, none where there are none and `why` says so."""
     said = []
     if has_failed(run.status):
         reason = run.status.removeprefix(FAILED)
@@ -43,6 +44,11 @@ def notices(run: Recording, why: str | None) -> str:
             said.append(f"{run.name}: {message}")
     if why:
         said.append(f"{run.name} has no pictures over speed: {why}")
+    elif shown < len(run.places):
+        said.append(
+            f"{run.name}: the pictures are of the {shown} of {len(run.places)} places that move "
+            "most; the tables have all"
+        )
     return notices_html(said)
 
 

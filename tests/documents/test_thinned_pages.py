@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from rotor_fmu.report.run_data import run_data
+from rotor_fmu.report.run_data import run_data, signal_data
+from rotor_fmu.report.run_page import runs_page
 from rotor_fmu.runs.recording import Recording
 
+from ..recordings import recorded
 from .test_report import unpacked
 
 
@@ -30,3 +32,20 @@ def test_a_motion_of_two_turns_has_both_its_points_in_the_section(many_turns):
 
 def test_the_largest_force_of_a_single_turn_is_shown(many_turns):
     assert unpacked(many_turns["touches"][0]["peak"]).max() == pytest.approx(239.0, rel=1e-6)
+
+
+def test_a_page_of_many_places_says_how_many_it_shows_and_has_the_speed_and_all_forces():
+    run = recorded()
+    moved = {
+        f"disc[{n}].{axis}": n * run.columns[f"disc[1].{axis}"]
+        for n in range(1, 26)
+        for axis in "xy"
+    }
+    run = Recording(run.t, {**run.columns, **moved}, {}, run.about, "many")
+    said = "the pictures are of the 12 of 26 places that move most; the tables have all"
+    assert said in runs_page([run], [{}])
+    assert "places that move most" not in runs_page([recorded().named("few")], [{}])
+    names = [signal["name"] for signal in signal_data(run)["signals"]]
+    assert names[0] == "disc[25].x"
+    assert names[-2:] == ["bearing[1].fn", "w"]
+    assert len(names) == 40
