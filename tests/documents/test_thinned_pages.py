@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
+from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.report.criticals import criticals_of
 from rotor_fmu.report.run_data import run_data, signal_data
 from rotor_fmu.report.run_page import runs_page
 from rotor_fmu.runs.recording import Recording
 
+from ..cli.test_linear_commands import ROSS
 from ..recordings import recorded
 from .test_report import unpacked
 
@@ -49,3 +52,14 @@ def test_a_page_of_many_places_says_how_many_it_shows_and_has_the_speed_and_all_
     assert names[0] == "disc[25].x"
     assert names[-2:] == ["bearing[1].fn", "w"]
     assert len(names) == 40
+
+
+@pytest.mark.parametrize(
+    ("speed", "begins"),
+    [(-150.0, "Linear critical speeds"), (-400.0, "The lowest 6 linear critical speeds")],
+)
+def test_critical_speeds_that_are_not_all_shown_are_said_to_be_the_lowest(speed, begins):
+    """Of a rotor that is braked through rest: two in each sense, or four."""
+    text = load_rotor(ROSS / "under_tension.toml")[0]
+    found = criticals_of(recorded(speed=speed, rate=-speed / 3.0, toml=text).named("braked"))
+    assert found.sentence.startswith(begins)
