@@ -1,4 +1,4 @@
-"""What the page of a run of many turns still shows, of which it holds a part."""
+"""What the page of a run of many turns, or of a study, still shows, of which it holds a part."""
 
 import numpy as np
 import pytest
@@ -7,10 +7,12 @@ from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.report.criticals import criticals_of
 from rotor_fmu.report.run_data import run_data, signal_data
 from rotor_fmu.report.run_page import runs_page
+from rotor_fmu.report.study_page import study_page
 from rotor_fmu.runs.recording import Recording
+from rotor_fmu.saved_results import read_study
 
 from ..cli.test_linear_commands import ROSS
-from ..recordings import recorded
+from ..recordings import recorded, write_study
 from .test_report import unpacked
 
 
@@ -63,3 +65,11 @@ def test_critical_speeds_that_are_not_all_shown_are_said_to_be_the_lowest(speed,
     text = load_rotor(ROSS / "under_tension.toml")[0]
     found = criticals_of(recorded(speed=speed, rate=-speed / 3.0, toml=text).named("braked"))
     assert found.sentence.startswith(begins)
+
+
+def test_a_studys_page_without_room_for_lists_names_them(tmp_path, monkeypatch):
+    write_study(tmp_path)
+    said = "Without amplitude: there are no values, or more than the page has room for."
+    assert said not in study_page(*read_study(tmp_path))
+    monkeypatch.setattr("rotor_fmu.report.study_page._MOST_OF_CURVES", 100)
+    assert said in study_page(*read_study(tmp_path))
