@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..cells import five_digits
 from ..display import current
 from ..errors import InputError, meant, read_text, toml_tables
 from ..model.linear import frequency_response as model
@@ -37,6 +38,7 @@ from .linear_plots import plain_ticks
 from .linear_tables import is_rounding, peaks, state_in_words
 
 ZONES = "ABCD"
+_LEVEL = 1e-6  # of a sensitivity: what it changes by over all frequencies where it is the same
 
 
 class FrequencyResponse(Displayed, model.FrequencyResponse):
@@ -119,15 +121,20 @@ class Sensitivity(Displayed, model.Sensitivity):
     def table(self) -> Table:
         """Return a table with one row for each loop and axis."""
         size = np.abs(self.sensitivity)
-        largest, d = size.max(axis=0), current()
+        largest, at, d = size.max(axis=0), size.argmax(axis=0), current()
         title = f"Sensitivity of the control loops at {state_in_words(self.speed, 'open')}"
+        low, high = (five_digits(float(end) * d.speed) for end in self.frequencies[[0, -1]])
+        title += f", largest from {low} to {high} {d.frequency_unit}"
+        is_end = (at == 0) | (at == len(size) - 1)
+        if (is_end & (largest > (1.0 + _LEVEL) * size.min(axis=0))).any():
+            title += "; it is largest at an end of that range, beyond which it may be larger"
         if not self.is_stable:
             title += "; THE CLOSED LOOP IS UNSTABLE, so that these numbers mean nothing"
         columns = (
             ("loop", self.loops),
             ("largest", largest),
             ("[dB]", 20 * np.log10(largest)),
-            (f"at [{d.frequency_unit}]", self.frequencies[size.argmax(axis=0)] * d.speed),
+            (f"at [{d.frequency_unit}]", self.frequencies[at] * d.speed),
             ("zone", [self.zone(each) for each in largest]),
         )
         return Table.of(title, columns)
