@@ -138,6 +138,11 @@ class Balancing(Displayed):
         title = f"Balancing by influence coefficients: {left}"
         if self.residuals:
             title += f"; unbalances permitted at {speed_with_unit(self.service_speed)}"
+        if any(v.speed < 0 for v in self.vibrations):
+            title += (
+                "; angles from the mark, of unbalances from x towards y, of vibrations in the "
+                "sense of rotation"
+            )
         if self.rank < len(self.planes):
             title += (
                 f"; the influence coefficients of {len(self.planes)} planes have rank {self.rank}: "

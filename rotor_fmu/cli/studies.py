@@ -154,9 +154,12 @@ def _say_result(definition: Study, out: Path, progress: Progress) -> dict[str, A
     if ranked:
         named = next((c for c in ranked if c.name in definition.limits), ranked[0])
         unit = current().of_si(named.unit).word
-        typer.echo(f"the largest of {named.name} [{unit}], what failed first:")
+        is_limited = named.name in definition.limits
+        has_sign = not is_limited and bool((data[named.name].values < 0.0).any())
+        size = " in size" if has_sign else ""
+        typer.echo(f"the largest of {named.name} [{unit}]{size}, what failed first:")
         figures["worst_of"] = named.name
-        figures["worst"] = worst(data, named.name)
+        figures["worst"] = worst(data, named.name, is_limited=is_limited)
         _print_table([_in_units(definition, row) for row in figures["worst"]])
     typer.echo(f"written to {out}")
     return figures

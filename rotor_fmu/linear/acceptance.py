@@ -230,9 +230,11 @@ class CriticalPeaks(Displayed):
 
 def _peak(critical: ProbeCritical) -> tuple[object, ...]:
     peak, d = critical.peak, current()
+    # N1 is the one nearer to standstill, in whichever sense the shaft turns
+    n1, n2 = (peak.below, peak.above)[:: -1 if peak.speed < 0.0 else 1]
     return (
         *(critical.node, critical.axis, peak.speed * d.speed, peak.amplitude * d.amplitude),
-        *(peak.below * d.speed, peak.above * d.speed, peak.amplification),
+        *(n1 * d.speed, n2 * d.speed, peak.amplification),
     )
 
 

@@ -23,7 +23,6 @@ from ..model.one_thread import on_one_thread
 from ..operating_speeds import operating_speeds
 from ..plotting.figure_style import (
     BLUE,
-    COLORS,
     DASHED,
     DOTTED,
     GREY,
@@ -31,6 +30,7 @@ from ..plotting.figure_style import (
     ORANGE,
     PURPLE,
     broken_at_turns,
+    colors_of,
     entitle,
     legend_below,
     new_figure,
@@ -192,7 +192,8 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
         speed, scale = self.speeds * current().speed, current().amplitude
         shade(panels, operating)
         mark = "o" if len(speed) < 3 else ""
-        for node, color in zip(nodes or self.nodes(), COLORS, strict=False):
+        nodes = nodes or self.nodes()
+        for node, color in zip(nodes, colors_of(len(nodes)), strict=True):
             at = node - 1
             label = f"node {node}"
             above.plot(

@@ -1,6 +1,7 @@
 """What the answers of all kinds of bearings share: columns of tables, panels, and how it is said
 where a mass whirls."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -8,8 +9,10 @@ from matplotlib.axes import Axes
 
 from ..display import current
 from ..model import bearing_curves
-from ..plotting.figure_style import COLORS, entitle
+from ..plotting.figure_style import colors_of, entitle
 from .linear_tables import without_rounding
+
+_BESIDE = 4  # lines in a row of a legend
 
 Curves = bearing_curves.BearingCurves | bearing_curves.RingCurves | bearing_curves.RollingCurves
 
@@ -100,8 +103,10 @@ def draw_lines(
 ) -> None:
     """Draw lines, every other group of them dashed: those of the same values are seen."""
     over, values = parted(over, values)
-    for n, (of, label, color) in enumerate(zip(values, labels, COLORS, strict=False)):
+    colors = colors_of(len(labels))
+    for n, (of, label, color) in enumerate(zip(values, labels, colors, strict=True)):
         dashes = mark.replace("-", "--") if n // group % 2 else mark
         axes.plot(over, of, dashes, ms=4, color=color, lw=1.4, label=label)
-    axes.margins(y=0.3)  # room for the legend above or below the lines
-    axes.legend(frameon=False, fontsize=8, ncols=4, columnspacing=1.0)
+    # room for the legend above or below the lines
+    axes.margins(y=max(0.3, 0.15 * math.ceil(len(labels) / _BESIDE)))
+    axes.legend(frameon=False, fontsize=8, ncols=_BESIDE, columnspacing=1.0)

@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
+from ..cells import five_digits
 from ..display import current
 from ..errors import InputError, meant, read_text, toml_tables
 from ..model.linear import frequency_response as model
@@ -20,11 +22,12 @@ from ..model.one_thread import on_one_thread
 from ..model.parts.base import PortElement, ProbeElement
 from ..model.quantities import check_all
 from ..plotting.figure_style import (
-    COLORS,
     DASHED,
     DOTTED,
+    GREY,
     LIMIT,
     annotate,
+    colors_of,
     entitle,
     new_figure,
     new_panels,
@@ -35,6 +38,7 @@ from .linear_plots import plain_ticks
 from .linear_tables import is_rounding, peaks, state_in_words
 
 ZONES = "ABCD"
+_LEVEL = 1e-6  # of a sensitivity: what it changes by over all frequencies where it is the same
 
 
 class FrequencyResponse(Displayed, model.FrequencyResponse):
@@ -75,25 +79,29 @@ class FrequencyResponse(Displayed, model.FrequencyResponse):
         """Draw sizes and phases of x by x and y by y, and the size of y by x."""
         figure, (above, below) = new_panels(6.8, 6.0, 2, share_x=True, heights=(2, 1))
         d = current()
-        frequency = self.frequencies * d.speed
-        for k, (node, color) in enumerate(zip(self.shown_nodes, COLORS, strict=False)):
+        frequency, places = self.frequencies * d.speed, self.shown_nodes
+        handles, ways = [], dict[str, Any]()
+        for k, (node, color) in enumerate(zip(places, colors_of(len(places)), strict=True)):
+            handles.append(Line2D([], [], color=color, lw=1.3, label=f"node {node}"))
             for (i, j), dashes in (((0, 0), "-"), ((1, 1), DASHED), ((1, 0), DOTTED)):
                 values = self.receptance[:, k, i, j]
                 if i != j and is_rounding(values, self.receptance):
                     continue
-                label = f"node {node}: {'xy'[i]} by {'xy'[j]}"
-                size = np.abs(values) * d.small / d.force
+                way = f"{'xy'[i]} by {'xy'[j]}"
+                ways[way] = dashes
+                size, label = np.abs(values) * d.small / d.force, f"node {node}: {way}"
                 above.plot(frequency, size, color=color, lw=1.3, ls=dashes, label=label)
                 if i == j:
                     phase = np.angle(values)
                     known = np.isfinite(phase)
                     phase[known] = np.degrees(np.unwrap(phase[known]))
                     below.plot(frequency, phase, color=color, lw=1.2, ls=dashes)
+        handles += [Line2D([], [], color=GREY, lw=1.3, ls=s, label=w) for w, s in ways.items()]
         above.set_yscale("log")
         plain_ticks(above.yaxis)
         above.set_ylabel(f"Displacement by force [{d.small_unit}/{d.force_unit}]")
         below.set(ylabel="Phase [deg]", xlabel=d.frequency_label)
-        above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
+        above.legend(handles=handles, framealpha=0.9, edgecolor="none", fontsize=8)
         state = state_in_words(self.speed, self.contacts)
         entitle(figure, self.titled(f"Response to {self.shown_force}, {state}"))
         return figure
@@ -115,15 +123,20 @@ class Sensitivity(Displayed, model.Sensitivity):
     def table(self) -> Table:
         """Return a table with one row for each loop and axis."""
         size = np.abs(self.sensitivity)
-        largest, d = size.max(axis=0), current()
+        largest, at, d = size.max(axis=0), size.argmax(axis=0), current()
         title = f"Sensitivity of the control loops at {state_in_words(self.speed, 'open')}"
+        low, high = (five_digits(float(end) * d.speed) for end in self.frequencies[[0, -1]])
+        title += f", largest from {low} to {high} {d.frequency_unit}"
+        is_end = (at == 0) | (at == len(size) - 1)
+        if (is_end & (largest > (1.0 + _LEVEL) * size.min(axis=0))).any():
+            title += "; it is largest at an end of that range, beyond which it may be larger"
         if not self.is_stable:
             title += "; THE CLOSED LOOP IS UNSTABLE, so that these numbers mean nothing"
         columns = (
             ("loop", self.loops),
             ("largest", largest),
             ("[dB]", 20 * np.log10(largest)),
-            (f"at [{d.frequency_unit}]", self.frequencies[size.argmax(axis=0)] * d.speed),
+            (f"at [{d.frequency_unit}]", self.frequencies[at] * d.speed),
             ("zone", [self.zone(each) for each in largest]),
         )
         return Table.of(title, columns)
@@ -132,7 +145,8 @@ class Sensitivity(Displayed, model.Sensitivity):
         """Draw the size of each sensitivity over the frequency, with the bounds of the zones."""
         figure, axes = new_figure(6.8, 4.4)
         frequency, size = self.frequencies * current().speed, np.abs(self.sensitivity)
-        for k, (name, color) in enumerate(zip(self.loops, COLORS * 4, strict=False)):
+        colors = colors_of(len(self.loops))
+        for k, (name, color) in enumerate(zip(self.loops, colors, strict=True)):
             dashes = "-" if name.endswith("x") else DASHED
             axes.plot(frequency, size[:, k], color=color, ls=dashes, lw=1.4, label=name)
         for bound, names in zip(self.zones, ("A | B", "B | C", "C | D"), strict=False):

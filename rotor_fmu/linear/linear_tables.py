@@ -32,8 +32,15 @@ def state_in_words(speed: float, contacts: str) -> str:
 def peaks(size: np.ndarray) -> list[int]:
     """Return the places of a curve's maxima, of its largest value where there is none inside."""
     with np.errstate(divide="ignore"):
-        inner, _ = prominent_peaks(np.log(size), _PROMINENT)
-    return inner.tolist() if len(inner) else [int(np.argmax(size))]
+        height = np.log(size)
+    inner = prominent_peaks(height, _PROMINENT)[0].tolist()
+    # of two of one height each is as prominent as both together, though nothing lies between them
+    apart = [
+        i
+        for k, i in enumerate(inner)
+        if k == 0 or height[i] - height[inner[k - 1] : i].min() >= _PROMINENT
+    ]
+    return apart or [int(np.argmax(size))]
 
 
 def numbers(result: Any) -> dict[str, object]:

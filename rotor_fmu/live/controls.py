@@ -193,10 +193,11 @@ def machine_of_run(run: Recording) -> Machine:
 
 
 def settings_of_run(run: Recording, machine: Machine) -> dict[str, float]:
-    """Return the values of controls, SI units, under which a page repeats a run: its parameters and
-    the course of its speed.
+    """Return the values of controls, SI units, under which a page repeats a run: its parameters,
+    its loads and the course of its speed.
 
-    Raises `InputError` for a speed that is neither constant nor changes at one rate.
+    Raises `InputError` for a load that changes, and for a speed that is neither constant nor
+    changes at one rate.
     """
     starts = start_values(v for v in machine.table if v.causality == "parameter")
     parameters = {
@@ -204,6 +205,14 @@ def settings_of_run(run: Recording, machine: Machine) -> dict[str, float]:
         for name, value in run.about.get("parameters", {}).items()
         if name in starts and name not in NO_CONTROLS and value != starts[name]
     }
+    units = run.parameter_units()
+    for name, (low, high) in run.about.get("loads", {}).items():
+        if low != high:
+            raise InputError(
+                f"{run.name}: {name} changes from {low:g} to {high:g} {units[name]}; a page holds "
+                "its loads"
+            )
+        parameters[name] = low
     return parameters | _course(run)
 
 

@@ -214,6 +214,7 @@ class MachineRuns:
             "toml": self.toml,
             "parameters": {**self.values, **values},
             "parameter_units": {n: unit for n, unit in self.variable_units.items() if n in values},
+            "loads": how.ranges_of_loads,
             "run": {"kind": how.kind.name, **how.numbers},
             "status": status_of(messages, failure),
             **messages_and_codes(messages),

@@ -186,6 +186,16 @@ class Excitation:
         return np.zeros(len(self.loads), dtype=complex)
 
     @property
+    def ranges_of_loads(self) -> dict[str, list[float]]:
+        """The least and the largest value of each load that is not 0 all the time."""
+        if self.signals is not None:
+            return self.signals.loads(self.numbers["stop"])
+        if self.kick is None:
+            return {}
+        most = abs(self.kick.force)
+        return {f"{self.kick.port}.{way}": [-most, most] for way in ("fx", "fy")}
+
+    @property
     def slope(self) -> float:
         """The rate of a ramp with its sign [rad/s2]."""
         return math.copysign(self.numbers["rate"], self.numbers["to"] - self.numbers["from"])

@@ -12,11 +12,10 @@ from ..linear.linear_plots import grouped, titled
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS, UNFINISHED
 from ..model.periodic.continuation import LOST
 from ..model.periodic.folds import FoldCurve
-from ..plotting.figure_style import BLUE, COLORS, DASHED, GREY, SKY, entitle, new_figure
+from ..plotting.figure_style import BLUE, DASHED, GREY, colors_of, entitle, new_figure
 from .curves import ResponseCurves
 from .vertices import pieces
 
-_COLORS = (*COLORS[:4], SKY)
 _LINE = 2e-3  # of a picture's height: less than the width of a line
 _WIDEST = 70  # characters in a line of the legend
 _ENDS = {why: f"the curve is {why.rstrip(': ')}" for why in (LOST, UNFINISHED)}
@@ -33,7 +32,7 @@ def response_figure(result: ResponseCurves, names: Sequence[str] | None = None) 
     figure, axes = new_figure(6.8, 4.6)
     axis, small = result.axis, current().small
     handles = []
-    for (name, *others), color in zip(alike, _COLORS, strict=False):
+    for (name, *others), color in zip(alike, colors_of(len(alike)), strict=True):
         for branch in result.branches:
             for motions, is_stable in pieces(branch):
                 at = [m.value * axis.factor for m in motions]

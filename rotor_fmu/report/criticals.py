@@ -18,11 +18,12 @@ _LEAST = 0.02  # of the highest speed: below lie rigid-body motions
 
 
 class Criticals(NamedTuple):
-    """Critical speeds [Hz], ascending, negative where the shaft turned backward; contacts: how the
-    clearances were taken, empty without."""
+    """The lowest critical speeds [Hz], ascending, negative where the shaft turned backward;
+    contacts: how the clearances were taken, empty without; found: how many there are."""
 
     hz: tuple[float, ...]
     contacts: str
+    found: int = 0
 
     @property
     def sentence(self) -> str:
@@ -33,16 +34,18 @@ class Criticals(NamedTuple):
         digits = 1 if max(in_unit) < 1e3 else 0
         listed = " and ".join(f"{value:.{digits}f}" for value in in_unit)
         listed = listed.replace(" and ", ", ", len(self.hz) - 2)
-        unit = current().speed_unit
+        unit, what = current().speed_unit, "Linear critical speeds"
+        if len(self.hz) < self.found:
+            what = f"The lowest {len(self.hz)} linear critical speeds"
         if not self.contacts:
-            return f"Linear critical speeds, dotted: {listed} {unit}."
+            return f"{what}, dotted: {listed} {unit}."
         why = {
             PINNED: "a journal that leaves its wall is held less than one that is pinned to it",
             OPEN: "a journal that touches is held more than one that is free",
         }[self.contacts]
         return (
-            f"Linear critical speeds with contacts {self.contacts}, dotted: {listed} {unit}. The "
-            f"run's peaks lie elsewhere where contacts open and close: {why}."
+            f"{what} with contacts {self.contacts}, dotted: {listed} {unit}. The run's peaks lie "
+            f"elsewhere where contacts open and close: {why}."
         )
 
 
@@ -67,7 +70,7 @@ def criticals_of(run: Recording) -> Criticals:
         return NO_CRITICALS
     nearest = sorted(found, key=abs)[:_MOST]
     hz = tuple(sorted(speed / TURN for speed in nearest))
-    return Criticals(hz, machine.contacts if machine.has_contacts else "")
+    return Criticals(hz, machine.contacts if machine.has_contacts else "", len(found))
 
 
 def _within(rotor: Rotor, lowest: float, highest: float) -> list[float]:

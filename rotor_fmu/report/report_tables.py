@@ -30,8 +30,9 @@ _SUMMARY = {
 }
 
 
-def notices(run: Recording, why: str | None) -> str:
-    """Return the notices at the page's head: how far a failed run came, why, and warnings."""
+def notices(run: Recording, why: str | None, shown: int) -> str:
+    """Return the notices at the page's head: how far a failed run came, why, and warnings; shown:
+    places in the pictures, none where there are none and `why` says so."""
     said = []
     if has_failed(run.status):
         reason = run.status.removeprefix(FAILED)
@@ -43,6 +44,11 @@ def notices(run: Recording, why: str | None) -> str:
             said.append(f"{run.name}: {message}")
     if why:
         said.append(f"{run.name} has no pictures over speed: {why}")
+    elif shown < len(run.places):
+        said.append(
+            f"{run.name}: the pictures are of the {shown} of {len(run.places)} places that move "
+            "most; the tables have all"
+        )
     return notices_html(said)
 
 
@@ -94,6 +100,10 @@ def _ran(run: Recording, summary: Mapping[str, Any], of: str) -> str:
         shown = current().of_si(units.get(name, "1"))
         given = value if shown.factor == 1 else value * shown.factor
         rows.append([column_head(f"{name}, as set", shown.unit), given])
+    for name, ends in run.about.get("loads", {}).items():
+        shown = current().of_si(units.get(name, "1"))
+        given = [cell(shown.factor * end) for end in dict.fromkeys(ends)]
+        rows.append([column_head(f"{name}, as given", shown.unit), " to ".join(given)])
     return table(f"{of}the run", ["", ""], rows)
 
 

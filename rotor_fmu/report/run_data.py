@@ -197,18 +197,19 @@ def signal_data(run: Recording, room: int = ROOM) -> dict[str, Any]:
 
 
 def _entries(run: Recording) -> list[tuple[str, str, np.ndarray]]:
-    """Return the names, units and values in the units that are shown, what moves most first."""
+    """Return the names, units and values in the units that are shown, of the places that move most,
+    as many as there is room for, and of all that is none."""
     d, result = current(), list[tuple[str, str, np.ndarray]]()
+    others = [
+        (f"{contact.name}.fn", d.force_unit, contact.fn * d.force) for contact in run.contacts
+    ]
+    if "tau" in run.columns:
+        others.append(("tau", d.torque_unit, run.columns["tau"] * d.torque))
+    others.append(("w", d.speed_unit, run.w * d.speed))
     moving = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
     for place in moving:
         result += [
             (f"{place.name}.x", d.small_unit, place.z.real * d.small),
             (f"{place.name}.y", d.small_unit, place.z.imag * d.small),
         ]
-    result += [
-        (f"{contact.name}.fn", d.force_unit, contact.fn * d.force) for contact in run.contacts
-    ]
-    if "tau" in run.columns:
-        result.append(("tau", d.torque_unit, run.columns["tau"] * d.torque))
-    result.append(("w", d.speed_unit, run.w * d.speed))
-    return result[:_MOST]
+    return result[: max(_MOST - len(others), 2)] + others

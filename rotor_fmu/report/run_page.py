@@ -56,7 +56,9 @@ def runs_page(runs: Sequence[Recording], summaries: Sequence[Mapping[str, Any]])
     data = [run_data(*both) for both in zip(runs, found, strict=True)]
     criticals = found[0].sentence
     body = template("run.html").substitute(
-        notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
+        notices="\n".join(
+            notices(run, d["why"], len(d["places"])) for run, d in zip(runs, data, strict=True)
+        ),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
         machine="" if runs[0].rotor is None else machine_html(runs[0].rotor),
         criticals=f'<p class="about">{escape(criticals)}</p>\n' if criticals else "",

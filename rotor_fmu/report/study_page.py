@@ -60,8 +60,10 @@ def study_page(
         "values": {name: packed(column[shown]) for name, column in values.items()},
         "curves": _curves(about["columns"], rows, shown),
     }
+    lists = [column["name"] for column in about["columns"] if column["dimension"]]
+    left_out = [name for name in lists if name not in {curve["name"] for curve in data["curves"]}]
     body = template("study.html").substitute(
-        notices=_notices(about, status, len(shown)),
+        notices=_notices(about, status, len(shown), left_out),
         tables=_ranges(columns, values, np.arange(len(rows)) if drawn is None else drawn),
         hidden="" if data["curves"] else " hidden",
     )
@@ -97,7 +99,9 @@ def _curves(
         if not 0 < values.size <= room:
             continue
         room -= values.size
-        across, unit = _shown_in(column["coordinate_unit"])
+        # what is counted has no unit, such as held speeds that differ from run to run
+        is_counted = not column["coordinate"]
+        across, unit = _shown_in("1" if is_counted else column["coordinate_unit"])
         head: dict[str, Any] = _head(column)
         head |= {"dimension": column["dimension"], "coordinate_unit": unit}
         head["coordinate"] = [
@@ -108,13 +112,20 @@ def _curves(
     return result
 
 
-def _notices(about: Mapping[str, Any], status: Sequence[str], shown: int) -> str:
+def _notices(
+    about: Mapping[str, Any], status: Sequence[str], shown: int, left_out: Sequence[str]
+) -> str:
     said = []
     whole = int(about.get("runs", len(status)))
     if len(status) < whole:
         said.append(f"The study goes on: {len(status)} of {whole} runs have their rows.")
     if shown < len(status):
         said.append(f"The map shows {shown} of {len(status)} runs, evenly taken.")
+    if left_out:
+        said.append(
+            f"Without {', '.join(left_out)}: there are no values, or more than the page has room "
+            "for."
+        )
     reasons = Counter(text for text in status if text != OK)
     for text, count in reasons.most_common(_MOST_REASONS):
         said.append(f"{count} {'run' if count == 1 else 'runs'}: {text}")

@@ -69,6 +69,13 @@ class Signals:
         is_bent = bool((self.bends < stop).any())
         return not is_bent and all(np.ptp(column) == 0.0 for column in loads)
 
+    def loads(self, stop: float) -> dict[str, list[float]]:
+        """Return the least and the largest value, until `stop` [s], of each input but the speed
+        that is not 0 all the time."""
+        times = [0.0, *self.t[(self.t > 0.0) & (self.t < stop)].tolist(), stop]
+        courses = {n: [self.at(n, t) for t in times] for n in self.values if n != "speed"}
+        return {name: [min(of), max(of)] for name, of in courses.items() if any(of)}
+
     @property
     def first_rate(self) -> float:
         """Rate of the speed at the start, t = 0 [rad/s2]: none before the first time given, nor

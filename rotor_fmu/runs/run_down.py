@@ -62,6 +62,7 @@ class Job:
             "machine": self.rotor.name,
             "toml": self.toml,
             "parameters": dict(self.parameters),
+            "loads": self.signals.loads(self.stop),
             "stop": self.stop,
             "step": self.step,
             "status": run.status,

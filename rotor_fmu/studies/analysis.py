@@ -50,6 +50,13 @@ def analyse(folder: Path) -> dict[str, Any]:
             del result[key]
         if "interval" in result:
             result["conservative"] = design.kind in _EVEN
+    said = _says(design, count_failed, len(rows))
+    for name, result in limits.items():
+        if "share" in result and (lacking := len(rows) - result["count"]):
+            said.append(
+                f"{lacking} of {len(rows)} runs have no value of {name}, whose share is of the "
+                "others"
+            )
     report: dict[str, Any] = {
         "name": about["name"],
         "runs": about["runs"],
@@ -58,7 +65,7 @@ def analyse(folder: Path) -> dict[str, Any]:
         "doubtful": int((status != OK).sum() - failed.sum()),
         "columns": columns,
         "limits": limits,
-        "says": _says(design, count_failed, len(rows)),
+        "says": said,
     }
     if design.kind in SENSITIVITY:
         report["sensitivity"] = {name: sensitivity(design, data, name) for name in numbers}
@@ -185,9 +192,12 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
     return {"blocks": int(whole.sum()), "of": len(whole), "indices": indices}
 
 
-def worst(data: "xarray.Dataset", name: str, count: int = 10) -> list[dict[str, Any]]:
-    """Return the runs with the largest absolute value of a column, those that failed first."""
-    values = np.abs(data[name].values)
+def worst(
+    data: "xarray.Dataset", name: str, count: int = 10, *, is_limited: bool = False
+) -> list[dict[str, Any]]:
+    """Return the runs with the largest absolute value of a column, of one that has a limit those
+    with the largest value; those that failed first."""
+    values = data[name].values if is_limited else np.abs(data[name].values)
     failed = np.char.startswith(data.status.values.astype(str), FAILED)
     order = np.lexsort((-values, ~failed))  # a nan is behind all others
     axes = [str(c) for c in data.coords if data[c].dims == ("run",) and c not in ("run", "id")]

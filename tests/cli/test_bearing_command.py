@@ -185,13 +185,17 @@ def test_pads_that_tilt_are_drawn_where_they_stand_with_what_each_bears():
     assert len(bearing_answers.bearing(_with_film(), [100.0], load=200.0).figure().axes) == 4
 
 
-def test_the_legend_of_coefficients_covers_no_line():
-    """Of an elliptical bearing's stiffnesses, which lie all over the axes."""
+@pytest.mark.parametrize("times", [1, 3])
+def test_the_legend_of_coefficients_covers_no_line(times):
+    """Of an elliptical bearing's stiffnesses, which lie all over the axes, or of as many lines as
+    a bearing of twelve pads has."""
     over = np.linspace(50.0, 117.0, 9)
     ends = (4.5e7, 3.6e7), (1e7, 7.2e7), (-1.2e8, -1.2e8), (1.8e8, 2e8)
     figure, axes = new_figure(4.0, 3.4)
-    draw_lines(axes, over, np.array([np.linspace(*of, 9) for of in ends]), ["kxx"] * 4, "-")
+    lines = np.array([np.linspace(*of, 9) for of in ends] * times)
+    draw_lines(axes, over, lines, [f"pad {n}" for n in range(len(lines))], "-")
     figure.draw_without_rendering()
+    assert len({line.get_color() for line in axes.lines}) == len(lines)
     legend = axes.get_legend().get_window_extent()
     for line in axes.lines:
         path = axes.transData.transform_path(line.get_path())

@@ -1,5 +1,7 @@
 """Pictures of linear analyses: what is read in them covers nothing else."""
 
+import math
+
 import numpy as np
 import pytest
 from matplotlib.text import Text
@@ -13,6 +15,7 @@ from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
+from rotor_fmu.plotting.figure_style import COLORS
 from rotor_fmu.vibration.influence_coefficients import once_per_turn
 
 from ..known import EXAMPLES
@@ -133,6 +136,30 @@ def test_pictures_write_the_sign_of_micrometres_where_tables_write_letters():
     assert swing.figure().axes[0].get_ylabel() == "Displacement by force [µm/N]"
 
 
+def test_pictures_draw_each_of_many_nodes_in_a_colour_of_its_own():
+    """Of more nodes than there are colours of pictures."""
+    rotor = load_rotor(ROSS / "under_tension.toml")[1]
+    nodes = range(1, len(rotor.nodes) + 1)
+    assert len(nodes) > len(COLORS)
+    unbalance = answers.unbalance_response(rotor, [100.0, 200.0]).figure(nodes)
+    force = frequency_answers.frequency_response(rotor, [100.0, 200.0], 1, nodes).figure()
+    for figure in (unbalance, force):
+        legend = figure.axes[0].get_legend()
+        lines = zip(legend.texts, legend.legend_handles, strict=True)
+        shown = {t.get_text(): h.get_color() for t, h in lines if t.get_text()[:4] == "node"}
+        assert [*shown] == [f"node {node}" for node in nodes]
+        assert len(set(shown.values())) == len(nodes)
+        assert {line.get_color() for line in figure.axes[0].lines} == {*shown.values()}
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_n1_is_the_half_power_speed_nearer_to_standstill_whichever_way_the_shaft_turns(sense):
+    ends = sorted((sense * 90.0 * math.tau, sense * 115.0 * math.tau))
+    peak = Peak(sense * 100.0 * math.tau, 1e-5, *ends)
+    (row,) = CriticalPeaks((ProbeCritical(1, "x", peak, None),)).table().rows
+    assert row[4:] == pytest.approx((sense * 90.0, sense * 115.0, 4.0))
+
+
 @pytest.mark.parametrize("factor", [0.5, 3.0, 3e4])
 def test_what_is_critically_damped_is_written_within_the_picture_of_amplification_factors(factor):
     peak = Peak(100.0, 1e-5, 100.0 - 50.0 / factor, 100.0 + 50.0 / factor)
@@ -181,6 +208,8 @@ def test_a_lag_is_negative_in_a_balancing_whichever_way_the_shaft_turns(sense):
     found = Balancing((), vibrations, (), service_speed=30.0, messages=(), **numbers)
     (row,) = found.table().rows
     assert row[6] == pytest.approx(np.degrees(-0.3))
+    # whose angles beside it grow from x towards y, against the rotation
+    assert ("of vibrations in the sense of rotation" in found.table().title) == (sense < 0)
     (axes,) = found.figure().axes
     shown = next(line for line in axes.lines if line.get_label() == "initial")
     assert np.arctan2(*shown.get_data()[::-1]) == pytest.approx(-0.3)

@@ -212,3 +212,16 @@ def test_a_shape_is_drawn_with_the_elements_own_cubic():
     truth = (x**2 * (3 * length - x) / 6 + x * sheared) / bending
     assert deflection(z, deflections, rotations, [phi])(x) == pytest.approx(truth, rel=1e-9)
     assert abs(deflection(z, deflections, rotations, [0.0])(x) / truth - 1) > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("sizes", "is_cut"), [([1.0, 2.0, 1.5], False), ([1.0, 1.5, 2.0], True), ([1.0] * 3, False)]
+)
+def test_a_largest_sensitivity_at_an_end_of_the_frequencies_is_said_to_be_there(sizes, is_cut):
+    """A loop without force has the same at all of them."""
+    at = 2.0 * math.pi * np.array([1.0, 10.0, 20.0])
+    seen = np.array(sizes, complex)[:, None]
+    found = frequency_answers.Sensitivity(100.0, at, ("left x",), seen, True)
+    title = found.table().title
+    assert "largest from 1 to 20 Hz" in title
+    assert ("at an end of that range" in title) == is_cut

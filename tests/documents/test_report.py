@@ -109,11 +109,14 @@ def test_words_in_a_table_are_flush_left_and_numbers_flush_right():
 
 
 def test_the_tables_say_what_the_closed_form_has(tmp_path):
-    write_report(recorded(), {"steps": 4321}, tmp_path / "report.html")
+    loads = {"disc[1].fx": [-2.0, 3.0], "disc[1].fy": [-20.0, -20.0]}
+    write_report(recorded(loads=loads), {"steps": 4321}, tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     rows = [re.findall(r"<td.*?>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", text)]
     cells = {row[0]: row[1:] for row in rows if row}
     assert cells["steps"] == ["4321"]
+    assert cells["disc[1].fx, as given"] == ["-2 to 3"]
+    assert cells["disc[1].fy, as given"] == ["-20"]
     # forward 80, backward 20: the major semi-axis is 100 um, the largest x is that
     assert float(cells["disc 2"][0]) == pytest.approx(100.0, rel=1e-3)
     assert float(cells["disc 2"][-1]) == pytest.approx(100.0, rel=5e-3)
@@ -228,14 +231,16 @@ def test_a_studys_rows_are_told_once_each(tmp_path):
     assert f"{failed} runs: failed: whirled apart" in text
 
 
-def test_lists_without_a_coordinate_are_counted_from_one(tmp_path):
-    """The rows of a Poincare section, or the points of a response, whose number varies."""
+@pytest.mark.parametrize("unit", ["1", "rad/s"])
+def test_lists_without_a_coordinate_are_counted_from_one(tmp_path, unit):
+    """The rows of a Poincare section, the points of a response, whose number varies, or held speeds
+    that differ from run to run."""
     columns = write_study(tmp_path / "study")
     about, rows = read_study(tmp_path / "study")
     for column in about["columns"]:
-        column |= {"coordinate": [], "coordinate_unit": "1"}
+        column |= {"coordinate": [], "coordinate_unit": unit}
     (curve,) = block(study_page(about, rows), "data")["curves"]
-    assert curve["coordinate"] == [1.0, 2.0, 3.0]
+    assert (curve["coordinate"], curve["coordinate_unit"]) == ([1.0, 2.0, 3.0], "-")
     values = unpacked(curve["values"]).reshape(-1, 3)
     known = [1e6 * np.array(kept or [np.nan] * 3) for kept in columns["amplitude"]]
     assert values == pytest.approx(np.array(known), rel=1e-3, nan_ok=True)

@@ -70,3 +70,27 @@ def test_doubtful_runs_are_marked_and_a_map_of_one_value_has_its_size(silent, tm
     assert page.run("return [map.mapper.low, map.mapper.high]") == pytest.approx([1e-3, 2e-3])
     page.set("run", status.index("failed: whirled apart"))
     assert ", peak -; failed" in page.text("reading")
+
+
+@pytest.mark.slow
+def test_the_legend_of_the_map_tells_failed_runs_whatever_is_shown(silent, tmp_path):
+    columns = write_study(tmp_path / "study")
+    count = sum(text.startswith("failed") for text in columns["status"])
+    good = len(columns["status"]) - count
+    write_text(study_page(*read_study(tmp_path / "study")), tmp_path / "study.html")
+    page = Page(silent, tmp_path / "study.html")
+    # colours and places that failed runs have, and that they have not
+    for across, up, shade in (
+        ("mu", "clearance", "mu"),
+        ("peak", "clearance", "mu"),
+        ("peak", "peak", "peak"),
+    ):
+        for name, value in (("across", across), ("up", up), ("shade", shade)):
+            page.set(name, value, "change")
+        legend = page.run("return map.chart.legend.textContent")
+        assert f"{good} runs" in legend
+        assert "doubtful" not in legend
+        assert f"{count} failed, or without the value (crosses)" in legend
+        crosses = page.run("return [...map.failed.data.x, ...map.failed.data.y]")
+        assert len(crosses) == 2 * count
+        assert None not in crosses  # as a browser hands over what is no number

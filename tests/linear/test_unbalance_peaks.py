@@ -18,7 +18,7 @@ from rotor_fmu.model.linear import (
 from rotor_fmu.model.linear.amplification import peaks
 from rotor_fmu.model.machine.toml import parse_rotor
 
-from rotor_fmu.linear import acceptance, answers
+from rotor_fmu.linear import acceptance, answers, linear_tables
 from rotor_fmu.machine_report.rub_check import rub_check
 
 OVERHUNG = """
@@ -248,3 +248,10 @@ def test_unbalances_that_take_each_other_away_drive_nothing():
     opposite = [(4, 1e-4, 0.3), (4, 1e-4, 0.3 + math.pi)]
     with pytest.raises(LinearError, match="no unbalance acts"):
         critical_peaks(rotor, 400.0, [4], unbalances=opposite)
+
+
+def test_two_values_of_one_height_with_rounding_between_them_are_one_peak():
+    size = np.array([1.0, 2.0, 4.0, 4.0 - 1e-15, 4.0, 2.0, 3.0, 1.0])
+    assert linear_tables.peaks(size) == [2, 6]
+    apart = np.array([1.0, 4.0, 3.0, 4.0, 1.0])
+    assert linear_tables.peaks(apart) == [1, 3]

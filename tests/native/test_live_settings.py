@@ -106,15 +106,17 @@ def test_a_link_to_the_machine_files_settings_holds_against_those_of_a_recorded_
     [
         (["a", "b", "--live"], "a page on which a machine runs is of one run"),
         (["a", "--live"], "its speed does not change at one rate"),
+        (["c", "--live"], "c: disc[1].fy changes from 0 to 10 N; a page holds its loads"),
     ],
 )
 def test_a_run_that_no_page_repeats_is_refused(tmp_path, monkeypatch, arguments, said):
     from rotor_fmu.cli import app
 
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "bent.csv").write_text("time,speed\n0,400\n0.5,390\n1,400\n")
-    for out in ("a", "b"):
-        call = ["run-down", "--direct", "--input", "bent.csv", "--stop", "1", "--out", out]
+    (tmp_path / "bent.csv").write_text("time,speed\n0,400\n0.2,390\n0.5,400\n")
+    (tmp_path / "load.csv").write_text("time,speed,disc[1].fy\n0,400,0\n0.5,395,10\n")
+    for out, signals in (("a", "bent"), ("b", "bent"), ("c", "load")):
+        call = ["run-down", "--direct", "--input", f"{signals}.csv", "--stop", "0.5", "--out", out]
         assert CliRunner().invoke(app, call).exit_code == 0
     done = CliRunner().invoke(app, ["report", *arguments])
     assert said in str(done.exception)
@@ -158,8 +160,8 @@ def test_a_slider_holds_what_the_file_says_and_goes_from_there_as_far_as_a_machi
 def test_a_page_repeats_what_was_set_in_a_run_and_the_course_of_its_speed(rate, ramp):
     machine = machine_of()
     given = {"bearing[1].mu": 0.05, "bearing[2].mu": 0.02, "solver.reduction": 3.0}
-    run = recorded(rate=rate, parameters=given)
-    expected = {"bearing[2].mu": 0.02, "course.from": 300.0}
+    run = recorded(rate=rate, parameters=given, loads={"disc[1].fy": [-20.0, -20.0]})
+    expected = {"bearing[2].mu": 0.02, "disc[1].fy": -20.0, "course.from": 300.0}
     expected |= {f"course.{name}": value for name, value in ramp.items()}
     assert settings_of_run(run, machine) == pytest.approx(expected)
 

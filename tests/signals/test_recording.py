@@ -68,3 +68,12 @@ def test_a_recording_ends_where_its_run_does(stop):
         assert recording.columns[name][-1] == run.columns[name][-1]
     every = run_recorded(job, Record(("disc[3].vx",), 0.0))[1]
     assert recording.columns["disc[3].vx"][-1] == every.columns["disc[3].vx"][-1]
+
+
+def test_a_recording_holds_the_loads_of_its_run_until_its_end(tmp_path):
+    file = tmp_path / "loads.csv"
+    file.write_text("time,speed,disc[1].fx,disc[2].fx\n0,200,0,0\n0.1,199,30,0\n1,190,-60,0\n")
+    _, recording = run_recorded(prepare(None, None, ["disc[2].fy=-5"], file, 0.2, 0.02))
+    loads = recording.about["loads"]
+    assert loads.pop("disc[1].fx") == pytest.approx([0.0, 30.0])
+    assert loads == {"disc[2].fy": [-5.0, -5.0]}

@@ -1,13 +1,14 @@
 """What a study says, against what is known of the function it runs."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from SALib.analyze import morris
 from xarray import Dataset
 
-from rotor_fmu.cli.studies import _analyse, _print_table
+from rotor_fmu.cli.studies import _analyse, _print_table, _say_result
 from rotor_fmu.studies.analysis import (
     analyse,
     design_of,
@@ -153,6 +154,26 @@ def test_the_share_of_a_grids_points_is_no_estimate(tmp_path):
     assert "the points of a grid are chosen" in report["says"][0]
 
 
+class _PartOfIshigami(Ishigami):
+    """Without a value of y where x1 is not positive, as of a speed that no run passes."""
+
+    def run(self, values):
+        result = super().run(values)
+        is_there = values["x1"] > 0
+        return result if is_there else replace(result, cells={**result.cells, "y": math.nan})
+
+
+@pytest.mark.parametrize("kind", ["random", "morris"])
+def test_a_share_tells_how_many_runs_have_no_value(tmp_path, kind):
+    report = with_limit(tmp_path, kind, 20, _PartOfIshigami(fails_above=3.0))
+    result = report["limits"]["y"]
+    said = [text for text in report["says"] if "no value" in text]
+    lacking = 20 - result["count"]
+    assert 0 < lacking < 20 or kind == "morris"
+    words = f"{lacking} of 20 runs have no value of y, whose share is of the others"
+    assert said == ([words] if kind == "random" else [])
+
+
 class _IshigamiInMetres(Ishigami):
     columns = (Column("y", "m", "value"), Ishigami.columns[1])
 
@@ -284,3 +305,14 @@ def test_the_worst_runs_are_the_failed_ones_and_then_the_largest(tmp_path):
     assert failed == sorted(failed, reverse=True)
     finite = [abs(row["y"]) for row in rows if not math.isnan(row["y"])]
     assert finite == sorted(finite, reverse=True)
+
+
+@pytest.mark.parametrize("limits", ["", "[limits]\ny = 5\n"])
+def test_runs_above_a_limit_stand_before_those_far_below_it(tmp_path, capsys, limits):
+    lists = "x1 = { values = [1.5, -1.5] }\nx2 = { values = [0] }\nx3 = { values = [1, 3] }\n"
+    study = ishigami_study(tmp_path, text=f"[vary]\n{lists}{limits}")
+    progress = run_study(study, tmp_path / "out", here, quiet)
+    shown = _say_result(study, tmp_path / "out", progress)["worst"]
+    said, order = ("[1]", [3, 1, -1, -3]) if limits else ("[1] in size", [3, -3, 1, -1])
+    assert f"the largest of y {said}, what failed first:" in capsys.readouterr().out
+    assert [row["x3"] * np.sign(row["x1"]) for row in shown] == order

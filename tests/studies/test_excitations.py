@@ -162,3 +162,5 @@ def test_a_kick_moves_the_rotor_that_would_rest_and_turns_as_it_is_told_to(tmp_p
     impulse = 5e-3 * np.exp(0.5e-3j * rate)
     expected = impulse / 100 * math.sin(100 * 10.5e-3) * math.exp(-5 * 10.5e-3)
     assert complex(data.x.values[0], data.y.values[0]) == pytest.approx(expected, rel=0.03)
+    pushed = read_study(path).model.record({}).about["loads"]
+    assert pushed == {"disc.fx": [-5.0, 5.0], "disc.fy": [-5.0, 5.0]}

@@ -64,23 +64,27 @@ class StudyMap {
 
   draw() {
     const [x, y, c] = ["across", "up", "shade"].map((id) => this.study.values[field(id).value]);
+    const { status } = this.study;
     const good = [];
     const bad = [];
     for (let i = 0; i < x.length; i++) {
-      (Number.isFinite(y[i]) && Number.isFinite(c[i]) ? good : bad).push(i);
+      const isKnown = [x, y, c].every((values) => Number.isFinite(values[i]));
+      (isKnown && !status[i].startsWith("failed") ? good : bad).push(i);
     }
     const of = (values, rows) => rows.map((i) => values[i]);
     this.runs.data = { x: of(x, good), y: of(y, good), c: of(c, good) };
-    const doubtful = good.filter((i) => this.study.status[i] !== "ok");
+    const doubtful = good.filter((i) => status[i] !== "ok");
     this.doubtful.data = { x: of(x, doubtful), y: of(y, doubtful) };
     this.chart.plot.x_range.default_span = around(x);
     this.chart.plot.y_range.default_span = around(of(y, good));
-    // what has no value there is shown at the bottom edge
-    const lowest = good.reduce((least, i) => Math.min(least, y[i]), Infinity);
-    const floor = Number.isFinite(lowest) ? lowest : 0;
-    const height = (i) => (Number.isFinite(y[i]) ? y[i] : floor);
-    this.failed.data = { x: of(x, bad), y: bad.map(height) };
-    this.height = height;
+    // what has no value there is shown at the left or the bottom edge
+    const placed = (values) => {
+      const lowest = good.reduce((least, i) => Math.min(least, values[i]), Infinity);
+      const edge = Number.isFinite(lowest) ? lowest : 0;
+      return [...values].map((value) => (Number.isFinite(value) ? value : edge));
+    };
+    this.places = { x: placed(x), y: placed(y) };
+    this.failed.data = { x: of(this.places.x, bad), y: of(this.places.y, bad) };
     const shades = of(c, good);
     this.mapper.low = shades.reduce((a, b) => Math.min(a, b), Infinity);
     this.mapper.high = shades.reduce((a, b) => Math.max(a, b), -Infinity);
@@ -100,12 +104,12 @@ class StudyMap {
   // Nearest in the picture, not in the units of its axes.
   nearest(atX, atY) {
     const { x_range: across, y_range: up } = this.chart.plot;
-    const x = this.study.values[field("across").value];
+    const { x, y } = this.places;
     let best = 0;
     let least = Infinity;
     for (let i = 0; i < x.length; i++) {
       const dx = (x[i] - atX) / (across.end - across.start);
-      const dy = (this.height(i) - atY) / (up.end - up.start);
+      const dy = (y[i] - atY) / (up.end - up.start);
       const distance = dx * dx + dy * dy;
       if (distance < least) [best, least] = [i, distance];
     }
@@ -120,8 +124,7 @@ class StudyMap {
   point() {
     const { study, row } = this;
     if (row === undefined) return;
-    const x = study.values[field("across").value][row];
-    this.one.data = { x: [x], y: [this.height(row)] };
+    this.one.data = { x: [this.places.x[row]], y: [this.places.y[row]] };
     if (document.activeElement !== field("run")) field("run").value = study.runs[row];
     const entries = [["id", study.ids[row]], ["status", study.status[row]]];
     for (const { name } of study.columns) entries.push([this.label(name), shown(study.values[name][row])]);
