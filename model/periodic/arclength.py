@@ -128,15 +128,17 @@ def with_tangent(
     equations: ContinuationEquations, x: np.ndarray, value: float, direction: float
 ) -> CurvePoint:
     """Return the point at a solution, its tangent to larger (1) or smaller (-1) lambda."""
-    tangent = _along(equations, x, value)
-    tangent *= direction / np.linalg.norm(tangent)
+    tangent = direction * _along(equations, x, value)
     return CurvePoint(x, value, tangent[:-1], float(tangent[-1]))
 
 
 def _along(equations: ContinuationEquations, x: np.ndarray, value: float) -> np.ndarray:
-    """Return the direction of the curve for lambda that grows by its scale."""
+    """Return the direction of the curve, of length 1, towards larger lambda: that at right angles
+    to all rows of the derivatives, also where lambda stays."""
     _, jacobian, by_lambda = equations.linearized_with_parameter(x, value)
-    return np.append(-equations.solve_linear(jacobian, by_lambda), 1.0)
+    rows = np.column_stack([jacobian, by_lambda])
+    tangent = np.linalg.qr(rows.T, mode="complete")[0][:, -1]
+    return np.asarray(math.copysign(1.0, tangent[-1]) * tangent)
 
 
 def correct(
@@ -313,7 +315,6 @@ def _beyond_corner(
         x = point.x + length * point.tangent
         value = point.value + length * scale * point.tangent_value
         beyond = _along(equations, x, value)
-        beyond /= np.linalg.norm(beyond)
         for direction in (beyond, -beyond):
             ahead = x + length * direction[:-1], value + length * scale * direction[-1]
             try:

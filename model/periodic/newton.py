@@ -50,6 +50,11 @@ class NotConverged(RuntimeError):
         super().__init__("Newton's method does not converge")
 
 
+def is_solution(equations: Equations, x: np.ndarray, value: float) -> bool:
+    """Return whether the equations hold within rounding."""
+    return _norm(equations.residual(x, value)) < _ROUNDING_RESIDUAL
+
+
 def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
     """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`,
     also where corrections along which the residual does not decrease recur, or it hardly decreases

@@ -115,7 +115,9 @@ def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
     x = problem.join(begin)
     problem.fix_phase(x)
     try:
-        x = newton.solve(problem, x, value)
+        # where a branch has many motions at one value, Newton's method would go to another one
+        if not newton.is_solution(problem, x, value):
+            x = newton.solve(problem, x, value)
         orbit = problem.split(x, value)
         if task.is_whirl and not _is_forward_whirl(problem.balance, orbit):
             raise NotConverged()
