@@ -48,14 +48,14 @@ as in tables; modes, which are places in the lists, from 0.
 """
 # names at the beginning of what is said about them, with or without unit
 _NAMED = r"\w+(?:, \w+)*(?=: | \[\S+\])"
-OF_OPTIONS = """folds: of `--fold-over`: name of the second quantity, first and second: the parameter
-and that quantity along the curve of folds, ends in words; check: of `--check`, motions integrated in
-time: value of the parameter, whether the motion is stable and whether the run stays on it, and its
-distance from it at the end, as a share of the orbit [1]."""
+OF_OPTIONS = """folds: of `--fold-over`: name of the second quantity, first and second: the
+parameter and that quantity along the curve of folds, ends in words; check: of `--check`,
+motions integrated in time: value of the parameter, whether the motion is stable and whether the
+run stays on it, and its distance from it at the end, as a share of the orbit [1]."""
 OF_A_COMMAND = """recorded_steps: rows of the recording; recorded_apart: by how much the run
-without the FMU, of which the pictures are, ends apart, as a share of full scale [1], None without
-an FMU; stop_s: end of the run [s]; stop_by: what set it; wall_s: time that the command took [s];
-out: its folder; verification: of `--verify`, else None, as below."""
+without the FMU, of which the pictures are, ends apart, as a share of full scale [1], None
+without an FMU; stop_s: end of the run [s]; stop_by: what set it; wall_s: time that the command
+took [s]; out: its folder; verification: of `--verify`, else None, as below."""
 
 
 def described(kind: type) -> list[str]:

@@ -32,7 +32,9 @@ _CLEAR = 0.2  # clearances, that a motion may come nearer to pads that bear noth
 _IDLE = 1e-9  # of the largest force by a state: one of a pad that bears nothing
 _EDGE = 1e-6  # of a state's size: as near to where a pad just bears nothing is rounding
 _SIZES = (0.7, 0.5, 0.9, 0.3, 0.1)  # of whirls, in clearances
-_CIRCLE = 0.98  # clearances, of a circle: a film pushes back strongly there, a wall not yet
+# Sizes of a circle in clearances: a film pushes back strongly there, a wall not yet. From either of
+# them Newton's method may go astray, by its last digits.
+_CIRCLES = 0.98, 1.0
 _LOOKED_AT = 33  # values in a range, for where modes about rest begin to grow
 _PRECISION = 1e-12  # of a range, of where one does
 
@@ -180,7 +182,8 @@ def growing_whirls(problem: HarmonicBalance, value: float) -> Iterator[Orbit]:
         circle = _forward_circle(problem, value, modes.shapes[i])
         if circle is not None:
             centre = np.append(np.zeros(b), modes.at_rest[b:])
-            yield _whirl(problem, value, centre, _CIRCLE * circle, float(modes.roots[i].imag))
+            for size in _CIRCLES:
+                yield _whirl(problem, value, centre, size * circle, float(modes.roots[i].imag))
 
 
 def _forward_circle(problem: HarmonicBalance, value: float, shape: np.ndarray) -> np.ndarray | None:

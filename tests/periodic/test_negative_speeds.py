@@ -10,7 +10,7 @@ from rotor_fmu.model.periodic.arclength import with_tangent
 from rotor_fmu.model.periodic.branch import solution
 from rotor_fmu.model.periodic.newton import solve
 from rotor_fmu.model.periodic.problem import Task, machines_of
-from rotor_fmu.model.periodic.self_excited import _SIZES, growing_whirls
+from rotor_fmu.model.periodic.self_excited import _CIRCLES, _SIZES, growing_whirls
 from rotor_fmu.model.periodic.shooting import Shooting
 
 import rotor_fmu as rf
@@ -114,6 +114,6 @@ def test_the_circle_from_which_an_oil_whirl_is_sought_turns_with_the_rotor(sense
     task = Task(*sorted((speed, 1.1 * speed)), is_whirl=True)
     problem = task.problem(machines_of(rotor, task), speed, 3, omega=abs(speed))
     *_, circle = guesses = list(growing_whirls(problem, speed))
-    assert len(guesses) == len(_SIZES) + 1
+    assert len(guesses) == len(_SIZES) + len(_CIRCLES)
     cosine, sine = circle.b[1:3, 0] + 1j * circle.b[1:3, 1]
     assert abs(cosine + 1j * sense * sine) < 1e-9 * abs(cosine - 1j * sense * sine)
