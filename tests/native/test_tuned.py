@@ -14,9 +14,11 @@ from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.machine_file.loading import machine_text
 
 from ..fmu.skins import Discarded, Extracted, Native, Refused
+from ..parts.rings import rigid_in_rings
 from .test_coupling_calls import H, Host
 
 OIL = machine_text("", example_folder("oil_film") / "rotor.toml")
+DAMPED = machine_text("", example_folder("squeeze_film") / "rotor.toml")
 ROLLING = machine_text("", example_folder("rolling_bearing") / "rotor.toml")
 BALANCED = re.sub(r"\be = [0-9.e-]+", "e = 0.0", re.sub(r"mu = [0-9.]+", "mu = 0.0", rig_toml()))
 
@@ -119,6 +121,36 @@ def test_oil_that_becomes_thin_in_a_run_is_warned_of(oil):
     host.put(THIN)
     host.step(1e-4)
     assert [text.code for text in host.fmu.warnings].count("not-laminar") == 2
+
+
+@pytest.mark.parametrize(
+    ("toml", "names", "roughness"),
+    [
+        (OIL, ("journal_bearing[1].clearance",), 1e-6),
+        (DAMPED, ("squeeze_film_damper[2].clearance",), 1e-6),
+        (
+            rigid_in_rings(),
+            [f"floating_ring_bearing[1].{n}clearance" for n in ("", "outer_")],
+            2e-7,
+        ),
+    ],
+    ids=["journal", "damper", "rings"],
+)
+def test_a_clearance_below_twice_the_roughness_is_refused_as_in_a_machine_file(
+    make, toml, names, roughness
+):
+    extracted, rotor = Extracted(make(toml=toml)), parse_rotor(toml)
+    least = 2.0 * roughness
+    for name in names:
+        rotor.with_values({name: 1.001 * least})
+        with pytest.raises(QuantityError, match="must be below half the"):
+            rotor.with_values({name: least})
+        (variable,) = (v for v in extracted.description.modelVariables if v.name == name)
+        assert float(variable.min) == least
+        fmu = Native(extracted).put({"speed": 100.0, name: least})
+        words = re.escape(f"{name} = {least:g} m: must be > {least:g} m, twice the roughness")
+        with pytest.raises(Refused, match=words):
+            fmu.initialize()
 
 
 def test_hysteresis_is_warned_of_where_a_host_sets_it(make):
