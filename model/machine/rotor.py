@@ -309,7 +309,9 @@ class Rotor:
         """Return the quantities that an FMU takes as parameters, by their names in it: of the
         parts, of the shaft, gravity."""
         found = [
-            Parameter(Name(*name, own), declared, getattr(part, own))
+            Parameter(
+                Name(*name, own), replace(declared, rule=part.rule_of(own)), getattr(part, own)
+            )
             for name, part in self.indexed_parts()
             for own, declared in quantities(part).items()
             if declared.is_parameter and not isinstance(getattr(part, own), tuple)

@@ -19,14 +19,18 @@ _SAMPLES = 1001  # of a list of viscosities
 
 
 class SpeedRange(NamedTuple):
-    """A range of speeds [rad/s], the message for a speed outside it, in which {speed:.4g} is filled
-    in, the code of that message, and whether the range holds whichever way the shaft turns."""
+    """A range of speeds [rad/s], the message for a speed outside it, in which {speed:.4g},
+    {high:.4g} and {reynolds:.4g} are filled in, the code of that message, and whether the range
+    holds whichever way the shaft turns; of a film that is laminar in it the name and the critical
+    Reynolds number [1]."""
 
     low: float
     high: float
     beyond: str
     code: str
     is_of_size: bool
+    film: str = ""
+    reynolds: float = math.nan
 
     def holds(self, speed: float) -> bool:
         """Return whether a speed [rad/s] lies in the range."""
@@ -34,7 +38,8 @@ class SpeedRange(NamedTuple):
 
     def message(self, speed: float) -> Message:
         """Return the message for a speed [rad/s] outside the range."""
-        return Message(self.beyond.format(speed=speed), self.code)
+        text = self.beyond.format(speed=speed, high=self.high, reynolds=self.reynolds)
+        return Message(text, self.code)
 
 
 def speed_ranges(rotor: Rotor) -> list[SpeedRange]:
@@ -89,9 +94,11 @@ def _laminar(where: str, part: JournalBearing) -> SpeedRange:
     return SpeedRange(
         0.0,
         most,
-        f"{where}: speed {{speed:.4g}} rad/s is above {most:.4g} rad/s, where the Reynolds number "
-        f"of its film exceeds {reynolds:.4g} (ISO 7902-1): the film is not laminar, and bears and "
-        "brakes more than is computed",
+        f"{where}: speed {{speed:.4g}} rad/s is above {{high:.4g}} rad/s, where the Reynolds "
+        "number of its film exceeds {reynolds:.4g} (ISO 7902-1): the film is not laminar, and "
+        "bears and brakes more than is computed",
         "not-laminar",
         is_of_size=True,
+        film=where,
+        reynolds=reynolds,
     )

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from ..quantities import SPEED, Output, check_all, remembered
+from ..quantities import SPEED, Output, Rule, check_all, quantities, remembered
 
 if TYPE_CHECKING:
     from .law import Law
@@ -244,6 +244,10 @@ class Part(ABC):
         """Raise `QuantityError` for a quantity that the part cannot have; the message names it, its
         value and what is allowed, and the part as `where`."""
         check_all(where, self)
+
+    def rule_of(self, name: str) -> Rule:
+        """Return which values one of its quantities may have while the others are as they are."""
+        return quantities(self)[name].rule
 
     def outline(self) -> "Iterator[Shape]":
         """Yield the blocks by which the part is drawn, z from its node on [m]."""

@@ -24,6 +24,7 @@ from ..quantities import (
     Output,
     QuantityError,
     Rule,
+    quantities,
     quantity,
     switch,
 )
@@ -37,8 +38,21 @@ _LONGEST = 2.0  # length over diameter
 _WIDTH = 5  # of a row of the viscosity's `speed_table`
 
 
+class Rough:
+    """What has oil films between surfaces of the same roughness [m]."""
+
+    roughness: float
+
+    def rule_of(self, name: str) -> Rule:
+        """Return which values a quantity may have: `Part.rule_of`; see `check_film`."""
+        if not name.endswith("clearance"):
+            return quantities(self)[name].rule
+        least = 2.0 * self.roughness
+        return Rule(least, True, f"must be > {least:g} m, twice the roughness")
+
+
 @dataclass(frozen=True, kw_only=True)
-class FilmQuantities:
+class FilmQuantities(Rough):
     """The quantities of an oil film and of the contact behind it: radius of the journal, length and
     radial clearance [m], viscosity [Pa.s]; roughness, the film at which the surfaces touch [m];
     contact stiffness [N/m^exponent], 0: none, and the rest of `ContactQuantities`."""

@@ -19,7 +19,7 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import SPEED, Output, QuantityError, check_all, places, quantity, switch
 from .base import FORCE_OUTPUTS, GROUND, Element, InterfaceElement, Part, Shape
 from .film_law import LOSSES as FILM_LOSSES
-from .film_law import POINTS, check_film, film_length, film_table, whole_circle
+from .film_law import POINTS, Rough, check_film, film_length, film_table, whole_circle
 from .floating_ring_states import (
     STATE,
     WEIGHT,
@@ -36,7 +36,7 @@ _SLOW = 1e-4  # of the speed: the least frequency of a vibration
 
 
 @dataclass(frozen=True, kw_only=True)
-class RingQuantities:
+class RingQuantities(Rough):
     """The quantities of a floating ring: radius [m], length [m], radial clearance [m] and viscosity
     [Pa.s] of the inner film, `outer_` those of the outer one; mass [kg] and polar moment of inertia
     [kg.m2] of the ring; roughness of all surfaces [m]."""

@@ -4,6 +4,7 @@ set.
 """
 
 import math
+import re
 import struct
 from collections.abc import Sequence
 
@@ -16,6 +17,7 @@ from ..model.messages import CODES, SENTENCES, closed_at
 from ..model.quantities import ANY, LARGEST, Quantity
 from ..model.settings import settings_messages as of_settings
 from ..model.settings.table import NAMES, SETTINGS, Number
+from ..model.simulation import HYSTERETIC_AS_SLOWER
 from ..model.structure.assembly import interface_names
 from ..model.structure.parameter_locations import parameter_locations
 from ..model.structure.reduction import assembled
@@ -68,7 +70,7 @@ _HEAD = struct.Struct("<8s16s40s d Q 6q 6q 3q 17q 6q")
 HEAD_SIZE, CHECKSUM_AT = _HEAD.size, struct.calcsize("<8s16s40s d")
 _VARIABLE = struct.Struct("<3q 4q 7d")
 _ROW = struct.Struct("<3q")
-_SPAN = struct.Struct("<2q2d")
+_SPAN = struct.Struct("<5q3d")
 
 
 class _Texts:
@@ -109,19 +111,27 @@ def table_bytes(
         for a, b, why in _NEEDS
         if a in index
     ]
-    warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
+    warnings = [re.sub(r"\{\w+:", "{", of.beyond) for of in beyond]
     interfaces = interface_names(rotor)
     closed = closed_at(interfaces, LAYOUT.view_in_python(block).structure.interfaces)
     known = (*of_settings.prefixed(PREFIX), *SENTENCES[len(of_settings.SENTENCES) :])
     names = choice(interfaces)
     own = [text.replace("{where}", closed).replace("{names}", names) for text in known]
-    codes = (*CODES, *(each.code for each in beyond))
-    said = (with_code(text, code) for text, code in zip((*own, *warnings), codes, strict=True))
+    codes = (*CODES, *(each.code for each in beyond), HYSTERETIC_AS_SLOWER.code)
+    said = (
+        with_code(text, code)
+        for text, code in zip((*own, *warnings, HYSTERETIC_AS_SLOWER), codes, strict=True)
+    )
     sentences = [_HEAD.size + texts.place(text) for text in said]
     spans = b"".join(
-        _SPAN.pack(code, of.is_of_size, of.low, of.high)
+        _SPAN.pack(
+            *(code, of.is_of_size, -1),
+            *(index.get(f"{of.film}.{name}", -1) for name in ("viscosity", "clearance")),
+            *(of.low, of.high, of.reynolds),
+        )
         for code, of in enumerate(beyond, len(SENTENCES))
     )
+    spans += _SPAN.pack(len(sentences) - 1, 0, index["shaft.eta_h"], -1, -1, 0.0, 0.0, math.nan)
     # texts stand behind the head, so that their places are known first
     parts = [texts.bytes + bytes(-len(texts.bytes) % 8)]
     begins = []
@@ -148,7 +158,7 @@ def table_bytes(
         *(_HEAD.size + len(body), len(table), observed_at, inputs),
         *(index["tau_drive" if is_free else "speed"], is_free),
         *(len(GIVEN), 1 + NAMES.index("tolerance")),
-        *(len(writes) // _ROW.size, len(needs), len(sentences), len(beyond)),
+        *(len(writes) // _ROW.size, len(needs), len(sentences), len(spans) // _SPAN.size),
         *(len(block), *(LAYOUT.extent(block, group).stop for group in ("memory", "tangent"))),
         *in_record("is_free", "continues", "stops_at_contact", "has_sensitivities"),
         *in_record("is_past_limit"),

@@ -1,20 +1,24 @@
 """Parameters of the machine that change between two steps: the run goes on as that of the machine
 with the new value, the ledger counts what it does, what cannot be is refused, all or nothing."""
 
+import math
 import re
 
 import pytest
 from rotor_fmu.examples import example_folder
-from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
 from rotor_fmu.machine_file.loading import machine_text
 
-from ..fmu.skins import Discarded, Extracted, Refused
+from ..fmu.skins import Discarded, Extracted, Native, Refused
+from ..parts.rings import rigid_in_rings
 from .test_coupling_calls import H, Host
 
 OIL = machine_text("", example_folder("oil_film") / "rotor.toml")
+DAMPED = machine_text("", example_folder("squeeze_film") / "rotor.toml")
 ROLLING = machine_text("", example_folder("rolling_bearing") / "rotor.toml")
 BALANCED = re.sub(r"\be = [0-9.e-]+", "e = 0.0", re.sub(r"mu = [0-9.]+", "mu = 0.0", rig_toml()))
 
@@ -77,6 +81,88 @@ def test_a_bearing_that_is_preloaded_during_a_run_is_worked_on_by_what_does_it(r
     assert pressed > 2 * stored
     assert after[0] - work == pytest.approx(pressed, rel=1e-2)
     assert abs(after[2] - residual) < 1e-2 * pressed
+
+
+def said_by(run):
+    """Its warnings, with their codes."""
+    return sorted((text, text.code) for text in run)
+
+
+THIN, WIDE = (
+    {f"journal_bearing[{i}].{n}": 2e-4 for i in (1, 2)} for n in ("viscosity", "clearance")
+)
+
+
+@pytest.mark.parametrize(
+    ("values", "viscosity", "clearance"),
+    [({}, 0.02, 5e-5), (THIN, 2e-4, 5e-5), (WIDE, 0.02, 2e-4)],
+    ids=["as built", "thin oil", "wide"],
+)
+def test_a_film_is_laminar_up_to_the_speed_of_the_values_that_were_set(
+    oil, values, viscosity, clearance
+):
+    """Re = density w R c / viscosity up to 41.3 sqrt(R / c), ISO 7902-1."""
+    reynolds = 41.3 * math.sqrt(0.01 / clearance)
+    speed = reynolds * viscosity / (860.0 * 0.01 * clearance)
+    for ratio, count in ((0.99, 0), (1.01, 2)):
+        expected, at = [], ratio * speed
+        Simulation(parse_rotor(OIL).with_values(values), speed=at, warn=expected.append)
+        fmu = Native(oil).put(values | {"speed": at}).initialize()
+        assert said_by(fmu.warnings) == said_by(expected)
+        not_laminar = [text for text in fmu.warnings if text.code == "not-laminar"]
+        assert len(not_laminar) == count
+        words = f"above {speed:.4g} rad/s, where the Reynolds number of its film exceeds "
+        assert all(f"{words}{reynolds:.4g} " in text for text in not_laminar)
+
+
+def test_oil_that_becomes_thin_in_a_run_is_warned_of(oil):
+    host = far(Host(oil, {"speed": 300.0}), 3, 1e-4)
+    assert "not-laminar" not in {text.code for text in host.fmu.warnings}
+    host.put(THIN)
+    host.step(1e-4)
+    assert [text.code for text in host.fmu.warnings].count("not-laminar") == 2
+
+
+@pytest.mark.parametrize(
+    ("toml", "names", "roughness"),
+    [
+        (OIL, ("journal_bearing[1].clearance",), 1e-6),
+        (DAMPED, ("squeeze_film_damper[2].clearance",), 1e-6),
+        (
+            rigid_in_rings(),
+            [f"floating_ring_bearing[1].{n}clearance" for n in ("", "outer_")],
+            2e-7,
+        ),
+    ],
+    ids=["journal", "damper", "rings"],
+)
+def test_a_clearance_below_twice_the_roughness_is_refused_as_in_a_machine_file(
+    make, toml, names, roughness
+):
+    extracted, rotor = Extracted(make(toml=toml)), parse_rotor(toml)
+    least = 2.0 * roughness
+    for name in names:
+        rotor.with_values({name: 1.001 * least})
+        with pytest.raises(QuantityError, match="must be below half the"):
+            rotor.with_values({name: least})
+        (variable,) = (v for v in extracted.description.modelVariables if v.name == name)
+        assert float(variable.min) == least
+        fmu = Native(extracted).put({"speed": 100.0, name: least})
+        words = re.escape(f"{name} = {least:g} m: must be > {least:g} m, twice the roughness")
+        with pytest.raises(Refused, match=words):
+            fmu.initialize()
+
+
+def test_hysteresis_is_warned_of_where_a_host_sets_it(make):
+    """A run takes every whirl as slower than the rotation."""
+    extracted = Extracted(make())
+    for eta_h in (0.0, 1e-3):
+        values = {"shaft.eta_h": eta_h, "shaft.rotating_damping": True}
+        expected = []
+        Simulation(rig().with_values(values), speed=50.0, warn=expected.append)
+        fmu = Native(extracted).put(values | {"speed": 50.0}).initialize()
+        assert said_by(fmu.warnings) == said_by(expected)
+        assert ("hysteretic-as-slower" in {text.code for text in fmu.warnings}) == (eta_h > 0)
 
 
 def test_of_values_one_of_which_cannot_be_none_is_taken(oil):

@@ -61,15 +61,28 @@ static Status resolve_settings(Instance *m)
     return OK;
 }
 
+/* A variable over its start value; 1 for none. */
+static double share_of_start(const Instance *m, int64_t variable)
+{
+    return variable < 0 ? 1.0 : m->values[variable] / variables(m->table)[variable].start;
+}
+
 void warn_beyond_ranges(Instance *m)
 {
     const Table *t = m->table;
     const Span *span = (const Span *)((const char *)t + t->first_span);
     double speed = in_block(m, t->omega_at);
     for (int64_t i = 0; i < t->spans; i++, span++) {
-        double at = span->is_of_size ? fabs(speed) : speed;
-        if (!(span->low <= at && at <= span->high))
-            warn(m, (int)span->sentence, &speed);
+        double numbers[] = {speed, span->high, span->reynolds};
+        double at = span->of < 0 ? speed : m->values[span->of];
+        double wider = share_of_start(m, span->clearance);
+        /* Re = density w R c / viscosity, critical at a number over sqrt(c / R) */
+        numbers[1] *= share_of_start(m, span->viscosity) / (wider * sqrt(wider));
+        numbers[2] /= sqrt(wider);
+        if (span->is_of_size)
+            at = fabs(at);
+        if (!(span->low <= at && at <= numbers[1]))
+            warn(m, (int)span->sentence, numbers);
     }
 }
 

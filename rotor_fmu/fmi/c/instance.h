@@ -57,8 +57,10 @@ typedef struct {
 
 typedef struct {
     int64_t sentence, is_of_size; /* its code; whether of the speed in either sense */
-    double low, high;
-} Span; /* speeds beyond which a sentence warns */
+    int64_t of, viscosity, clearance; /* variables, -1 for none */
+    double low, high, reynolds;
+} Span; /* speeds, or values of a parameter, beyond which a sentence warns; of a film that is laminar
+           up to `high`: what it has at the start values, its critical Reynolds number too */
 
 typedef struct {
     char magic[8], sources[16], guid[40];

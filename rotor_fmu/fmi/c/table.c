@@ -28,6 +28,11 @@ static int is_within(int64_t i, int64_t count)
     return i >= 0 && i < count;
 }
 
+static int is_none_or_within(int64_t i, int64_t count)
+{
+    return i == -1 || is_within(i, count);
+}
+
 /* Whether a text begins there: the last of them ends with zeros, and the variables follow. */
 static int is_text(const Table *t, int64_t at)
 {
@@ -124,7 +129,9 @@ static int is_sound(const Table *t)
             return 0;
     const Span *span = (const Span *)(file + t->first_span);
     for (int64_t i = 0; i < t->spans; i++, span++)
-        if (!is_within(span->sentence, t->sentences))
+        if (!is_within(span->sentence, t->sentences) || !is_none_or_within(span->of, t->observed_at)
+            || !is_none_or_within(span->viscosity, t->observed_at)
+            || !is_none_or_within(span->clearance, t->observed_at))
             return 0;
     for (int64_t i = 0; i < t->sentences; i++)
         if (!is_text(t, ((const int64_t *)(file + t->first_sentence))[i]))
