@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from .model.message_templates import Message
 
 OK, DOUBTFUL, FAILED = "ok", "doubtful: ", "failed: "
-_NOT_CONFIRMED = "not-confirmed"  # a code
+NOT_CONFIRMED = "not-confirmed"  # a code
 _OF_COST = ("reduction-pays", "slow")  # codes of what is said of a run's cost, not of its numbers
 
 
@@ -25,8 +25,8 @@ def has_failed(status: str) -> bool:
 def not_confirmed(status: str) -> str:
     """Return the status of a run that the same run, solved more finely, does not confirm."""
     if status == OK:
-        return f"{DOUBTFUL}{_NOT_CONFIRMED}"
-    return status if has_failed(status) else f"{status}, {_NOT_CONFIRMED}"
+        return f"{DOUBTFUL}{NOT_CONFIRMED}"
+    return status if has_failed(status) else f"{status}, {NOT_CONFIRMED}"
 
 
 def on_numbers(messages: Iterable[str], codes: Iterable[str]) -> list[str]:

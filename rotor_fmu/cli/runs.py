@@ -130,9 +130,11 @@ def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outco
     # an FMU holds its loads between two communication points
     result = driven if driven is not None and job.signals.is_held(job.stop) else recorded
     if verify:
+        said = len(recorded.messages)
         recorded, recording = verified(job, recorded, recording, f"{label}, finer")
         if "verification" in recording.about:
-            result = replace(result, status=recorded.status)
+            messages = (*result.messages, *recorded.messages[said:])
+            result = replace(result, status=recorded.status, messages=messages)
     apart = None if driven is None else jobs.difference(driven, recorded)
     return _Outcome(job, result, recording, apart)
 

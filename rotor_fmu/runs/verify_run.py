@@ -15,8 +15,10 @@ from ..display import current
 from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..fmi.variables import start_values
+from ..model.message_templates import Message
 from ..model.settings import Settings, SettingsError
-from ..run_status import OK, has_failed, not_confirmed
+from ..run_status import NOT_CONFIRMED as CODE
+from ..run_status import OK, has_failed, messages_and_codes, status_of
 from ..tables import Table
 from .job import execute
 from .recording import Recording
@@ -67,6 +69,18 @@ class Verification:
             return NOT_CONFIRMED
         is_same = all(c.difference <= _PLACES * self.allowed for c in self.final)
         return CONFIRMED if is_same else SENSITIVE
+
+    @property
+    def message(self) -> Message:
+        """Return in one sentence why it is not confirmed."""
+        changed = ", ".join(f"{name} = {value:g}" for name, value in self.changed.items())
+        if self.status != OK:
+            why = f"is itself {self.status}"
+        else:
+            rated = [c for c in (*self.peaks, *self.final) if c.name.endswith("_amp")]
+            worst = max(rated, key=lambda c: c.difference)
+            why = f"gives {worst.name} = {worst.finer:.3g} m instead of {worst.value:.3g} m"
+        return Message(f"not confirmed: the same run with {changed} {why}", CODE)
 
     @property
     def figures(self) -> dict[str, Any]:
@@ -143,11 +157,12 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
     finer = finer_job(job)
     other = execute(finer, None, label, is_silent=True)
     verification = compare(run, other, job.settings, job.rotor.length)
-    status = run.status
-    if verification.conclusion == NOT_CONFIRMED:
-        status = not_confirmed(status)
-    about = {**recording.about, "status": status, "verification": verification.figures}
-    return replace(run, status=status), replace(recording, about=about)
+    is_doubted = verification.conclusion == NOT_CONFIRMED
+    messages = (*run.messages, verification.message) if is_doubted else run.messages
+    status = status_of(messages)
+    said = {"status": status, **messages_and_codes(messages)}
+    about = {**recording.about, **said, "verification": verification.figures}
+    return replace(run, status=status, messages=messages), replace(recording, about=about)
 
 
 def _compared(name: str, value: float, other: float, size: float) -> Comparison:

@@ -23,8 +23,12 @@ RAMP = ([0.0, 0.5], [220.0, 215.0])
 
 
 def test_steps_that_end_on_another_solution_are_not_confirmed():
-    with pytest.warns(RotorWarning, match="too coarse in contact"):
+    with (
+        pytest.warns(RotorWarning, match="too coarse in contact"),
+        pytest.warns(RotorWarning, match=r"not confirmed: the same run with solver\.h = 0\.002"),
+    ):
         run = rf.simulate(rf.load(), speed=RAMP, preset="paper", verify=True)
+    assert run.codes == ("too-coarse-in-contact", "not-confirmed")
     assert run.verification["conclusion"] == NOT_CONFIRMED
     assert run.status == "doubtful: too-coarse-in-contact, not-confirmed"
     assert run.verification["finer"] == {"solver.h": 0.002}
