@@ -31,7 +31,7 @@ from . import entry_points
 
 _CALLED = call_laws, linearize_laws, find_gaps, find_invalid, vibrate_laws
 _BLOCKS = 16  # that are kept, one for each number of samples lately asked for: corners add some
-_STEP = 1e-6  # along the motion, as a share of an interface's length, to a sample's own side
+_TURNED = 1e-5  # about the middle of a wall, for how its clearance rises there [rad]
 # of a central difference, as a share of the variable's scale: the friction of a race that rolls at
 # hundreds of revolutions a second turns within some 1e-5 of its speed
 _DIFFERENCE = 1e-7
@@ -206,12 +206,16 @@ class LawsAlongMotion:
         """
         if not self.has_damping:
             return self.gaps(d)[:, self._walls]
-        moved = _STEP * self.length / np.maximum(np.abs(v[:, ::2] + 1j * v[:, 1::2]).max(0), 1e-300)
-        way = np.repeat(moved, 2) * v
-        three = self.gaps(np.concatenate([d, d - way, d + way]))
-        gap, before, behind = three.reshape(3, len(d), self.count)
-        delta, rate = -gap[:, self._damped], ((before - behind) / (2 * moved))[:, self._damped]
-        k, c, delta_c, exponent = self._damping
+        z, w = (of[:, ::2] + 1j * of[:, 1::2] for of in (d, v))
+        # of a wall that is no circle the clearance changes as the journal moves along it
+        turned = np.exp(1j * _TURNED * np.array([0.0, 1.0, -1.0]))
+        gap, ahead, behind = self.gaps(in_plane(np.concatenate(turned[:, None, None] * z))).reshape(
+            3, len(d), self.count
+        )
+        velocity = w * np.exp(-1j * np.angle(z))
+        rises = (ahead - behind) / (2.0 * _TURNED * np.maximum(np.abs(z), 1e-300))
+        rate = (velocity.real - rises * velocity.imag)[:, self._damped]
+        delta, (k, c, delta_c, exponent) = -gap[:, self._damped], self._damping
         slope = k * np.maximum(delta, delta_c) ** (exponent - 1.0)
         ends = np.minimum(delta - delta_c, delta + c * rate / slope)
         return np.hstack([gap[:, self._walls], -ends])

@@ -12,6 +12,7 @@ from rotor_fmu.model.periodic import arclength
 from rotor_fmu.model.periodic.arclength import ContinuationEquations, ContinuationSteps
 from rotor_fmu.model.periodic.floquet import multipliers
 from rotor_fmu.model.periodic.force_corners import SampledOrbit, crossings
+from rotor_fmu.model.periodic.fourier import basis
 from rotor_fmu.model.periodic.harmonic_count import transferred
 from rotor_fmu.model.periodic.linear_structure import CondensedMachine
 from rotor_fmu.model.periodic.newton import NotConverged, solve
@@ -94,6 +95,29 @@ def test_a_corner_lies_where_its_gap_is_zero_although_the_samples_are_few():
 def test_multipliers_do_not_depend_on_the_steps_although_a_contact_opens_and_closes(doubled):
     of_doubled = CondensedMachine(sagging().rotor), doubled.branches[0].points[::4]
     assert_same_multipliers(*of_doubled)
+
+
+@pytest.mark.parametrize("phase", np.linspace(0.0, 0.06, 5))
+def test_a_damped_contact_lets_go_where_it_does_to_rounding(phase):
+    """Else steps that end there may begin on the wrong side of it."""
+    laws, c, omega = CondensedMachine(jeffcott(mu=0.0, c=50.0).rotor).laws, 50.0, 100.0
+    d = np.zeros((3, 2))
+    d[1:, 0] = 1.5 * CLEARANCE * np.array([np.cos(phase), np.sin(phase)])
+
+    def gaps(times):
+        value, slope = basis(1, times)
+        return laws.corner_gaps(value @ d, omega * slope @ d)
+
+    h = 2 * np.pi / 512
+    cell, share, _ = crossings(laws, gaps(h * np.arange(-1, 514)), lambda c, x: gaps(h * (c + x)))
+
+    def pushes(angle):
+        moved = 1.5 * CLEARANCE * np.exp(1j * angle)
+        return moved.real - CLEARANCE - c * omega * moved.imag / STIFFNESS
+
+    expected = scipy.optimize.brentq(pushes, 0.0, 1.5, xtol=1e-16) + phase
+    for turned in (expected, expected + np.pi):
+        assert np.abs(h * (cell + share) - turned).min() < 1e-13
 
 
 def test_nor_where_a_damped_contact_lets_go_before_it_opens():
