@@ -92,7 +92,7 @@ def build(
 def ssp(
     rotor: RotorFile = None,
     is_native: Native = False,
-    tau_max: Annotated[str, typer.Option(metavar="TORQUE")] = "0.2",
+    tau_max: Annotated[str | None, typer.Option(metavar="TORQUE")] = None,
     target: str | None = None,
     step: Annotated[str, typer.Option(metavar="TIME")] = "0.002",
     stop: Annotated[str | None, typer.Option(metavar="TIME")] = None,
@@ -105,7 +105,8 @@ def ssp(
 
     Writes both FMUs, System.ssp and OspSystemStructure.xml in the folder.
 
-    tau_max: Torque limit of the motor, such as 5kN.m, or in N.m.
+    tau_max: Torque limit of the motor, such as 5kN.m, or in N.m; default: 1.9 times what the
+        machine's rate of run-up takes without load.
     target: Speed to run up to, in rad/s, or with rpm or Hz added; default: the machine's rated
         speed.
     step: Communication step, in s or such as 1ms.
@@ -115,7 +116,7 @@ def ssp(
     """
     # imported when it is called: the help needs none of it
     from ..cosimulation.coupling import Coupling
-    from ..cosimulation.system import Component, drive_system
+    from ..cosimulation.system import Component, drive_system, falls_short
     from ..examples import example_folder
     from ..fmi.packing.machine_files import machine_of
     from ..fmi.packing.native_fmu import build_native
@@ -131,10 +132,12 @@ def ssp(
         raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
     if stop is None:  # of a machine that is kept at rest: any
         stop = f"{1.5 * abs(speed) / speeds.run_up_rate or 1.0:.3g}"
-    torque, interval = in_si("--tau-max", tau_max, "N.m"), in_si("--step", step, "s")
-    end = in_si("--stop", stop, "s")
+    interval, end = in_si("--step", step, "s"), in_si("--stop", stop, "s")
+    values = {"w_target": speed, "w_start": 0.0, "ramp": speeds.run_up_rate}
+    if tau_max is not None:
+        values["tau_max"] = in_si("--tau-max", tau_max, "N.m")
     for given, value, most, unit in (
-        (f"--tau-max {tau_max}", torque, 1e6, "N.m"),
+        (f"--tau-max {tau_max}", values.get("tau_max", 1.0), 1e6, "N.m"),
         (f"--step {step}", interval, 1.0, "s"),
         (f"--stop {stop}", end, 1e6, "s"),
     ):
@@ -154,11 +157,13 @@ def ssp(
         if is_native
         else build_python(folder, machine)
     )
-    values = {"tau_max": torque, "w_target": speed, "w_start": 0.0, "ramp": speeds.run_up_rate}
     if algorithm == "ecco":  # whose longer steps need a load that goes on
         values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)
     system = drive_system(machine, drive, fmu, interval, end)
+    if short := falls_short(system.components[0], end):
+        typer.echo(f"warning: {short}", err=True)
+        warnings.append(short)
     package, structure = replace(system, algorithm=algorithm).write(folder)
     typer.echo(f"{package}\n{structure}")
     return {

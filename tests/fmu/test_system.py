@@ -8,6 +8,8 @@ import pytest
 from lxml import etree
 
 from rotor_fmu.cli.fmus import ssp
+from rotor_fmu.cosimulation.coupling import Coupling
+from rotor_fmu.cosimulation.master import coupled
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.archive import contents_of
 
@@ -177,6 +179,52 @@ def test_the_drive_runs_up_to_the_machines_own_speed(tmp_path, given, expected, 
     )
     (experiment,) = structure.iter("{*}DefaultExperiment")
     assert float(experiment.get("stopTime")) == stop  # one and a half times the run-up
+
+
+def values_of(folder, name):
+    """Start values of a component by OSP's file."""
+    root = etree.parse(folder / "OspSystemStructure.xml").getroot()
+    (simulator,) = root.xpath(f"//*[@name='{name}' and @source]")
+    return {v.get("variable"): float(v[0].get("value")) for v in simulator.iter("{*}InitialValue")}
+
+
+def test_the_drive_of_the_rig_is_that_of_the_examples(tmp_path):
+    ssp.__wrapped__(is_native=True, out=tmp_path)
+    drive = Coupling(EXAMPLES / "drive_train" / "drive_train.py")
+    own = {v.name: v.start for v in drive.variables}
+    values = values_of(tmp_path, "drive")
+    assert {"J_motor", "k", "c", "kp", "ki", "tau_max", "h"} < values.keys()
+    for name, value in values.items():
+        assert value == pytest.approx(own[name], rel=1e-6), name
+
+
+@pytest.mark.parametrize(("length", "speed", "rate"), [(0.01, 6283.0, 2e4), (1.0, 300.0, 100.0)])
+def test_a_drive_brings_a_machine_of_any_size_to_its_speed(tmp_path, length, speed, rate):
+    """Of 4e-8 and of 4e2 kg.m2; the drive of the rig diverged at the one and crept at the other."""
+    machine = tmp_path / "machine.toml"
+    operation = f"[operation]\nrated_speed = {speed}\nrun_up_rate = {rate}\n"
+    nodes = [0.0, 0.5 * length, length]
+    machine.write_text(
+        f"{shaft(*nodes, diameter=0.2 * length)}{operation}"
+        f"[[disc]]\nnode = 2\ndiameter = {length}\nwidth = {0.5 * length}\n"
+    )
+    made = ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path / "out")
+    assert not [warning for warning in made["warnings"] if "drive" in warning]
+    given = {"drive": values_of(tmp_path / "out", "drive")}
+    stop, recorded = 1.5 * speed / rate, {"drive": ["w"]}
+    with coupled({"drive": made["drive"]}, [], [], given, recorded, stop=stop) as alone:
+        run = alone.run(0.002)
+    assert run["drive"]["w"][-1] == pytest.approx(speed, rel=1e-3)
+    assert max(run["drive"]["w"]) < 1.01 * speed
+
+
+def test_a_drive_that_is_too_weak_or_a_run_too_short_is_said(tmp_path, capsys):
+    weak = ssp.__wrapped__(rotor=MACHINE, is_native=True, tau_max="0.2", out=tmp_path)
+    assert weak["warnings"][-1].startswith("the drive reaches at most 112.8 of 1000 rad/s by")
+    assert f"warning: {weak['warnings'][-1]}\n" in capsys.readouterr().err
+    short = ssp.__wrapped__(rotor=MACHINE, is_native=True, stop="10", out=tmp_path)
+    assert short["warnings"][-1].startswith("the drive reaches at most 625 of 1000 rad/s")
+    assert ssp.__wrapped__(rotor=MACHINE, is_native=True, out=tmp_path)["warnings"] == []
 
 
 @needs("libcosimpy", "pip install libcosimpy")
