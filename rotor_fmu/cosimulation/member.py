@@ -12,6 +12,7 @@ import fmpy
 
 from ..errors import InputError, RunFailed, known_name, number, shown_value
 from ..fmi.log import read_message
+from ..fmi.plain_path import check_plain_path
 from ..model.message_templates import Message
 
 _NO_NUMBERS = ("String", "Binary", "Clock")
@@ -87,10 +88,11 @@ class Member:
         search_path = list(sys.path)
         options = {"debug_logging": True, "logger": self._log}
         try:
+            check_plain_path(Path(self._folder))
             self._fmu = self._call(
                 fmpy.instantiate_fmu, self._folder, self._description, "CoSimulation", **options
             )
-        except RunFailed:
+        except (InputError, RunFailed):
             self._remove_extracted()
             raise
         finally:
