@@ -18,7 +18,10 @@ from ..model.message_templates import Message
 _NO_NUMBERS = ("String", "Binary", "Clock")
 _Groups = list[tuple[str, list[str], list[int]]]
 _REALS = ("Real", "Float64", "Float32")
-_LARGEST = {"Integer": 2**31 - 1, "Int32": 2**31 - 1}  # which ctypes would let wrap around
+# Beyond these ctypes would let an integer wrap around.
+_LEAST = {"Integer": -(2**31)} | {f"Int{n}": -(2 ** (n - 1)) for n in (8, 16, 32, 64)}
+_MOST = {name: -least - 1 for name, least in _LEAST.items()}
+_MOST |= {f"UInt{n}": 2**n - 1 for n in (8, 16, 32, 64)}
 
 
 class EndedEarly(RunFailed):
@@ -184,7 +187,7 @@ class Member:
         given = number(where, int(value) if kind == "Boolean" and value in (0, 1) else value)
         if kind in _REALS:
             return given
-        if not given.is_integer() or abs(given) > _LARGEST.get(kind, 2**63):
+        if not given.is_integer() or not _LEAST.get(kind, 0) <= given <= _MOST.get(kind, 1):
             raise InputError(f"{where} = {given:g}: must be an integer of type {kind}")
         return int(given)
 
