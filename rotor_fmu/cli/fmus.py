@@ -118,7 +118,7 @@ def ssp(
     from ..cosimulation.coupling import Coupling
     from ..cosimulation.system import Component, drive_system, falls_short
     from ..examples import example_folder
-    from ..fmi.packing.machine_files import machine_of
+    from ..fmi.packing.machine_files import NATIVE, machine_of
     from ..fmi.packing.native_fmu import build_native
     from ..fmi.packing.python_fmu import build as build_python
     from ..machine_file.loading import load_rotor
@@ -150,8 +150,11 @@ def ssp(
     platform = here()
     if is_native and platform is None:
         raise InputError("--native: there is no library for this machine")
-    folder, warnings = writable_folder(out), warned(machine.rotor)
     coupling = Coupling(example_folder("drive_train") / "drive_train.py")
+    own = f"{machine.identifier(NATIVE if is_native else '')}.fmu"
+    if own.lower() == coupling.fmu_name.lower():  # some file systems know no capitals
+        raise InputError(f"{own}: is the drive's FMU; give the machine another name or identifier")
+    folder, warnings = writable_folder(out), warned(machine.rotor)
     fmu = (
         build_native(folder, machine, platforms=[str(platform)])
         if is_native

@@ -227,6 +227,15 @@ def test_a_drive_that_is_too_weak_or_a_run_too_short_is_said(tmp_path, capsys):
     assert ssp.__wrapped__(rotor=MACHINE, is_native=True, out=tmp_path)["warnings"] == []
 
 
+@pytest.mark.parametrize("name", ["drive train", "Drivetrain"])
+def test_a_machine_whose_fmu_the_drives_would_replace_is_refused(tmp_path, name):
+    machine = tmp_path / "machine.toml"
+    machine.write_text(re.sub('name = ".*"', f'name = "{name}"', MACHINE.read_text(), count=1))
+    with pytest.raises(InputError, match=r"^Drive[Tt]rain\.fmu: is the drive's FMU; give the mach"):
+        ssp.__wrapped__(rotor=machine, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 @needs("libcosimpy", "pip install libcosimpy")
 def test_osps_file_is_valid(folder):
     content = (folder / "OspSystemStructure.xml").read_bytes()
