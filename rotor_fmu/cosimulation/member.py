@@ -6,11 +6,13 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any
 
 import fmpy
 
 from ..errors import InputError, RunFailed, known_name, number, shown_value
+from ..files import named
 from ..fmi.log import read_message
 from ..fmi.plain_path import check_plain_path
 from ..model.message_templates import Message
@@ -56,8 +58,7 @@ class Member:
         try:
             description = fmpy.read_model_description(str(fmu))
         except Exception as error:  # of many kinds, the parser's of XML too
-            reason = getattr(error, "strerror", None) or " ".join(str(error).split())
-            raise InputError(f"{fmu}: is not an FMU that can be read: {reason}") from error
+            raise self._unreadable(error) from error
         version = description.fmiVersion
         self._is_fmi3 = version.startswith("3.")
         if version != "2.0" and not self._is_fmi3:
@@ -87,15 +88,17 @@ class Member:
         return self
 
     def _instantiate(self) -> None:
-        self._folder = str(self._file) if self._is_extracted else fmpy.extract(str(self._file))
+        self._folder = str(self._file) if self._is_extracted else mkdtemp()
         search_path = list(sys.path)
         options = {"debug_logging": True, "logger": self._log}
         try:
+            if not self._is_extracted:
+                self._extract()
             check_plain_path(Path(self._folder))
             self._fmu = self._call(
                 fmpy.instantiate_fmu, self._folder, self._description, "CoSimulation", **options
             )
-        except (InputError, RunFailed):
+        except BaseException:
             self._remove_extracted()
             raise
         finally:
@@ -199,6 +202,19 @@ class Member:
             said = self.messages[heard:]
             reason = said[-1] if said else " ".join(str(error).split())
             raise RunFailed(f"{self._name}: {reason}") from error
+
+    def _extract(self) -> None:
+        try:
+            with named(Path(self._folder)):
+                fmpy.extract(str(self._file), self._folder)
+        except OSError:  # of the disk
+            raise
+        except Exception as error:
+            raise self._unreadable(error) from error
+
+    def _unreadable(self, error: Exception) -> InputError:
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+        return InputError(f"{self._file}: is not an FMU that can be read: {reason}")
 
     def _remove_extracted(self) -> None:
         if not self._is_extracted:

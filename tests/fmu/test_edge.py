@@ -6,6 +6,7 @@ import math
 import re
 import subprocess
 import tempfile
+import zipfile
 
 import fmpy
 import pytest
@@ -240,3 +241,17 @@ def test_an_fmu_in_python_is_not_loaded_from_a_path_from_which_it_would_end_the_
     with pytest.raises(InputError, match=said):
         run_fmu(fmu, prepare(None, None, (), None, 0.01, None))
     assert list(folder.iterdir()) == []
+
+
+def test_an_archive_that_is_damaged_is_said_and_leaves_no_folder(tmp_path, native_fmu, monkeypatch):
+    content = bytearray(native_fmu.read_bytes())
+    with zipfile.ZipFile(native_fmu) as archive:
+        entry = max(archive.infolist(), key=lambda entry: entry.compress_size)
+    content[entry.header_offset + entry.compress_size // 2] ^= 0xFF
+    damaged = tmp_path / "Damaged.fmu"
+    damaged.write_bytes(content)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    said = r"Damaged\.fmu: is not an FMU that can be read: .*binaries/"
+    with pytest.raises(InputError, match=said):
+        Member(damaged, {}, []).__enter__()
+    assert list(tmp_path.iterdir()) == [damaged]
