@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,6 +17,9 @@ from ..output_options import with_output_options
 from ..units import in_si
 from .shared import Free, RotorFile, warned
 from .speeds import one_speed
+
+if TYPE_CHECKING:
+    from ..fmi.packing.machine_files import Machine
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
 Platforms = Annotated[
@@ -164,9 +167,9 @@ def ssp(
         values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)
     system = drive_system(machine, drive, fmu, interval, end)
-    if short := falls_short(system.components[0], end):
-        typer.echo(f"warning: {short}", err=True)
-        warnings.append(short)
+    for doubt in filter(None, (_no_start(machine), falls_short(system.components[0], end))):
+        typer.echo(f"warning: {doubt}", err=True)
+        warnings.append(doubt)
     package, structure = replace(system, algorithm=algorithm).write(folder)
     typer.echo(f"{package}\n{structure}")
     return {
@@ -190,6 +193,20 @@ def libraries(platforms: Platforms = None) -> dict[str, Any]:
     for library_file in made.values():
         typer.echo(library_file)
     return made
+
+
+def _no_start(machine: "Machine") -> str:
+    """Say why a machine cannot start at rest; empty where it can."""
+    from ..fmi.binding import build_simulation
+    from ..fmi.variables import start_values
+    from ..model.simulation import EquilibriumError
+
+    values = start_values(machine.table) | {"speed": 0.0}
+    try:
+        build_simulation(machine.rotor, machine.table, values, lambda message: None)
+    except EquilibriumError as error:
+        return f"the system cannot start at 0 rad/s: {error}"
+    return ""
 
 
 def _step(text: str) -> float:

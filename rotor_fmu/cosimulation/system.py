@@ -272,7 +272,8 @@ def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, sto
 def falls_short(drive: Component, stop: float) -> str:
     """Say that a drive's torque and ramp do not bring it to its target by the end, even without
     load; empty where they do."""
-    values = {name: v.start or 0.0 for name, v in drive.settable().items()} | drive.values
+    values = {name: v.start or 0.0 for name, v in drive.settable().items()}
+    values |= drive.values
     target, torque, ramp = (values[name] for name in ("w_target", "tau_max", "ramp"))
     inertia = values["J_motor"] + values["J_rotor"]
     reached = min(ramp, torque / inertia) * stop

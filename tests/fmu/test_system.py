@@ -10,7 +10,7 @@ from lxml import etree
 from rotor_fmu.cli.fmus import ssp
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.master import coupled
-from rotor_fmu.errors import InputError
+from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.fmi.packing.archive import contents_of
 
 from ..parts.machines import shaft
@@ -227,6 +227,18 @@ def test_a_drive_that_is_too_weak_or_a_run_too_short_is_said(tmp_path, capsys):
     assert ssp.__wrapped__(rotor=MACHINE, is_native=True, out=tmp_path)["warnings"] == []
 
 
+def test_a_machine_that_cannot_start_at_rest_is_said(tmp_path):
+    """Its films carry nothing before it turns, and the drive starts from rest."""
+    machine = EXAMPLES / "turbocharger" / "rotor.toml"
+    made = ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path)
+    (warning,) = made["warnings"]
+    assert warning.startswith("the system cannot start at 0 rad/s: no static equilibrium")
+    given = {"rotor": values_of(tmp_path, "rotor")}
+    opened = coupled({"rotor": made["rotor"]}, [], [], given, stop=1.0)
+    with pytest.raises(RunFailed, match="no static equilibrium"), opened as alone:
+        alone.run(0.002)
+
+
 @pytest.mark.parametrize("name", ["drive train", "Drivetrain"])
 def test_a_machine_whose_fmu_the_drives_would_replace_is_refused(tmp_path, name):
     machine = tmp_path / "machine.toml"
@@ -249,8 +261,9 @@ def test_a_machine_that_nothing_holds_is_warned_of_as_by_build(tmp_path, capsys)
     machine = tmp_path / "hanging.toml"
     machine.write_text(shaft(0.0, 0.5, 1.0) + "[[support]]\nnode = 1\nstiffness = 1e7\n")
     summary = ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path)
-    (warning,) = summary["warnings"]
+    warning, start = summary["warnings"]
     assert warning.startswith("the machine is not held")
+    assert start.startswith("the system cannot start at 0 rad/s: no static equilibrium")
     assert f"warning: {warning}\n" in capsys.readouterr().err
 
 
