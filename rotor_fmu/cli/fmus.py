@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,6 +17,9 @@ from ..output_options import with_output_options
 from ..units import in_si
 from .shared import Free, RotorFile, warned
 from .speeds import one_speed
+
+if TYPE_CHECKING:
+    from ..fmi.packing.machine_files import Machine
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
 Platforms = Annotated[
@@ -92,7 +95,7 @@ def build(
 def ssp(
     rotor: RotorFile = None,
     is_native: Native = False,
-    tau_max: Annotated[str, typer.Option(metavar="TORQUE")] = "0.2",
+    tau_max: Annotated[str | None, typer.Option(metavar="TORQUE")] = None,
     target: str | None = None,
     step: Annotated[str, typer.Option(metavar="TIME")] = "0.002",
     stop: Annotated[str | None, typer.Option(metavar="TIME")] = None,
@@ -105,7 +108,8 @@ def ssp(
 
     Writes both FMUs, System.ssp and OspSystemStructure.xml in the folder.
 
-    tau_max: Torque limit of the motor, such as 5kN.m, or in N.m.
+    tau_max: Torque limit of the motor, such as 5kN.m, or in N.m; default: 1.9 times what the
+        machine's rate of run-up takes without load.
     target: Speed to run up to, in rad/s, or with rpm or Hz added; default: the machine's rated
         speed.
     step: Communication step, in s or such as 1ms.
@@ -115,9 +119,9 @@ def ssp(
     """
     # imported when it is called: the help needs none of it
     from ..cosimulation.coupling import Coupling
-    from ..cosimulation.system import Component, drive_system
+    from ..cosimulation.system import Component, drive_system, falls_short
     from ..examples import example_folder
-    from ..fmi.packing.machine_files import machine_of
+    from ..fmi.packing.machine_files import NATIVE, machine_of
     from ..fmi.packing.native_fmu import build_native
     from ..fmi.packing.python_fmu import build as build_python
     from ..machine_file.loading import load_rotor
@@ -131,10 +135,12 @@ def ssp(
         raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
     if stop is None:  # of a machine that is kept at rest: any
         stop = f"{1.5 * abs(speed) / speeds.run_up_rate or 1.0:.3g}"
-    torque, interval = in_si("--tau-max", tau_max, "N.m"), in_si("--step", step, "s")
-    end = in_si("--stop", stop, "s")
+    interval, end = in_si("--step", step, "s"), in_si("--stop", stop, "s")
+    values = {"w_target": speed, "w_start": 0.0, "ramp": speeds.run_up_rate}
+    if tau_max is not None:
+        values["tau_max"] = in_si("--tau-max", tau_max, "N.m")
     for given, value, most, unit in (
-        (f"--tau-max {tau_max}", torque, 1e6, "N.m"),
+        (f"--tau-max {tau_max}", values.get("tau_max", 1.0), 1e6, "N.m"),
         (f"--step {step}", interval, 1.0, "s"),
         (f"--stop {stop}", end, 1e6, "s"),
     ):
@@ -147,18 +153,23 @@ def ssp(
     platform = here()
     if is_native and platform is None:
         raise InputError("--native: there is no library for this machine")
-    folder, warnings = writable_folder(out), warned(machine.rotor)
     coupling = Coupling(example_folder("drive_train") / "drive_train.py")
+    own = f"{machine.identifier(NATIVE if is_native else '')}.fmu"
+    if own.lower() == coupling.fmu_name.lower():  # some file systems know no capitals
+        raise InputError(f"{own}: is the drive's FMU; give the machine another name or identifier")
+    folder, warnings = writable_folder(out), warned(machine.rotor)
     fmu = (
         build_native(folder, machine, platforms=[str(platform)])
         if is_native
         else build_python(folder, machine)
     )
-    values = {"tau_max": torque, "w_target": speed, "w_start": 0.0, "ramp": speeds.run_up_rate}
     if algorithm == "ecco":  # whose longer steps need a load that goes on
         values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)
     system = drive_system(machine, drive, fmu, interval, end)
+    for doubt in filter(None, (_no_start(machine), falls_short(system.components[0], end))):
+        typer.echo(f"warning: {doubt}", err=True)
+        warnings.append(doubt)
     package, structure = replace(system, algorithm=algorithm).write(folder)
     typer.echo(f"{package}\n{structure}")
     return {
@@ -182,6 +193,20 @@ def libraries(platforms: Platforms = None) -> dict[str, Any]:
     for library_file in made.values():
         typer.echo(library_file)
     return made
+
+
+def _no_start(machine: "Machine") -> str:
+    """Say why a machine cannot start at rest; empty where it can."""
+    from ..fmi.binding import build_simulation
+    from ..fmi.variables import start_values
+    from ..model.simulation import EquilibriumError
+
+    values = start_values(machine.table) | {"speed": 0.0}
+    try:
+        build_simulation(machine.rotor, machine.table, values, lambda message: None)
+    except EquilibriumError as error:
+        return f"the system cannot start at 0 rad/s: {error}"
+    return ""
 
 
 def _step(text: str) -> float:

@@ -6,18 +6,24 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any
 
 import fmpy
 
 from ..errors import InputError, RunFailed, known_name, number, shown_value
+from ..files import named
 from ..fmi.log import read_message
+from ..fmi.plain_path import check_plain_path
 from ..model.message_templates import Message
 
 _NO_NUMBERS = ("String", "Binary", "Clock")
 _Groups = list[tuple[str, list[str], list[int]]]
 _REALS = ("Real", "Float64", "Float32")
-_LARGEST = {"Integer": 2**31 - 1, "Int32": 2**31 - 1}  # which ctypes would let wrap around
+# Beyond these ctypes would let an integer wrap around.
+_LEAST = {"Integer": -(2**31)} | {f"Int{n}": -(2 ** (n - 1)) for n in (8, 16, 32, 64)}
+_MOST = {name: -least - 1 for name, least in _LEAST.items()}
+_MOST |= {f"UInt{n}": 2**n - 1 for n in (8, 16, 32, 64)}
 
 
 class EndedEarly(RunFailed):
@@ -52,8 +58,7 @@ class Member:
         try:
             description = fmpy.read_model_description(str(fmu))
         except Exception as error:  # of many kinds, the parser's of XML too
-            reason = getattr(error, "strerror", None) or " ".join(str(error).split())
-            raise InputError(f"{fmu}: is not an FMU that can be read: {reason}") from error
+            raise self._unreadable(error) from error
         version = description.fmiVersion
         self._is_fmi3 = version.startswith("3.")
         if version != "2.0" and not self._is_fmi3:
@@ -83,14 +88,17 @@ class Member:
         return self
 
     def _instantiate(self) -> None:
-        self._folder = str(self._file) if self._is_extracted else fmpy.extract(str(self._file))
+        self._folder = str(self._file) if self._is_extracted else mkdtemp()
         search_path = list(sys.path)
         options = {"debug_logging": True, "logger": self._log}
         try:
+            if not self._is_extracted:
+                self._extract()
+            check_plain_path(Path(self._folder))
             self._fmu = self._call(
                 fmpy.instantiate_fmu, self._folder, self._description, "CoSimulation", **options
             )
-        except RunFailed:
+        except BaseException:
             self._remove_extracted()
             raise
         finally:
@@ -182,7 +190,7 @@ class Member:
         given = number(where, int(value) if kind == "Boolean" and value in (0, 1) else value)
         if kind in _REALS:
             return given
-        if not given.is_integer() or abs(given) > _LARGEST.get(kind, 2**63):
+        if not given.is_integer() or not _LEAST.get(kind, 0) <= given <= _MOST.get(kind, 1):
             raise InputError(f"{where} = {given:g}: must be an integer of type {kind}")
         return int(given)
 
@@ -194,6 +202,19 @@ class Member:
             said = self.messages[heard:]
             reason = said[-1] if said else " ".join(str(error).split())
             raise RunFailed(f"{self._name}: {reason}") from error
+
+    def _extract(self) -> None:
+        try:
+            with named(Path(self._folder)):
+                fmpy.extract(str(self._file), self._folder)
+        except OSError:  # of the disk
+            raise
+        except Exception as error:
+            raise self._unreadable(error) from error
+
+    def _unreadable(self, error: Exception) -> InputError:
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+        return InputError(f"{self._file}: is not an FMU that can be read: {reason}")
 
     def _remove_extracted(self) -> None:
         if not self._is_extracted:

@@ -4,6 +4,7 @@ terminals and units, parameters as SSV), and OSP's system structure with power b
 Neither holds the solver's enumerations: libcosim does not support them and aborts.
 """
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -30,6 +31,16 @@ _EXTENSION = "application/x-ssp-parameter-set"
 _TERMINALS = "rotor-fmu.terminals"  # type of the annotation; SSP has no element for terminals
 _LOST = 1e-8  # share of a machine's kinetic energy that a step of ECCO may lose
 _ENDS = ("startElement", "startConnector", "endElement", "endConnector")  # of a connection
+# Powers of inertia and time with which a drive's parameters grow, so that its motion stays the same
+_POWERS = {
+    "J_motor": (1, 0),
+    "k": (1, -2),
+    "c": (1, -1),
+    "kp": (1, -1),
+    "ki": (1, -2),
+    "tau_max": (1, -2),
+    "h": (0, 1),
+}
 SSP_NAME, OSP_NAME = "System.ssp", "OspSystemStructure.xml"
 # Of libcosim's ECCO: the shortest and the longest step, relative to the communication step, and the
 # rates and gains by which the step changes. They are low because the error of the power passes
@@ -237,11 +248,14 @@ def _sub(parent: Element, tag: str, /, **attributes: str) -> Element:
 
 
 def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, stop: float) -> System:
-    """Return a machine's FMU on a drive that holds its inertia, `J_rotor`."""
+    """Return a machine's FMU on a drive that holds its inertia, `J_rotor`. What else the drive's
+    values leave open is that of its own machine in proportion: as many times larger as the inertia
+    is, and quicker as the root of the ramp's rate is."""
     inertia = float(assemble(machine.rotor).numbers[0].inertia)
+    given = {"J_rotor": inertia, **drive.values}
     drive = replace(
         drive,
-        values={"J_rotor": inertia, **drive.values},
+        values=_in_proportion(drive.settable(), given) | given,
         terminals=[shaft_terminal({"w": "w", "tau_load": "tau_load"})],
     )
     speed = {"speed": drive.values.get("w_start", 0.0)}
@@ -253,3 +267,32 @@ def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, sto
     energy = 0.5 * inertia * drive.values.get("w_target", 0.0) ** 2
     system = System(name, (drive, rotor), (bond,), step, stop)
     return replace(system, tolerance=_LOST * energy) if energy else system
+
+
+def falls_short(drive: Component, stop: float) -> str:
+    """Say that a drive's torque and ramp do not bring it to its target by the end, even without
+    load; empty where they do."""
+    values = {name: v.start or 0.0 for name, v in drive.settable().items()}
+    values |= drive.values
+    target, torque, ramp = (values[name] for name in ("w_target", "tau_max", "ramp"))
+    inertia = values["J_motor"] + values["J_rotor"]
+    reached = min(ramp, torque / inertia) * stop
+    if reached >= abs(target):
+        return ""
+    return (
+        f"the {drive.name} reaches at most {reached:.4g} of {abs(target):.4g} rad/s by the end "
+        f"at {stop:g} s: {torque:.3g} N.m accelerate {inertia:.3g} kg.m2, along a ramp of "
+        f"{ramp:.3g} rad/s2"
+    )
+
+
+def _in_proportion(own: Mapping[str, Variable], given: Mapping[str, float]) -> dict[str, float]:
+    """Return the drive's parameters for a given inertia `J_rotor` and rate `ramp`, of six digits;
+    none below what the drive takes."""
+    larger = given["J_rotor"] / (own["J_rotor"].start or 1.0)
+    longer = math.sqrt((own["ramp"].start or 1.0) / given["ramp"])
+    values = {
+        name: (own[name].start or 0.0) * larger**of_inertia * longer**of_time
+        for name, (of_inertia, of_time) in _POWERS.items()
+    }
+    return {name: max(float(f"{v:.6g}"), own[name].low or 0.0) for name, v in values.items()}

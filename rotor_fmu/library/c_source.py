@@ -40,8 +40,11 @@ _OTHER_VERSION = {2: "fmi3.c", 3: "fmi2.c"}
 # No system but Linux is sure to have it, and nothing of it is used.
 _UNUSED = "#include <alloca.h>\n"
 _RETURN = "return w2c__initialize(instance);"  # of a function without a result: no C17
-# IEEE 754 is kept: no product is fused into a sum.
+# IEEE 754 is kept: no product is fused into a sum, and there are numbers that are none.
 _BEFORE = """\
+#if defined(__FAST_MATH__) || __FINITE_MATH_ONLY__ || defined(_M_FP_FAST)
+#error "compile without -ffast-math, -Ofast and /fp:fast: the solver needs IEEE 754"
+#endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)

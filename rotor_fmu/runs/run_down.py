@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import RunFailed
 from ..fmi.binding import build_simulation, changed_rotor, load_names
 from ..fmi.log import read_message
+from ..fmi.plain_path import check_plain_path
 from ..fmi.variables import Variable, start_values
 from ..interrupts import interrupts_noted
 from ..model.machine.rotor import Rotor
@@ -165,6 +166,7 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
 def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., None]) -> Any:
     import fmpy
 
+    check_plain_path(Path(folder))
     try:
         return fmpy.instantiate_fmu(
             folder, description, "CoSimulation", debug_logging=True, logger=log

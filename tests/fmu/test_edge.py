@@ -3,7 +3,10 @@ libraries with the same names. In a process of its own where it might crash."""
 
 import ctypes
 import math
+import re
 import subprocess
+import tempfile
+import zipfile
 
 import fmpy
 import pytest
@@ -11,9 +14,13 @@ from fmpy.fmi2 import FMU2Slave
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
+from rotor_fmu.cosimulation.member import Member
+from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.runs.job import prepare
+from rotor_fmu.runs.run_down import run_fmu
 
 from ..processes import run_python
 from .masters import COMPILER, NEEDS_COMPILER
@@ -218,3 +225,33 @@ def test_no_part_may_be_called_as_a_variable_that_is_there(is_free):
         with pytest.raises(QuantityError, match=f"name = {variable.name}: is reserved"):
             parse_rotor(rig_toml() + port)
     assert math.isfinite(parse_rotor(rig_toml() + '[[port]]\nnode = 3\nname = "v"\n').length)
+
+
+@pytest.mark.parametrize("name", ["\N{LATIN SMALL LETTER U WITH DIAERESIS}", "100%", "a+b"])
+def test_an_fmu_in_python_is_not_loaded_from_a_path_from_which_it_would_end_the_process(
+    fmu, tmp_path, monkeypatch, name
+):
+    folder = tmp_path / name
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    monkeypatch.setattr(fmpy, "instantiate_fmu", lambda *_, **__: pytest.fail("was loaded"))
+    said = re.escape(str(folder)) + ".*: an FMU in Python is run from a path of plain letters"
+    with pytest.raises(InputError, match=said):
+        Member(fmu, {}, []).__enter__()
+    with pytest.raises(InputError, match=said):
+        run_fmu(fmu, prepare(None, None, (), None, 0.01, None))
+    assert list(folder.iterdir()) == []
+
+
+def test_an_archive_that_is_damaged_is_said_and_leaves_no_folder(tmp_path, native_fmu, monkeypatch):
+    content = bytearray(native_fmu.read_bytes())
+    with zipfile.ZipFile(native_fmu) as archive:
+        entry = max(archive.infolist(), key=lambda entry: entry.compress_size)
+    content[entry.header_offset + entry.compress_size // 2] ^= 0xFF
+    damaged = tmp_path / "Damaged.fmu"
+    damaged.write_bytes(content)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    said = r"Damaged\.fmu: is not an FMU that can be read: .*binaries/"
+    with pytest.raises(InputError, match=said):
+        Member(damaged, {}, []).__enter__()
+    assert list(tmp_path.iterdir()) == [damaged]

@@ -195,6 +195,21 @@ def test_an_array_and_a_text_are_no_single_numbers(native_3, monkeypatch):
             member.variable("w")
 
 
+@pytest.mark.parametrize(
+    ("kind", "least", "most"),
+    [("Int8", -128, 127), ("UInt8", 0, 255), ("UInt16", 0, 65535), ("Int32", -(2**31), 2**31 - 1)],
+)
+def test_an_integer_of_fmi_3_is_within_its_type(native_3, monkeypatch, kind, least, most):
+    """Another would wrap around: 300 would be set as 44."""
+    member = Member(native_3, {}, [])
+    monkeypatch.setattr(member.variable("solver.newton_limit"), "type", kind)
+    for value in (least, most):
+        assert member._typed("solver.newton_limit", value) == value
+    for value in (least - 1, most + 1):
+        with pytest.raises(InputError, match=rf": must be an integer of type {kind}$"):
+            member._typed("solver.newton_limit", value)
+
+
 def test_a_message_that_all_is_well_is_no_reason_for_a_failure(native_3, monkeypatch):
     def fails(t, h):
         member._log(None, 0, b"logAll", b"as it should be")

@@ -8,7 +8,9 @@ import pytest
 from lxml import etree
 
 from rotor_fmu.cli.fmus import ssp
-from rotor_fmu.errors import InputError
+from rotor_fmu.cosimulation.coupling import Coupling
+from rotor_fmu.cosimulation.master import coupled
+from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.fmi.packing.archive import contents_of
 
 from ..parts.machines import shaft
@@ -179,6 +181,73 @@ def test_the_drive_runs_up_to_the_machines_own_speed(tmp_path, given, expected, 
     assert float(experiment.get("stopTime")) == stop  # one and a half times the run-up
 
 
+def values_of(folder, name):
+    """Start values of a component by OSP's file."""
+    root = etree.parse(folder / "OspSystemStructure.xml").getroot()
+    (simulator,) = root.xpath(f"//*[@name='{name}' and @source]")
+    return {v.get("variable"): float(v[0].get("value")) for v in simulator.iter("{*}InitialValue")}
+
+
+def test_the_drive_of_the_rig_is_that_of_the_examples(tmp_path):
+    ssp.__wrapped__(is_native=True, out=tmp_path)
+    drive = Coupling(EXAMPLES / "drive_train" / "drive_train.py")
+    own = {v.name: v.start for v in drive.variables}
+    values = values_of(tmp_path, "drive")
+    assert {"J_motor", "k", "c", "kp", "ki", "tau_max", "h"} < values.keys()
+    for name, value in values.items():
+        assert value == pytest.approx(own[name], rel=1e-6), name
+
+
+@pytest.mark.parametrize(("length", "speed", "rate"), [(0.01, 6283.0, 2e4), (1.0, 300.0, 100.0)])
+def test_a_drive_brings_a_machine_of_any_size_to_its_speed(tmp_path, length, speed, rate):
+    """Of 4e-8 and of 4e2 kg.m2; the drive of the rig diverged at the one and crept at the other."""
+    machine = tmp_path / "machine.toml"
+    operation = f"[operation]\nrated_speed = {speed}\nrun_up_rate = {rate}\n"
+    nodes = [0.0, 0.5 * length, length]
+    machine.write_text(
+        f"{shaft(*nodes, diameter=0.2 * length)}{operation}"
+        f"[[disc]]\nnode = 2\ndiameter = {length}\nwidth = {0.5 * length}\n"
+    )
+    made = ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path / "out")
+    assert not [warning for warning in made["warnings"] if "drive" in warning]
+    given = {"drive": values_of(tmp_path / "out", "drive")}
+    stop, recorded = 1.5 * speed / rate, {"drive": ["w"]}
+    with coupled({"drive": made["drive"]}, [], [], given, recorded, stop=stop) as alone:
+        run = alone.run(0.002)
+    assert run["drive"]["w"][-1] == pytest.approx(speed, rel=1e-3)
+    assert max(run["drive"]["w"]) < 1.01 * speed
+
+
+def test_a_drive_that_is_too_weak_or_a_run_too_short_is_said(tmp_path, capsys):
+    weak = ssp.__wrapped__(rotor=MACHINE, is_native=True, tau_max="0.2", out=tmp_path)
+    assert weak["warnings"][-1].startswith("the drive reaches at most 112.8 of 1000 rad/s by")
+    assert f"warning: {weak['warnings'][-1]}\n" in capsys.readouterr().err
+    short = ssp.__wrapped__(rotor=MACHINE, is_native=True, stop="10", out=tmp_path)
+    assert short["warnings"][-1].startswith("the drive reaches at most 625 of 1000 rad/s")
+    assert ssp.__wrapped__(rotor=MACHINE, is_native=True, out=tmp_path)["warnings"] == []
+
+
+def test_a_machine_that_cannot_start_at_rest_is_said(tmp_path):
+    """Its films carry nothing before it turns, and the drive starts from rest."""
+    machine = EXAMPLES / "turbocharger" / "rotor.toml"
+    made = ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path)
+    (warning,) = made["warnings"]
+    assert warning.startswith("the system cannot start at 0 rad/s: no static equilibrium")
+    given = {"rotor": values_of(tmp_path, "rotor")}
+    opened = coupled({"rotor": made["rotor"]}, [], [], given, stop=1.0)
+    with pytest.raises(RunFailed, match="no static equilibrium"), opened as alone:
+        alone.run(0.002)
+
+
+@pytest.mark.parametrize("name", ["drive train", "Drivetrain"])
+def test_a_machine_whose_fmu_the_drives_would_replace_is_refused(tmp_path, name):
+    machine = tmp_path / "machine.toml"
+    machine.write_text(re.sub('name = ".*"', f'name = "{name}"', MACHINE.read_text(), count=1))
+    with pytest.raises(InputError, match=r"^Drive[Tt]rain\.fmu: is the drive's FMU; give the mach"):
+        ssp.__wrapped__(rotor=machine, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 @needs("libcosimpy", "pip install libcosimpy")
 def test_osps_file_is_valid(folder):
     content = (folder / "OspSystemStructure.xml").read_bytes()
@@ -192,8 +261,9 @@ def test_a_machine_that_nothing_holds_is_warned_of_as_by_build(tmp_path, capsys)
     machine = tmp_path / "hanging.toml"
     machine.write_text(shaft(0.0, 0.5, 1.0) + "[[support]]\nnode = 1\nstiffness = 1e7\n")
     summary = ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path)
-    (warning,) = summary["warnings"]
+    warning, start = summary["warnings"]
     assert warning.startswith("the machine is not held")
+    assert start.startswith("the system cannot start at 0 rad/s: no static equilibrium")
     assert f"warning: {warning}\n" in capsys.readouterr().err
 
 

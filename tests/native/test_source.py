@@ -90,6 +90,16 @@ def test_functions_carry_the_prefix_that_a_program_of_several_fmus_asks_for(tmp_
 
 
 @NEEDED
+@pytest.mark.parametrize("flag", ["-ffast-math", "-Ofast", "-ffinite-math-only"])
+def test_a_compiler_that_is_told_not_to_keep_ieee_754_is_refused(tmp_path, flag):
+    """No number would be NaN, which is how a parameter that is not set is told."""
+    for file in unpacked(tmp_path, 2).glob("sources/[!w]*.c"):
+        command = ["cc", flag, "-fsyntax-only", file]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert "compile without -ffast-math" in done.stderr
+
+
+@NEEDED
 @pytest.mark.slow
 def test_a_bare_cc_makes_a_library_with_the_same_bits(tmp_path):
     folder = unpacked(tmp_path, 2)
