@@ -53,8 +53,9 @@ class CriticalMap:
 
     stiffness: of every bearing, shape (s,) [N/m]; speeds: forward critical speeds, or natural
     frequencies at standstill where `synchronous` is false, ascending, shape (s, m) [rad/s], NaN
-    where there are fewer; where pedestals differ in x and y each line is followed by its shape, and
-    is NaN where it clearly whirls backward (see `forward_branches`); bearings: names of what the
+    where there are fewer; where pedestals differ in x and y each line is followed by its shape, is
+    NaN where it clearly whirls backward (see `forward_branches`), and is there if it is among those
+    asked for at any stiffness; bearings: names of what the
     stiffness replaces; own: the stiffness of these bearings; crossings: where that meets a line;
     rigid: the first critical speed on rigid supports, housings included [rad/s].
     """
@@ -79,12 +80,13 @@ def critical_map(
 ) -> CriticalMap:
     """Return the undamped critical speed map of a machine without its seals.
 
-    stiffness: ascending ones of the bearings [N/m], at least 2; count: number of lines, the lowest
-    ones; synchronous: whether the rotor turns at its critical speeds, with gyroscopic moments,
-    otherwise natural frequencies at standstill are given; rigid_pedestals: whether housings are
-    taken as ground; contacts: `open`, they do not act, or `pinned`, they are bearings too, by
-    default open where the machine is held without them. Raises `LinearError` if the stiffnesses do
-    not ascend from above 0 or are beyond all reason for the rotor, or it has no bearing.
+    stiffness: ascending ones of the bearings [N/m], at least 2; count: how many of the lowest ones
+    at each stiffness lie on lines; synchronous: whether the rotor turns at its critical speeds,
+    with gyroscopic moments, otherwise natural frequencies at standstill are given; rigid_pedestals:
+    whether housings are taken as ground; contacts: `open`, they do not act, or `pinned`, they are
+    bearings too, by default open where the machine is held without them. Raises `LinearError` if
+    the stiffnesses do not ascend from above 0 or are beyond all reason for the rotor, or it has no
+    bearing.
     """
     values = np.array(numbers("stiffness", stiffness))
     ascends = len(values) > 1 and values[0] > 0 and (np.diff(values) > 0).all()
@@ -108,9 +110,9 @@ def critical_map(
 
     @cache
     def lines(k: float) -> np.ndarray:
-        """Return the lowest critical speeds, shape (count,) [rad/s], NaN where there are fewer."""
-        found = solve(k)[:count]
-        return np.append(found, np.full(count - len(found), np.nan))
+        """Return the lines' critical speeds [rad/s], NaN where there are fewer."""
+        found = solve(k)[: None if branches else count]
+        return np.append(found, np.full(max(count - len(found), 0), np.nan))
 
     speeds = np.array([lines(k) for k in values])
     if branches is not None:

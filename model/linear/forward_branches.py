@@ -17,8 +17,9 @@ _MORE = 8  # modes followed beyond four times those asked for, since they change
 
 
 class ForwardBranches:
-    """The critical speeds over ascending stiffnesses [N/m], `count` of those that somewhere, not at
-    a single one amid others, do not clearly whirl backward, in the order of the first stiffness."""
+    """The critical speeds over ascending stiffnesses [N/m] that at any of them are among the
+    `count` lowest that do not clearly whirl backward, in the order of the first stiffness. One that
+    does so at a single stiffness amid others is none."""
 
     def __init__(self, machine: UndampedMachine, stiffness: np.ndarray, count: int) -> None:
         self._machine = machine
@@ -31,16 +32,19 @@ class ForwardBranches:
         first = self._modes(stiffness[0])
         places = np.arange(min(len(first.speeds), self._most))
         self._places = {float(stiffness[0]): (first, places)}
-        seen = (modes.forwardness[places] for modes, places in map(self._followed, stiffness))
-        counts = np.array([of_modes > _BACKWARD for of_modes in seen])
+        seen = [self._followed(k) for k in stiffness]
+        counts = np.array([modes.forwardness[places] > _BACKWARD for modes, places in seen])
         # at one stiffness amid others alone a backward mode grazes the bound, which is no line
         beside = np.pad(counts, ((1, 1), (0, 0)), constant_values=True)
-        is_line = (counts & (beside[:-2] | beside[2:])).any(axis=0)
-        self._kept = np.flatnonzero(is_line)[:count]
+        lines = np.flatnonzero((counts & (beside[:-2] | beside[2:])).any(axis=0))
+        speeds = np.array([modes.speeds[places[lines]] for modes, places in seen])
+        speeds[~counts[:, lines]] = np.inf
+        lower = (speeds[:, None, :] < speeds[:, :, None]).sum(axis=2)
+        self._kept = lines[((lower < count) & counts[:, lines]).any(axis=0)]
         self.is_backward = ~counts[:, self._kept]
 
     def __call__(self, stiffness: float) -> np.ndarray:
-        """Return the critical speeds with a stiffness [N/m], shape (count or fewer,) [rad/s]."""
+        """Return the critical speeds with a stiffness [N/m], shape (lines,) [rad/s]."""
         modes, places = self._followed(stiffness)
         return modes.speeds[places[self._kept]]
 

@@ -172,7 +172,7 @@ class LinearAnalyses:
             Ascending stiffnesses of every bearing [N/m]. By default two decades on either side of
             the bearings' own.
         count : int
-            Number of lines, the lowest ones.
+            How many critical speeds, the lowest at each stiffness, lie on lines.
         synchronous : bool
             False for natural frequencies at standstill instead of forward critical speeds.
         rigid_pedestals : bool

@@ -57,7 +57,7 @@ def critical_map(
 
     stiffness: FROM:TO or FROM:TO:POINTS, in N/m or such as 1e4:1e7lbf/in, spaced evenly on a
         logarithmic axis; default: two decades on either side of the bearings' own.
-    count: Number of lines, the lowest ones.
+    count: How many critical speeds, the lowest at each stiffness, lie on lines.
     at_rest: Natural frequencies at standstill instead of critical speeds.
     rigid_pedestals: Take housings and pedestals as ground.
     """
