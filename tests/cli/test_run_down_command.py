@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import signal
 import subprocess
 import sys
@@ -157,7 +156,7 @@ def test_ctrl_c_while_an_fmu_is_instantiated_ends_the_run_in_one_line(process, m
 
     def interrupted(*arguments, **named):
         try:
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)  # in this thread, at once
         except KeyboardInterrupt:  # which an FMU in Python makes an error of its own
             raise RuntimeError("Failed to instantiate model") from None
         return instantiate(*arguments, **named)
