@@ -29,6 +29,7 @@ from ..plotting.figure_style import (
     annotate,
     colors_of,
     entitle,
+    legend_below,
     new_figure,
     new_panels,
 )
@@ -101,7 +102,7 @@ class FrequencyResponse(Displayed, model.FrequencyResponse):
         plain_ticks(above.yaxis)
         above.set_ylabel(f"Displacement by force [{d.small_unit}/{d.force_unit}]")
         below.set(ylabel="Phase [deg]", xlabel=d.frequency_label)
-        above.legend(handles=handles, framealpha=0.9, edgecolor="none", fontsize=8)
+        legend_below(figure, 6, handles)
         state = state_in_words(self.speed, self.contacts)
         entitle(figure, self.titled(f"Response to {self.shown_force}, {state}"))
         return figure

@@ -143,8 +143,7 @@ def test_pictures_draw_each_of_many_nodes_in_a_colour_of_its_own():
     assert len(nodes) > len(COLORS)
     unbalance = answers.unbalance_response(rotor, [100.0, 200.0]).figure(nodes)
     force = frequency_answers.frequency_response(rotor, [100.0, 200.0], 1, nodes).figure()
-    for figure in (unbalance, force):
-        legend = figure.axes[0].get_legend()
+    for figure, legend in ((unbalance, unbalance.axes[0].get_legend()), (force, *force.legends)):
         lines = zip(legend.texts, legend.legend_handles, strict=True)
         shown = {t.get_text(): h.get_color() for t, h in lines if t.get_text()[:4] == "node"}
         assert [*shown] == [f"node {node}" for node in nodes]
