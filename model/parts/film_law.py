@@ -159,7 +159,7 @@ def check_film(where: str, film: Any, prefix: str = "", radius: str = "journal_r
             f"{where}.{prefix}length = {length:g} m: must be at most {_LONGEST:g} diameters, "
             f"{longest:g} m"
         )
-    if film.roughness >= 0.5 * clearance:
+    if not film.rule_of(f"{prefix}clearance").allows(clearance):
         raise QuantityError(
             f"{where}.roughness = {film.roughness:g} m: must be below half the "
             f"{prefix.replace('_', ' ')}clearance, {0.5 * clearance:g} m"
