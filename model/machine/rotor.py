@@ -28,6 +28,7 @@ from ..parts.disc import Disc
 from ..parts.law import weighs_nothing
 from ..parts.shaft import Material, Section
 from ..quantities import (
+    ANGLE,
     ANY,
     GRAVITY,
     NOT_NEGATIVE,
@@ -111,12 +112,12 @@ class Rotor:
         "m/s2", "gravity, downwards (-y)", NOT_NEGATIVE, GRAVITY, is_parameter=True
     )
     gravity_angle: float = quantity(
-        "rad", "angle of gravity from downwards (-y), x towards y", ANY, 0.0
+        "rad", "angle of gravity from downwards (-y), x towards y", ANGLE, 0.0
     )
     inclination: float = quantity(
         "rad",
         "angle of the shaft to the horizontal; within 1e-5 of pi / 2: a vertical machine",
-        ANY,
+        ANGLE,
         0.0,
     )
     name: str = "rotor"
