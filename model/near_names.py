@@ -28,5 +28,16 @@ def suggestion(given: object, known: Iterable[str]) -> str:
     return f"; did you mean {near[0]}?" if near else ""
 
 
+def meant(name: str, known: Iterable[str]) -> str:
+    """Return a suggestion for a misspelt name: up to three known ones that are like it, or, where
+    none is, the first three and how many more there are."""
+    listed = sorted(set(known))
+    near = near_names(name, listed, 3, 0.5)
+    if near:
+        return f"did you mean {', '.join(near)}?"
+    others = f" and {len(listed) - 3} more" if len(listed) > 3 else ""
+    return f"known: {', '.join(listed[:3])}{others}" if listed else "there is none"
+
+
 def _alike_from_begin(a: str, b: str) -> int:
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(a, b, strict=False)))

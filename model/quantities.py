@@ -47,10 +47,11 @@ def between(
 POSITIVE = Rule(0.0, True, "must be > 0 and finite")
 NOT_NEGATIVE = Rule(0.0, False, "must be >= 0 and finite")
 ANY = Rule(-math.inf, False, "must be a finite number")
+# Beyond it, an angle in a turn is rounding.
+ANGLE = Rule(-1e9, False, "must be finite and at most 1e+09 rad in size", 1e9)
 NOTHING, SPEED, ALL = "nothing", "speed", "all"
 LARGEST = 1e30  # in size: beyond it, products of such numbers overflow
 SMALLEST = 1 / LARGEST  # of what must be above 0
-LARGEST_ANGLE = 1e9  # in size [rad]: beyond it, an angle in a turn is rounding
 EXPONENT = "exponent"  # the quantity on which the unit of another one may depend
 GRAVITY = 9.81  # of a machine, unless its definition states another one [m/s2]
 STANDARD_GRAVITY = 9.80665  # makes units of force of units of mass [m/s2]
@@ -172,10 +173,6 @@ def check(shown: str, declared: Quantity, value: Any) -> None:
         raise QuantityError(f"{shown} = {value:g}{unit}: {declared.rule.words}")
     if declared.rule is POSITIVE and value < SMALLEST:
         raise QuantityError(f"{shown} = {value:g}{unit}: must be at least {SMALLEST:g}{unit}")
-    if declared.unit == "rad" and abs(value) > LARGEST_ANGLE:
-        raise QuantityError(
-            f"{shown} = {value:g} rad: must not exceed {LARGEST_ANGLE:g} rad in size"
-        )
 
 
 def check_size(shown: str, value: float) -> None:

@@ -25,7 +25,7 @@ from .model.arguments import shown_value as shown_value
 from .model.arguments import switch as switch
 from .model.errors import InputError as InputError
 from .model.errors import printable as printable
-from .model.near_names import near_names
+from .model.near_names import meant as meant
 
 if TYPE_CHECKING:
     import typer
@@ -148,17 +148,6 @@ def optional(module: str, extra: str, what: str) -> Any:
         raise InputError(
             f"{what}: {package} is not installed: pip install 'rotor-fmu[{extra}]'"
         ) from None
-
-
-def meant(name: str, known: Iterable[str]) -> str:
-    """Return a suggestion for a misspelt name: up to three known ones that are like it, or, where
-    none is, the first three and how many more there are."""
-    listed = sorted(set(known))
-    near = near_names(name, listed, 3, 0.5)
-    if near:
-        return f"did you mean {', '.join(near)}?"
-    others = f" and {len(listed) - 3} more" if len(listed) > 3 else ""
-    return f"known: {', '.join(listed[:3])}{others}" if listed else "there is none"
 
 
 def known_name(

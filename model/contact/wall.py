@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from ..kernels.functions import angle, direction, modulus, power, scaled
 from ..kernels.jit import jit, jit_not_inlined
-from ..quantities import ANY, NOT_NEGATIVE, Rule, quantity
+from ..quantities import ANGLE, NOT_NEGATIVE, Rule, quantity
 
 _EXPONENT = Rule(1.0, False, "must be from 1 to 3", most=3.0)
 _POWER = Rule(1.0, False, "must be >= 1 and finite")
@@ -57,7 +57,7 @@ class ContactQuantities:
         "m/s", "sliding speed over which the excess falls off", default=0.01
     )
     wear: float = quantity("m", "depth of the wear", NOT_NEGATIVE, 0.0)
-    wear_angle: float = quantity("rad", "direction of the wear", ANY, 1.5 * math.pi)
+    wear_angle: float = quantity("rad", "direction of the wear", ANGLE, 1.5 * math.pi)
     wear_power: float = quantity("1", "narrowness of the worn arc: 1 is widest", _POWER, 1.0)
     k_t: float = quantity(
         "N/m",

@@ -12,7 +12,7 @@ from itertools import accumulate
 from typing import Any, NamedTuple, TypeVar
 
 from ..message_templates import fill_template
-from ..near_names import suggestion
+from ..near_names import meant, suggestion
 from ..parts.base import (
     BASE,
     GROUND,
@@ -28,6 +28,7 @@ from ..parts.disc import Disc
 from ..parts.law import weighs_nothing
 from ..parts.shaft import Material, Section
 from ..quantities import (
+    ANGLE,
     ANY,
     GRAVITY,
     NOT_NEGATIVE,
@@ -111,12 +112,12 @@ class Rotor:
         "m/s2", "gravity, downwards (-y)", NOT_NEGATIVE, GRAVITY, is_parameter=True
     )
     gravity_angle: float = quantity(
-        "rad", "angle of gravity from downwards (-y), x towards y", ANY, 0.0
+        "rad", "angle of gravity from downwards (-y), x towards y", ANGLE, 0.0
     )
     inclination: float = quantity(
         "rad",
         "angle of the shaft to the horizontal; within 1e-5 of pi / 2: a vertical machine",
-        ANY,
+        ANGLE,
         0.0,
     )
     name: str = "rotor"
@@ -333,13 +334,14 @@ class Rotor:
         switches = {n for n, known in self.parameters().items() if known.quantity.is_switch}
         left = {n: bool(v) if n in switches and v in (0, 1) else v for n, v in values.items()}
         changed: dict[str, Any] = {q: left.pop(n) for n, q in own.items() if n in left}
-        parts = []
+        parts, known = [], [*own]
         for (kind, index), part in self.indexed_parts():
             names = {str(Name(kind, index, q)): q for q in quantities(part)}
+            known += names
             new: dict[str, Any] = {q: left.pop(n) for n, q in names.items() if n in left}
             parts.append(replace(part, **new) if new else part)
         for name in left:
-            raise QuantityError(f"{name}: unknown quantity")
+            raise QuantityError(f"{name}: unknown quantity; {meant(name, known)}")
         return replace(self, parts=tuple(parts), **changed)
 
     def with_value(self, name: str, value: float | bool) -> "Rotor":

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..quantities import ANY, NOT_NEGATIVE, quantity
+from ..quantities import ANGLE, ANY, NOT_NEGATIVE, quantity
 from . import base as of
 
 
@@ -33,7 +33,7 @@ class Body(of.Part):
     e: float = quantity(
         "m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0, is_parameter=True
     )
-    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_tunable=True)
+    phase: float = quantity("rad", "angle of the eccentricity", ANGLE, 0.0, is_tunable=True)
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
         """Yield a body with its unbalance, a port and a probe."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..quantities import ANY, NOT_NEGATIVE, QuantityError, quantity
+from ..quantities import ANGLE, NOT_NEGATIVE, QuantityError, quantity
 from .base import BodyElement, Element, Part, PortElement, ProbeElement, Shape, UnbalanceElement
 from .shaft import Material
 
@@ -25,7 +25,7 @@ class Disc(Part):
     e: float = quantity(
         "m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0, is_parameter=True
     )
-    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_tunable=True)
+    phase: float = quantity("rad", "angle of the eccentricity", ANGLE, 0.0, is_tunable=True)
 
     bore: float = quantity("m", "diameter of the bore", NOT_NEGATIVE, 0.0)
     material: Material | None = None
@@ -76,7 +76,7 @@ class Coupling(Disc):
     IS_SINGLE: ClassVar[bool] = True
 
     e: float = quantity("m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0)
-    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0)
+    phase: float = quantity("rad", "angle of the eccentricity", ANGLE, 0.0)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """Yield the elements of a disc, except for its probes."""

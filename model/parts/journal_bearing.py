@@ -19,7 +19,7 @@ from ..film.rough_contact import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import angle, modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..kernels.kernel import interpreted
-from ..quantities import ANY, QuantityError, Rule, check_all, places, quantity
+from ..quantities import ANGLE, QuantityError, Rule, check_all, places, quantity
 from .base import GROUND, Element, InterfaceElement, Part, Shape
 from .clearance_contact import STORES
 from .film_law import (
@@ -210,7 +210,7 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
     node: int
     housing: str = GROUND
     pads: tuple[float, ...] = quantity(
-        "rad", "angle of the middle of each pad; none: a plain circle", ANY, (), may_be_list=True
+        "rad", "angle of the middle of each pad; none: a plain circle", ANGLE, (), may_be_list=True
     )
     arc: float | tuple[float, ...] = _per_pad("rad", "arc", _ARC, 2.0 * math.pi)
     preload: float | tuple[float, ...] = _per_pad("1", "preload", _PRELOAD, 0.0)

@@ -23,6 +23,7 @@ from ..contact.wall import contact_quantity, elastic, pressed
 from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import (
+    ANGLE,
     ANY,
     NOT_NEGATIVE,
     SPEED,
@@ -70,13 +71,13 @@ class RollingQuantities:
     cage_ratio: float = quantity(
         "1", "speed of the cage over the rotor's; 0: without slip", _RATIO, 0.0
     )
-    cage_angle: float = quantity("rad", "angle of the first element at the start", ANY, 0.0)
+    cage_angle: float = quantity("rad", "angle of the first element at the start", ANGLE, 0.0)
     outer_depth: float = quantity("m", "depth of a defect of the outer race", NOT_NEGATIVE, 0.0)
     outer_arc: float = quantity("rad", "arc of it", _ARC, 0.1)
-    outer_angle: float = quantity("rad", "angle of its middle", ANY, 1.5 * math.pi)
+    outer_angle: float = quantity("rad", "angle of its middle", ANGLE, 1.5 * math.pi)
     inner_depth: float = quantity("m", "depth of a defect of the inner race", NOT_NEGATIVE, 0.0)
     inner_arc: float = quantity("rad", "arc of it", _ARC, 0.1)
-    inner_angle: float = quantity("rad", "angle of its middle at the start", ANY, 1.5 * math.pi)
+    inner_angle: float = quantity("rad", "angle of its middle at the start", ANGLE, 1.5 * math.pi)
 
 
 OUTPUTS = (

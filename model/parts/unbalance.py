@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..quantities import ANY, NOT_NEGATIVE, quantity
+from ..quantities import ANGLE, ANY, NOT_NEGATIVE, quantity
 from . import base as of
 
 
@@ -18,7 +18,7 @@ class Unbalance(of.Part):
 
     node: int
     amount: float = quantity("kg.m", "unbalance", NOT_NEGATIVE, is_tunable=True)
-    phase: float = quantity("rad", "angle of the unbalance", ANY, 0.0, is_tunable=True)
+    phase: float = quantity("rad", "angle of the unbalance", ANGLE, 0.0, is_tunable=True)
     offset: float = quantity("m", "axial distance of the unbalance from the node", ANY, 0.0)
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:

@@ -157,7 +157,7 @@ def ssp(
     own = f"{machine.identifier(NATIVE if is_native else '')}.fmu"
     if own.lower() == coupling.fmu_name.lower():  # some file systems know no capitals
         raise InputError(f"{own}: is the drive's FMU; give the machine another name or identifier")
-    folder, warnings = writable_folder(out), warned(machine.rotor)
+    folder, warnings = writable_folder(out), warned(machine.rotor, is_free=True)
     fmu = (
         build_native(folder, machine, platforms=[str(platform)])
         if is_native

@@ -178,7 +178,7 @@ def coupled(
     )
     messages: list[Message] = []
     members = {
-        name: Member(fmu, parameters.get(name, {}), messages, stop, tolerance)
+        name: Member(fmu, parameters.get(name, {}), messages, stop, tolerance, name)
         for name, fmu in fmus.items()
     }
     for table, passed, settable in (

@@ -37,7 +37,8 @@ class Member:
     fmu: its file, or the folder into which it was extracted, which is kept: every new place from
     which its library is loaded costs a process half a megabyte that is never freed. parameters:
     values by name; messages: those of all FMUs, since FMPy hands them to the logger made last;
-    stop, tolerance: end of the run [s] and relative tolerance [1] that it gets, if any.
+    stop, tolerance: end of the run [s] and relative tolerance [1] that it gets, if any; name: what
+    the system calls it, which messages begin with, since several of its FMUs may be of one file.
     Raises `RunFailed` with the FMU's own message when a call fails, and, before anything of the FMU
     is loaded, `InputError` for what is no FMU for co-simulation, for a parameter that it does not
     have, and for a value that is none of the parameter's type.
@@ -50,10 +51,11 @@ class Member:
         messages: list[Message],
         stop: float | None = None,
         tolerance: float | None = None,
+        name: str = "",
     ) -> None:
         self.messages = messages
         self._file = fmu
-        self._name = fmu.name
+        self._name = f"{name}: {fmu.name}" if name else fmu.name
         self._is_extracted = fmu.is_dir()
         try:
             description = fmpy.read_model_description(str(fmu))

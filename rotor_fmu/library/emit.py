@@ -19,7 +19,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 import numba
-from numba.core import codegen, cpu, event
+from numba.core import callconv, codegen, cpu, event
 
 from ..model.kernels import dispatching
 from .entry_points import FUNCTIONS
@@ -42,6 +42,7 @@ def emit(target: Path, names: Sequence[str]) -> None:
     """
     gc.set_threshold(200_000, 10_000, 10_000)  # what numba makes lives to the end
     _measure_nothing()
+    _name_no_places()
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     _make_no_machine_code()
@@ -87,6 +88,16 @@ def _make_no_machine_code() -> None:
 def _measure_nothing() -> None:
     """Keep numba from timing every call of LLVM, of which there are hundreds of thousands."""
     event.start_event = event.end_event = lambda *_, **__: None
+
+
+def _name_no_places() -> None:
+    """Keep numba from writing where in its own files an exception is raised: the path is that of
+    this machine, and equal sources give equal libraries everywhere."""
+    convention = callconv.CPUCallConv
+    with_place = convention.build_excinfo_struct
+    convention.build_excinfo_struct = lambda own, kind, arguments, place, name: with_place(
+        own, kind, arguments, None, name
+    )
 
 
 def _finalized(context: Any, library: Any, description: Any, environment: Any) -> Any:

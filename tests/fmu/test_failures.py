@@ -36,6 +36,11 @@ class Failure:
 
 FAILURES = {
     "NaN input": Failure(GOOD, "real speed nan", "speed = nan: must be a finite number"),
+    "angle without a turn": Failure(
+        GOOD,
+        "real disc[1].phase 1e13",
+        "disc[1].phase = 1e+13 rad: must be finite and at most 1e+09 rad in",
+    ),
     "infinite load": Failure(GOOD, "real disc[1].fx inf", "disc[1].fx = inf: must be a finite"),
     "gap in time": Failure(GOOD, f"step 5 {H}", "without gap or overlap"),
     "overlap in time": Failure(GOOD, f"step 0 {H}", "without gap or overlap"),

@@ -255,7 +255,7 @@ def test_a_rotor_that_comes_upon_a_limit_ends_the_run_before_it(motor, native_fm
     assert (free.status, len(free.t)) == ("ok", 101)
     assert 2 < n < 101
     for run in ended:
-        assert run.status.startswith("failed: RotorBearingNative.fmu: ")
+        assert run.status.startswith("failed: rotor: RotorBearingNative.fmu: ")
         assert "limit.displacement" in run.status
         assert (run.t == free.t[:n]).all()
         assert (run["rotor"]["disc[2].y"] == free["rotor"]["disc[2].y"][:n]).all()
@@ -274,6 +274,17 @@ def test_each_fmu_is_told_the_end_and_the_tolerance_of_the_run(motor, fmu, nativ
                     opened.members[name].step(5e-3, 1e-3)
         steps.append([run[name]["solver.steps"][-1] for name in rotors])
     assert min(steps[1]) > 2 * max(steps[0])
+
+
+def test_of_two_fmus_of_one_file_a_message_says_which(motor, native_3):
+    fmus, pairs = {"motor": motor, "left": native_3, "right": native_3}, []
+    given = {"right": {"bearing[1].k": -1.0}}
+    expected = r"^right: RotorBearingNative\.fmu: bearing\[1\]\.k = -1 N/m: must be > 0"
+    with (
+        pytest.raises(RunFailed, match=expected),
+        coupled(fmus, pairs, parameters=given, stop=1.0) as opened,
+    ):
+        opened.run(0.5)
 
 
 def test_a_name_that_no_fmu_has_is_refused_before_any_is_loaded(motor, native_3, monkeypatch):

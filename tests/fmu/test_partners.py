@@ -8,9 +8,13 @@ import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 from rotor_fmu.examples import example_folder
+from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.member import Member
+from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.fmi.packing.python_fmu import build
 
 
 @dataclass(frozen=True)
@@ -157,3 +161,18 @@ def test_what_it_cannot_take_it_refuses_and_goes_on(partner, built):
             )
         member.step(0.0, partner.step)
         assert member.get([partner.parameter]) == given
+
+
+def test_a_partner_and_a_machine_of_one_name_do_not_take_each_others_place(tmp_path):
+    coupling = PARTNERS["drive train"].coupling
+    machine = machine_of(rig_toml().replace('"RotorBearing"', '"DriveTrain"'))
+    for first, second, whose in (
+        (coupling.build, lambda out: build(out, machine), "another model"),
+        (lambda out: build(out, machine), coupling.build, "a machine"),
+    ):
+        out = tmp_path / whose
+        content = first(out).read_bytes()
+        with pytest.raises(InputError, match=rf"DriveTrain\.fmu: is the FMU of {whose}; must have"):
+            second(out)
+        assert [file.name for file in out.iterdir()] == ["DriveTrain.fmu"]
+        assert first(out).read_bytes() == content

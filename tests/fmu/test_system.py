@@ -239,6 +239,13 @@ def test_a_machine_that_cannot_start_at_rest_is_said(tmp_path):
         alone.run(0.002)
 
 
+def test_a_machine_that_no_torque_can_drive_is_warned_of_as_by_build_free(tmp_path):
+    """Its unbalance takes away more inertia than its light shaft has: every drive diverges."""
+    jeffcott = EXAMPLES / "jeffcott_rub" / "jeffcott.toml"
+    made = ssp.__wrapped__(rotor=jeffcott, is_native=True, out=tmp_path)
+    assert any("must be at least 1e-06 kg.m2, four times U^2/m" in w for w in made["warnings"])
+
+
 @pytest.mark.parametrize("name", ["drive train", "Drivetrain"])
 def test_a_machine_whose_fmu_the_drives_would_replace_is_refused(tmp_path, name):
     machine = tmp_path / "machine.toml"

@@ -176,11 +176,11 @@ def test_a_parameter_of_the_machine_has_the_limits_of_its_rule():
         variable, rule = table[name], parameter.quantity.rule
         if variable.kind == "Boolean":
             continue
-        limits = (
-            -math.inf if variable.low is None else variable.low,
-            math.inf if variable.high is None else variable.high,
-        )
-        assert limits == (rule.least, rule.most)
+        least = -math.inf if variable.low is None else variable.low
+        assert (math.inf if variable.high is None else variable.high) == rule.most
+        assert rule.allows(least)
+        assert least == pytest.approx(rule.least, rel=1e-15, abs=1e-30)
+        assert (least > rule.least) == rule.is_strict
 
 
 def test_units_are_defined_by_si_exponents_and_shown_in_what_people_read(fmu):

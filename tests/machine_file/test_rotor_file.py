@@ -254,6 +254,19 @@ def test_an_unknown_quantity_is_refused_by_name(name):
         rig().with_value(name, 1e-5)
 
 
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("disc[3].eccentricity", r"did you mean .*disc\[\d\]\.e"),
+        ("bearing[1].clearence", r"did you mean bearing\[1\]\.clearance"),
+        ("?", r"known: bearing\[1\]\.\w+, .* more$"),
+    ],
+)
+def test_an_unknown_quantity_is_refused_with_what_may_be_meant(name, hint):
+    with pytest.raises(QuantityError, match=f"^{re.escape(name)}: unknown quantity; {hint}"):
+        rig().with_value(name, 1e-5)
+
+
 def test_a_quantity_is_replaced_and_checked():
     rotor = rig().with_value("bearing[2].clearance", 6e-5).with_value("shaft.eta_v", 0.002)
     assert [b.clearance for b in rotor.bearings] == [5e-5, 6e-5]

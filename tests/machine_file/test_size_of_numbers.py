@@ -1,9 +1,10 @@
 """Numbers with which no analysis can calculate are refused where they are given."""
 
 import pytest
+from rotor_fmu.examples import example_folder
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.quantities import QuantityError, check
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.interface import interface
@@ -23,8 +24,8 @@ def machine(length="0.02", phase="0.0"):
     ("given", "said"),
     [
         ({"length": "1e-300"}, "length = 1e-300 m: must be at least 1e-30 m"),
-        ({"phase": "1e13"}, "phase = 1e+13 rad: must not exceed 1e+09 rad in size"),
-        ({"phase": "-2e9"}, "phase = -2e+09 rad: must not exceed 1e+09 rad in size"),
+        ({"phase": "1e13"}, "phase = 1e+13 rad: must be finite and at most 1e+09 rad in size"),
+        ({"phase": "-2e9"}, "phase = -2e+09 rad: must be finite and at most 1e+09 rad in size"),
     ],
 )
 def test_a_machine_of_them_is_refused(given, said):
@@ -43,3 +44,16 @@ def test_a_value_of_a_parameter_is_refused_too():
     with pytest.raises(InputError) as refused:
         parse_settings(rotor, interface(rotor), ["disc[1].e=1e300"])
     assert str(refused.value) == "--set disc[1].e = 1e300: must not exceed 1e+30 in size"
+
+
+@pytest.mark.parametrize("file", ["paper_rig/rig.toml", "turbocharger/rotor.toml"])
+def test_the_limits_that_an_fmu_declares_are_allowed(file):
+    example, name = file.split("/")
+    rotor = parse_rotor((example_folder(example) / name).read_text(encoding="utf-8"))
+    declared, limits = {v.name: v for v in interface(rotor)}, 0
+    for name, of in rotor.parameters().items():
+        for limit in (declared[name].low, declared[name].high):
+            if limit is not None and not of.quantity.is_switch:
+                check(name, of.quantity, limit)
+                limits += 1
+    assert limits > 10

@@ -33,6 +33,8 @@ URIS = (
     ("file://localhost/a/b", "/a/b", "/a/b"),
     ("file:///C:/a", "/C:/a", "C:/a"),
     ("file:/C:/a", "/C:/a", "C:/a"),
+    ("file:///C|/a", "/C|/a", "C:/a"),
+    ("file://C|/a", "/a", "C:/a"),
     ("file://C:/a", "/a", "C:/a"),
     ("file://server/share/a", "/share/a", "//server/share/a"),
 )

@@ -106,7 +106,7 @@ def test_values_that_an_fmu_refuses_are_a_failed_row_with_its_own_words(tmp_path
     )
     run_study(read_study(path), tmp_path / "out", here, quiet)
     (status,) = studies.open(tmp_path / "out").status.values
-    assert status.startswith("failed: RotorBearing.fmu: ")
+    assert status.startswith("failed: rotor: RotorBearing.fmu: ")
     assert "bearing[1].mu = " in status
 
 

@@ -29,9 +29,12 @@ static int is_uri(const char *text)
     return 1;
 }
 
-static int is_drive(const char *text)
+/* Whether a path begins with a drive; a `|`, which old URIs have behind it, becomes a colon. */
+static int is_drive(char *text)
 {
-    return text[0] && (text[1] == ':' || text[1] == '|');
+    if (text[0] && text[1] == '|')
+        text[1] = ':';
+    return text[0] && text[1] == ':';
 }
 
 /* The path in what stands behind a URI's scheme, decoded. */

@@ -8,9 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element, fromstring, indent, tostring
 
+from ...errors import InputError
 from ...files import unfinished
 
 DESCRIPTION = "modelDescription.xml"
+ROTOR_FILE = "resources/rotor.toml"  # of a machine's FMU
 _STATES = ("--handle-state", "--serialize-state")  # pythonfmu leaves them off
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 _LEVEL = 6  # of compression: 9 takes more than twice as long for a hundredth of the size
@@ -62,7 +64,14 @@ def repack(raw: Path, target: Path, describe: Callable[[Element], Element]) -> P
 
 def write_archive(target: Path, contents: Mapping[str, bytes]) -> Path:
     """Write files by their path in it into the FMU `target`, sorted and with one date, in a folder
-    that is made if need be; returns `target`."""
+    that is made if need be; returns `target`. Raises `InputError` where it would take the place of
+    another model: a machine's that of a partner, or the other way round."""
+    if zipfile.is_zipfile(target):
+        with zipfile.ZipFile(target) as there:
+            is_machine = ROTOR_FILE in there.namelist()
+        if is_machine != (ROTOR_FILE in contents):
+            whose = "a machine" if is_machine else "another model"
+            raise InputError(f"{target}: is the FMU of {whose}; must have another name or folder")
     target.parent.mkdir(parents=True, exist_ok=True)
     with unfinished(target) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as sink:
         for name, data in sorted(contents.items()):

@@ -13,10 +13,10 @@ from ..interface import interface
 from ..machine_table import FILE, table_bytes
 from ..solver_parameters import NO_STARTS, REALTIME, chosen_at_build
 from ..variables import Variable
-from .archive import DESCRIPTION, xml_bytes
+from .archive import DESCRIPTION, ROTOR_FILE, xml_bytes
 from .documents import documents
 
-ROTOR_FILE, TABLE = "resources/rotor.toml", f"resources/{FILE}"
+TABLE = f"resources/{FILE}"
 NATIVE, SOURCE = "Native", "Source"
 _LONGEST = 48  # identifier: some file systems and hosts take no more with what follows it
 
