@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import get_args
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ..arguments import check_one_of
 from ..film.bearing_film import PAD
@@ -29,6 +30,9 @@ _HALVINGS = 30
 # of a force of the film's size, of the clearance, and of the largest coefficient
 _ROUNDING = 1e-12
 _ALONG = 1e-9  # rad: the attitude of a journal that moves along its load
+# Of the speed: between these a whirl that pads follow is looked for. A slower one would need a mass
+# far above any load's, and may be made of rounding.
+_WHIRLS = np.geomspace(0.01, 3.0, 96)
 ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
 
@@ -40,16 +44,17 @@ class BearingCurves:
     upwards, shape (n, 2) [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa],
     torque [N.m], power [W], flow [m3/s], shape (n,); around: pressure in the middle of the length
     every 3 degrees from the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape
-    (n, 2, 2); mass: that the first load weighs [kg]; critical_mass [kg], whirl: frequency at that
-    mass [rad/s]; turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest
-    on, or loads [N] at which a mass that weighs the load does, if the loads vary, shape (k,);
-    threshold: the slowest speed at which `mass` whirls [rad/s], None if it does at none or the
-    loads vary; plane_error: of the load, against a two-dimensional solution [1], nan without a
-    load; viscosity [Pa.s], temperature [degC]: of the lubricant, shape (n,), None where no heat
-    balance gives it; pads: of m pads the first and last angle, the angle of the pivot [rad], the
-    clearance and x, y of the journal from the pad's centre when it is in the bearing's, over the
-    clearance [1], shape (m, 6); tilts: of pads that tilt, how far, and how far the pivot gives,
-    shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m) [N].
+    (n, 2, 2), at the frequency of rotation, which pads that tilt follow; mass: that the first load
+    weighs [kg]; critical_mass [kg], whirl: frequency at that mass, which pads follow [rad/s];
+    turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest on, or loads [N]
+    at which a mass that weighs the load does, if the loads vary, shape (k,); threshold: the slowest
+    speed at which `mass` whirls [rad/s], None if it does at none or the loads vary; plane_error: of
+    the load, against a two-dimensional solution [1], nan without a load; viscosity [Pa.s],
+    temperature [degC]: of the lubricant, shape (n,), None where no heat balance gives it; pads: of
+    m pads the first and last angle, the angle of the pivot [rad], the clearance and x, y of the
+    journal from the pad's centre when it is in the bearing's, over the clearance [1], shape (m, 6);
+    tilts: of pads that tilt, how far, and how far the pivot gives, shape (n, m, 2) [m]; pad_loads:
+    what each bears, shape (n, m) [N].
     """
 
     bearing: str
@@ -152,7 +157,7 @@ def bearing_curves(
 
 def _row(alone: BearingAlone, part: JournalBearing, load: complex, d: complex) -> dict[str, object]:
     K, C = (without_rounding(of, _ROUNDING * np.abs(of).max()) for of in alone.coefficients(d))
-    mass, whirl = critical_mass(K, C)
+    mass, whirl = _critical_mass(alone, d, K, C)
     known = alone.outputs(d)
     names = ("eccentricity", "film", "pressure", "torque", "power", "flow")
     tilts = alone.tilts(d)
@@ -174,6 +179,37 @@ def _row(alone: BearingAlone, part: JournalBearing, load: complex, d: complex) -
         "tilts": np.column_stack([tilts.real, tilts.imag]),
         "pad_loads": alone.pad_loads(d) if part.tilting else np.zeros(0),
     }
+
+
+def _critical_mass(
+    alone: BearingAlone, d: complex, K: np.ndarray, C: np.ndarray
+) -> tuple[float, float]:
+    """Return `critical_mass` of a journal at rest at d [m]; K, C: at the frequency of rotation.
+
+    Pads that tilt follow a whirl at its own frequency w: on the verge of it w^2 m is a real
+    eigenvalue of K + i w C there, and the smallest such mass is the critical one.
+    """
+    found = critical_mass(K, C)
+    if not len(alone.tilts(d)) or alone.speed == 0.0 or found[0] == 0.0:
+        return found
+
+    def invariants(w: float) -> tuple[complex, complex]:
+        _, by_d, by_v = alone.settle(d, w)
+        Z = -by_d - 1j * w * by_v
+        return complex(np.trace(Z)), complex(np.linalg.det(Z))
+
+    def excess(w: float) -> float:
+        """Return what is 0 where one of the eigenvalues is real, det.imag / trace.imag."""
+        trace, det = invariants(w)
+        size = det.imag**2 - trace.real * det.imag * trace.imag + det.real * trace.imag**2
+        return size / w**2
+
+    at = _WHIRLS * abs(alone.speed)
+    signs = np.sign([excess(w) for w in at])
+    whirls = [brentq(excess, at[i], at[i + 1]) for i in np.flatnonzero(signs[1:] * signs[:-1] < 0)]
+    of_whirls = [(invariants(w), w) for w in whirls]
+    masses = [(det.imag / trace.imag / w**2, w) for (trace, det), w in of_whirls]
+    return min((each for each in masses if each[0] > 0.0), default=(math.inf, 0.0))
 
 
 def _viscous(alone: BearingAlone) -> float:
@@ -225,6 +261,7 @@ def _turn(part: JournalBearing, name: str, ends: list[np.ndarray], is_first_stab
         middle = 0.5 * (low + high)
         speed, load, mass = (of[0] + middle * (of[1] - of[0]) for of in others)
         alone = BearingAlone(part, speed, name)
-        is_stable = critical_mass(*alone.coefficients(alone.rest(load)))[0] >= mass
+        d = alone.rest(load)
+        is_stable = _critical_mass(alone, d, *alone.coefficients(d))[0] >= mass
         low, high = (middle, high) if is_stable == is_first_stable else (low, middle)
     return float(varied[0] + 0.5 * (low + high) * (varied[1] - varied[0]))

@@ -142,4 +142,9 @@ def _linear_bearing(
                     over_speed if "speed" in values else over_speed[0]
                 )
     head = f"# {what}{result.bearing} of {machine.name}, linearized where {rests}.\n"
+    is_ring = isinstance(result, RingCurves)
+    if is_ring or (isinstance(result, BearingCurves) and result.tilts.shape[1]):
+        follows = "The ring follows" if is_ring else "Pads follow"
+        when = "at the frequency of rotation: right for unbalance, not for slower whirls"
+        head += f"# {follows} {when}.\n"
     return f"{head}\n{toml_text({'linear_bearing': [values]})}"

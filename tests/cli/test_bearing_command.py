@@ -53,6 +53,19 @@ def test_coefficients_of_a_bearing_that_is_placed_by_z_stand_where_it_does(comma
     assert nodes == pytest.approx([0.03, 0.17], rel=1e-12)
 
 
+@pytest.mark.parametrize("tilting", [False, True])
+def test_coefficients_of_pads_that_tilt_say_which_motion_they_are_for(tilting, command, tmp_path):
+    """As a linear bearing they may call a machine stable that whirls in its pads."""
+    shape = {"pads": [1.5708 * i for i in range(4)], "arc": 1.2, "preload": 0.3, "points": 16}
+    films = "".join(film(node, tilting=tilting, **shape) for node in (1, 3))
+    (tmp_path / "machine.toml").write_text(heavy_shaft() + films)
+    coefficients = tmp_path / "coefficients.toml"
+    given = ("--rotor", str(tmp_path / "machine.toml"), "--speed", "900")
+    command("bearing", *given, "--table", str(coefficients))
+    said = "# Pads follow at the frequency of rotation: right for unbalance, not for slower whirls."
+    assert (said in coefficients.read_text()) == tilting
+
+
 # --- oil films over the load ---
 
 

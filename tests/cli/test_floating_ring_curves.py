@@ -83,6 +83,7 @@ def test_what_is_written_for_linear_bearings_answers_to_unbalance_as_the_rings(c
         )
         assert f"{name}: the ring turns at 0.1" in command("bearing", *given)
         linear += table.read_text()
+        assert "# The ring follows at the frequency of rotation: right for unbalance, not" in linear
     assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(b"\x89PNG")
     shown = json.loads((tmp_path / "out" / "bearing.json").read_text())
     np.testing.assert_allclose(shown["ring_speed"], np.multiply(speeds, shown["ratio"]))

@@ -4,14 +4,18 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.bearing_curves.journal_bearing import bearing_curves
 from rotor_fmu.model.film.bearing_film import bearing_of
 from rotor_fmu.model.film.tilting_pads import pad_balance
 from rotor_fmu.model.kernels.kernel import interpreted
-from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone, critical_mass
+from rotor_fmu.model.linear.subsynchronous import subsynchronous_whirl
+from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights
 from rotor_fmu.model.quantities import QuantityError
 
+from .machines import bearings, rigid
 from .stated_law import StatedLaw
 
 _PI = math.pi
@@ -202,3 +206,36 @@ def test_pads_that_cannot_tilt_are_refused(more, message):
     assert str(raised.value).startswith("journal_bearing.")
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+_LIGHT = """
+[[journal_bearing]]
+node = 2
+journal_radius = 0.025
+length = 0.02
+clearance = 4e-5
+viscosity = 0.04
+tilting = true
+pads = [-1.570796, 0.523599, 2.617994]
+arc = 1.5
+preload = 0.25
+"""
+
+
+@pytest.mark.parametrize("more", ["", "pad_inertia = 4e-5\npivot_stiffness = 7e8\n"])
+def test_the_critical_mass_is_that_of_pads_that_follow_the_whirl(more):
+    """The coefficients at the frequency of rotation have none: their cross coupling is nearly 0. A
+    whirl at a fifth of it makes the pads tilt as they do not at the frequency of rotation."""
+    speed, load = 1500.0, 3000.0
+
+    def machine(mass):
+        parts = _LIGHT + more + bearings(10.0, 1.0)
+        return parse_rotor(rigid(mass=mass, gravity=load / mass, parts=parts))
+
+    found = bearing_curves(machine(300.0), [speed], load=load)
+    assert critical_mass(found.K[0], found.C[0])[0] == math.inf
+    critical, whirl = float(found.critical_mass[0]), float(found.whirl[0])
+    for share in (0.99, 1.01):
+        seen = subsynchronous_whirl(machine(share * critical), speed)
+        assert seen.is_growing == (share > 1.0)
+        assert seen.frequency == pytest.approx(whirl, rel=0.01)
