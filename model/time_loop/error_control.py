@@ -16,6 +16,9 @@ from ..step.laws import law_gap, relative
 # the size is remembered; share of the clearance (or of a small length) below which there is no
 # motion.
 SHARE, TURNS, FLOOR = 0.7, 2.0, 1e-4
+# Frequencies above so many times that of the slowest motion count as that: errors of a fast motion
+# add up for as long as the slow one lasts.
+FASTEST = 2.5
 FIRST = 0.05  # revolutions over which the size at the start is remembered
 SAFETY = 0.8
 # Limits of the ratio of two step lengths; slow growth costs little and softens the next impact.
@@ -117,8 +120,7 @@ def local_error(structure, control, size, frequency, h, measures):
 
     Displacements are mass-weighted (root mean square), so that neither the turning point of one
     node nor a light journal rattling in its clearance dominates. Tolerated is a share of the
-    motion's size, per 2.5 radians of the slowest motion or of the characteristic frequency,
-    whichever is faster.
+    motion's size in each of the `radians_of` the motion.
 
     At the turning point of a swing along a line the accelerations do not change for a moment; there
     the deviation from a whirl with this frequency is used.
@@ -137,8 +139,10 @@ def tolerated_error(structure, control, size, frequency, h):
 
 @jit
 def radians_of(structure, frequency, h):
-    """Return the length of a step [rad] of the motion, or of the slowest one if that is faster."""
-    return h * max(structure.numbers[0].slowest, abs(frequency))
+    """Return the length of a step [rad] of the motion; its frequency counts as at least that of the
+    slowest one and at most `FASTEST` times that."""
+    slowest = structure.numbers[0].slowest
+    return h * max(slowest, min(abs(frequency), FASTEST * slowest))
 
 
 @jit

@@ -13,7 +13,12 @@ TABLE = Path(__file__).with_name("tolerances.csv")
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 TEN = 10.0  # tolerances, times 1 + condition, that most orbits are within
 TAME = 10.0  # condition below which a largest displacement is promised
-GROUPS = {"drawn": "drawn at random", "rig": "the rig, four windows", "examples": "examples"}
+GROUPS = {
+    "drawn": "drawn at random",
+    "fast": "drawn at random, fast",
+    "rig": "the rig, four windows",
+    "examples": "examples",
+}
 
 
 class Row(NamedTuple):
@@ -123,6 +128,7 @@ def in_words(result: Sequence[Row]) -> dict[str, str]:
         "above": str(sum(r.status == "ok" and r.conditioned > TEN for r in result)),
         "worst": f"{max(r.conditioned for r in result if r.status == 'ok'):.2g}",
         "machines": str(len({r.name for r in result if r.group == "drawn"})),
+        "fast": str(len({r.name for r in result if r.group == "fast"})),
         "condition": f"{max(conditions):.2g}",
         "least_condition": f"{min(conditions):.2g}",
         "peaks": ", ".join(f"{peak:.2g} %" for peak in peaks),

@@ -10,14 +10,15 @@ from papers.integrators import tolerances
 
 from .. import known
 from .judge import PROMISED, TOLERANCES, Judged, is_false_alarm, is_kept, judged
-from .machines import KINDS, drawn
+from .machines import FAST, KINDS, drawn
 from .truth import KEPT, RTOL, kept, orbit, truth
 
 METHODS = {"default": {}, "radau5": {"method": "radau5"}}
 # Of which the journals start pressed on a wall, into a motion far smaller than their accelerations
 # lead one to expect.
 PRESSED = (27, 82, 118, 129)
-SLOW = sorted({*range(3 * len(KINDS)), *PRESSED} - {*KEPT})
+TURNING_FAST = (FAST, *range(FAST + 2, FAST + 9))
+SLOW = sorted({*range(3 * len(KINDS)), *PRESSED, *TURNING_FAST} - {*KEPT})
 
 
 def _cases():
