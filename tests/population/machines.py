@@ -235,14 +235,14 @@ KINDS = (
     *("stator", "bearing", "hertz", "stribeck", "worn", "touchdown"),
     *("housing", "table", "seal", "rotating", "tilted", "base"),
 )
-# Machines from this number on turn at up to thirty times their lowest natural frequency, those
-# before at up to 2.5 times.
-FAST = 10_000
+# A machine of a number from this on is that of the number less this, turning at up to thirty times
+# its lowest natural frequency instead of at up to 2.5 times.
+FAST = 1000 * len(KINDS)
 
 
 def drawn(seed: int) -> Case:
     """The machine of this number."""
-    draw = _Draw(seed)
+    draw = _Draw(seed % FAST)
     kind = KINDS[seed % len(KINDS)]
     gravity = draw.one(0.0, GRAVITY) if kind not in ("touchdown", "bearing") else GRAVITY
     others = f"gravity = {gravity}\n"
