@@ -196,7 +196,7 @@ def _limits(variable: Variable) -> dict[str, str]:
     if variable.kind == "Enumeration":
         attributes["declaredType"] = variable.type_name
     if variable.kind != "Boolean":
-        for key, limit in (("min", variable.low), ("max", variable.high)):
+        for key, limit in (("min", variable.least), ("max", variable.high)):
             if limit is not None:
                 attributes[key] = repr(limit)
     return attributes
