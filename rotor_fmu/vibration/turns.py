@@ -162,12 +162,7 @@ def rows_per_turn(phi: np.ndarray) -> float:
 
 
 def synchronous(
-    t: np.ndarray,
-    phi: np.ndarray,
-    z: np.ndarray,
-    *,
-    turns: int = 1,
-    per_turn: int | None = None,
+    t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, turns: int = 1, per_turn: int | None = None
 ) -> Synchronous:
     """Resample a real or complex signal, shape (n,), at equal angles.
 
