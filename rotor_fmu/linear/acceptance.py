@@ -18,20 +18,8 @@ from ..model.linear.amplification import DAMPED
 from ..model.linear.critical_map import BearingStiffness
 from ..model.linear.unbalance_check import OF_INTEREST, ProbeCritical
 from ..model.one_thread import on_one_thread
-from ..plotting.figure_style import (
-    BLUE,
-    DASHED,
-    DOTTED,
-    GREEN,
-    GREY,
-    LABEL,
-    LIMIT,
-    ORANGE,
-    annotate,
-    entitle,
-    legend_below,
-    new_figure,
-)
+from ..plotting.colors import BLUE, DASHED, DOTTED, GREEN, GREY, LABEL, LIMIT, ORANGE
+from ..plotting.figure_style import annotate, entitle, legend_below, new_figure
 from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed, of_machine, rotor_of
 from .linear_plots import grouped, plain_ticks, shade

@@ -21,32 +21,13 @@ from ..model import linear
 from ..model.linear.modes import FORWARD
 from ..model.one_thread import on_one_thread
 from ..operating_speeds import operating_speeds
-from ..plotting.figure_style import (
-    BLUE,
-    DASHED,
-    DOTTED,
-    GREY,
-    LIMIT,
-    ORANGE,
-    PURPLE,
-    broken_at_turns,
-    colors_of,
-    entitle,
-    legend_below,
-    new_figure,
-    new_panels,
-)
+from ..plotting.colors import BLUE, DASHED, DOTTED, GREY, LIMIT, ORANGE, PURPLE, colors_of
+from ..plotting.figure_style import broken_at_turns, entitle, legend_below, new_figure, new_panels
 from ..plotting.labels import write_labels
 from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
 from .linear_plots import FAINT, WHIRL_COLORS, curve, dotted, draw_whirling, shade
-from .linear_tables import (
-    clean_damping,
-    peaks,
-    shown_either_way,
-    state_in_words,
-    without_rounding,
-)
+from .linear_tables import clean_damping, peaks, shown_either_way, state_in_words, without_rounding
 from .mode_answers import Modes
 
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown

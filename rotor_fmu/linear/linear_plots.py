@@ -12,7 +12,7 @@ from scipy.interpolate import BPoly
 
 from ..display import current
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, SKY
+from ..plotting.colors import BLUE, GREEN, GREY, ORANGE, SKY
 
 _Item = TypeVar("_Item")
 DASHED = (0, (2, 2))  # of a line upon another one

@@ -7,16 +7,8 @@ from matplotlib.figure import Figure
 
 from ..display import current, shown_speed
 from ..model import linear
-from ..plotting.figure_style import (
-    BLUE,
-    DASHED,
-    GREY,
-    ORANGE,
-    empty_figure,
-    entitle,
-    legend_below,
-    new_panels,
-)
+from ..plotting.colors import BLUE, DASHED, GREY, ORANGE
+from ..plotting.figure_style import empty_figure, entitle, legend_below, new_panels
 from ..tables import Table
 from .displayed import Displayed
 from .linear_plots import WHIRL_COLORS, curve, dotted, shapes_in_grid

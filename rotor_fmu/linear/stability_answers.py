@@ -9,17 +9,8 @@ from matplotlib.figure import Figure
 from ..display import current, speed_with_unit
 from ..model import linear
 from ..model.linear.stability_levels import LEAST_LOG_DEC, LEAST_RATIO
-from ..plotting.figure_style import (
-    BLUE,
-    GREEN,
-    GREY,
-    LIMIT,
-    ORANGE,
-    PURPLE,
-    annotate,
-    entitle,
-    new_figure,
-)
+from ..plotting.colors import BLUE, GREEN, GREY, LIMIT, ORANGE, PURPLE
+from ..plotting.figure_style import annotate, entitle, new_figure
 from ..tables import Table
 from .displayed import Displayed, answer_of
 from .linear_tables import clean_damping

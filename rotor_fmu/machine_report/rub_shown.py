@@ -6,7 +6,8 @@ from matplotlib.figure import Figure
 
 from ..display import current
 from ..linear.linear_plots import shade
-from ..plotting.figure_style import BLUE, DASHED, GREEN, GREY, ORANGE, entitle, new_figure
+from ..plotting.colors import BLUE, DASHED, GREEN, GREY, ORANGE
+from ..plotting.figure_style import entitle, new_figure
 from ..tables import Table
 from .rub_check import RubCheck
 

@@ -188,7 +188,7 @@ def _figure(metric: Metric, shown: Shown, axis: Axis | None, panels: list[Panel]
 
 def _draw(metric: Metric, shown: Shown, unit: str, panel: Panel, ax: "Axes") -> None:
     """Draw a panel; shown: how its section is shown; unit: the SI unit of its parameter."""
-    from ..plotting.figure_style import BLUE, GREY, ORANGE
+    from ..plotting.colors import BLUE, GREY, ORANGE
 
     across = current().of_si(unit).factor
     for falls, color, text in ((False, BLUE, "rising"), (True, ORANGE, "falling")):

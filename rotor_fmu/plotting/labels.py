@@ -10,7 +10,8 @@ from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Bbox
 
-from .figure_style import GREY, PlainFigure
+from .colors import GREY
+from .figure_style import PlainFigure
 
 _SIZE = 8.0  # of the font [pt]
 _MARK = 3.0  # half a point's mark [pt]

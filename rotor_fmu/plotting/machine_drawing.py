@@ -11,7 +11,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from ..display import current
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Shape
-from .figure_style import LABEL, empty_figure, entitle
+from .colors import LABEL
+from .figure_style import empty_figure, entitle
 from .notebook import png
 
 _LINE = 0.035  # height of a line of names, of the machine's size

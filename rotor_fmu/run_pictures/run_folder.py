@@ -12,16 +12,8 @@ from matplotlib.figure import Figure
 
 from .. import vibration
 from ..display import current, shown_speed, speed_with_unit
-from ..plotting.figure_style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    entitle,
-    legend_below,
-    new_figure,
-    new_panels,
-    save,
-)
+from ..plotting.colors import BLUE, GREY, ORANGE
+from ..plotting.figure_style import entitle, legend_below, new_figure, new_panels, save
 from ..plotting.thinning import extremes
 from ..runs.measuring_points import display_name
 from ..runs.peaks import is_constant, peak_index, start_up

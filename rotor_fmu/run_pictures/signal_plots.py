@@ -10,15 +10,8 @@ from matplotlib.figure import Figure
 
 from .. import vibration
 from ..display import current, shown_speed
+from ..plotting.colors import BLACK, BLUE, COLORS, DASHED, GREEN, GREY, ORANGE, PURPLE
 from ..plotting.figure_style import (
-    BLACK,
-    BLUE,
-    COLORS,
-    DASHED,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
     annotate,
     broken_at_turns,
     empty_figure,
@@ -27,14 +20,7 @@ from ..plotting.figure_style import (
 )
 from ..plotting.labels import write_labels
 from ..runs.measuring_points import ContactSignals
-from .view import (
-    View,
-    angle_axis,
-    broken_at_reversals,
-    displacement_axes,
-    two_over_speed,
-    widened,
-)
+from .view import View, angle_axis, broken_at_reversals, displacement_axes, two_over_speed, widened
 
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
 _ORBIT_TURNS, _WHIRL_TURNS = 4, 16
