@@ -90,8 +90,8 @@ class CriticalMap(Displayed, linear.CriticalMap):
         low, high = np.nanmin(self.speeds), np.nanmax(self.speeds)
         axes.set(xscale="log", yscale="log", ylim=(low * d.speed * 0.8, high * d.speed * 1.25))
         axes.set_xlim(stiffness[0], stiffness[-1])
-        for axis in (axes.xaxis, axes.yaxis):
-            plain_ticks(axis)
+        plain_ticks(axes.xaxis)
+        plain_ticks(axes.yaxis)
         axes.set_xlabel(f"Stiffness of every bearing [{d.stiffness_unit}]")
         what, unit = "natural frequency at standstill", d.frequency_unit
         if self.synchronous:

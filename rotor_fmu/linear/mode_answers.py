@@ -76,9 +76,8 @@ class Modes(Displayed, linear.Modes):
                 bent = curve(self.z, (w * turn).real, (slope * turn).real, self.shear)
                 axes.plot(*bent, color=color, lw=1.6, ls=dashes, label=label)
                 at = dotted(len(w))
-                axes.plot(
-                    self.z[at] * current().length, (w[at] * turn).real, "o", color=color, ms=3
-                )
+                z = self.z[at] * current().length
+                axes.plot(z, (w[at] * turn).real, "o", color=color, ms=3)
             axes.margins(y=0.08)
             damping = f"damping {clean_damping(self.damping_ratio[i]):.2g}"
             entitle(axes, self.caption(i, damping), 9)

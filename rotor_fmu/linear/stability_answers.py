@@ -74,11 +74,9 @@ class StabilityLevel1(Displayed, linear.StabilityLevel1):
         if self.threshold is not None:
             at = self.threshold * d.stiffness
             axes.axvline(at, color=ORANGE, lw=1.3, ls=":", label="Q0, unstable above")
-        axes.set_xlim(*(self.stiffness[[0, -1]] * d.stiffness))
+        axes.set(xlim=over[[0, -1]], ylabel="Logarithmic decrement [1]")
         axes.set_xlabel(f"Cross-coupled stiffness at node {self.node} [{d.stiffness_unit}]")
-        axes.set_ylabel("Logarithmic decrement [1]")
-        title = f"Least of the forward modes at {speed_with_unit(self.speed)}"
-        entitle(axes, self.titled(title))
+        entitle(axes, self.titled(f"Least of the forward modes at {speed_with_unit(self.speed)}"))
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         return figure
 
@@ -120,8 +118,7 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         axes.margins(x=0.12)
         what = "Least logarithmic decrement of the forward modes [1]"
         axes.set_xlabel(f"{what}; dashed: {LEAST_LOG_DEC:g}")
-        title = f"Stability level 2 at {speed_with_unit(self.speed)}"
-        entitle(axes, self.titled(title))
+        entitle(axes, self.titled(f"Stability level 2 at {speed_with_unit(self.speed)}"))
         return figure
 
 

@@ -154,14 +154,8 @@ class ResponseCurves:
         is_once = not self.is_whirl and len(X) > point.orbit.turns
         once = X[point.orbit.turns] if is_once else np.zeros(2, complex)
         phase = np.full(2, np.nan) if self.is_whirl else np.angle(once)
-        values = (
-            np.hypot(x - mean[0], y - mean[1]).max(),
-            np.ptp(x) / 2,
-            np.ptp(y) / 2,
-            *np.abs(once),
-            *phase,
-            *mean,
-        )
+        sizes = np.hypot(x - mean[0], y - mean[1]).max(), np.ptp(x) / 2, np.ptp(y) / 2
+        values = (*sizes, *np.abs(once), *phase, *mean)
         return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}
 
     def series(

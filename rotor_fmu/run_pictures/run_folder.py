@@ -87,14 +87,9 @@ def journal_angle(recording: Recording, caption: str) -> Figure:
     if per_turn >= FINE and not is_constant(recording.w):
         shown = vibration.time_share(recording.t, recording.w, z)
         angles = np.degrees(shown.angle)
-        image = axes.pcolormesh(
-            shown.speed * current().speed,
-            angles,
-            100 * shown.share.T,
-            cmap="Blues",
-            norm=PowerNorm(0.4, 0, 25),
-            rasterized=True,
-        )
+        speed, share = shown.speed * current().speed, 100 * shown.share.T
+        scale = PowerNorm(0.4, 0, 25)
+        image = axes.pcolormesh(speed, angles, share, cmap="Blues", norm=scale, rasterized=True)
         bar = figure.colorbar(image, ax=axes, extend="max")
         bar.set_label(f"share of the time within {angles[1]:.0f}° [%]")
         with suppress(vibration.TooFewTurns):  # a part of a turn has no mark
