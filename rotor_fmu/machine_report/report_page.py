@@ -90,10 +90,9 @@ def machine_report(
     diagram = answers.campbell(rotor, speeds)
     over_stiffness = acceptance.critical_map(rotor)
     curve = np.linspace(first, top, SPEEDS)
-    response = answers.response_with_peaks(
-        rotor, curve, nodes=options.probes or (), unbalances=unbalances
-    )
-    probes = list(options.probes or response.nodes())
+    nodes = options.probes or ()
+    response = answers.response_with_peaks(rotor, curve, nodes=nodes, unbalances=unbalances)
+    probes = list(nodes or response.nodes())
     check = acceptance.unbalance_check(
         rotor, low, high, probes, unbalances=unbalances, clearances=options.clearances
     )

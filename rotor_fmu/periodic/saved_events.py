@@ -24,19 +24,9 @@ from ..model.periodic.problem import Note
 from ..model.periodic.tracer import TracedPoint, TracerState
 
 FILE, LOCK = "points.jsonl", "points.lock"
+_OF_CURVES = (Orbit, CurvePoint, TracerState, Solution, Bifurcation, TracedPoint)
 _KINDS: Mapping[str, Callable[..., Any]] = {
-    kind.__name__: kind
-    for kind in (
-        Orbit,
-        CurvePoint,
-        TracerState,
-        Solution,
-        Bifurcation,
-        TracedPoint,
-        BranchStart,
-        StartEvent,
-        EndEvent,
-    )
+    kind.__name__: kind for kind in (*_OF_CURVES, BranchStart, StartEvent, EndEvent)
 }
 
 

@@ -183,10 +183,8 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
     else:
         from SALib.analyze import morris
 
-        points = design.sample[retained]
-        result = morris.analyze(
-            problem, points, values[retained], num_levels=design.levels, **drawn
-        )
+        drawn["num_levels"] = design.levels
+        result = morris.analyze(problem, design.sample[retained], values[retained], **drawn)
         keys = ("mu", "mu_star", "mu_star_conf", "sigma")
     indices = {axis: {key: float(result[key][i]) for key in keys} for i, axis in enumerate(names)}
     return {"blocks": int(whole.sum()), "of": len(whole), "indices": indices}
