@@ -277,22 +277,22 @@ def critical_mass(K: np.ndarray, C: np.ndarray) -> tuple[float, float]:
 
 def check_films(
     rotor: Rotor,
-    names: Sequence[str],
+    interfaces: Sequence[str],
     speed: float,
     d: np.ndarray,
-    on: np.ndarray,
+    force: np.ndarray,
     laws: LawsAtRest,
 ) -> None:
     """Raise `LinearError` for a film that is thinner than its roughness, with its load and what it
-    carries; d, on: of the interfaces of these names [m], [N]; laws: theirs, settled there."""
+    carries; d, force: of the interfaces of these names [m], [N]; laws: theirs, settled there."""
     parts = dict(rotor.named_parts())
-    for j, (name, at, load) in enumerate(zip(names, d, on, strict=True)):
+    for j, (name, at, on) in enumerate(zip(interfaces, d, force, strict=True)):
         part = parts.get(name)
         if isinstance(part, JournalBearing | SqueezeFilmDamper):
             if laws.is_invalid[j]:
                 alone = BearingAlone(part, speed, name, cage_of(rotor, part))
                 kx, ky = alone.cage.stiffness
                 of_cage = complex(kx * at.real, ky * at.imag)
-                raise alone.no_equilibrium(of_cage - complex(load))
+                raise alone.no_equilibrium(of_cage - complex(on))
         elif isinstance(part, FloatingRingBearing) and laws.is_invalid[j]:
-            raise RingAlone(part, speed, name).no_equilibrium(-complex(load))
+            raise RingAlone(part, speed, name).no_equilibrium(-complex(on))
