@@ -204,8 +204,7 @@ def zone_tangent(film, zone, work):
 
 @jit
 def pairs_of(x_D, x_S, y_D, y_S):
-    """Return gradients of the load's x and y by D and S as pairs p z + q conj(z): p_D, q_D, p_S,
-    q_S."""
+    """Return gradients of the load's x, y by D and S, pairs p z + q conj(z): p_D, q_D, p_S, q_S."""
     return (
         0.5 * (x_D.conjugate() + 1j * y_D.conjugate()),
         0.5 * (x_D + 1j * y_D),

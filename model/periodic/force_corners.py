@@ -159,8 +159,7 @@ class SampledOrbit:
         return np.clip(apart.min(axis=1), _LEAST, 1.0)
 
     def of_own_corners(self, along: _F) -> _F:
-        """Return forces and tangents with those of the other interfaces set to 0 at the corners of
-        one."""
+        """Return forces and tangents, those of other interfaces set to 0 at the corners of one."""
         if not len(self.owner):
             return along
         owner, laws = np.repeat(self.owner, len(_SIDES))[:, None], self._laws

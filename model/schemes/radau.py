@@ -2,8 +2,7 @@
 Ordinary Differential Equations II, sec. IV.5 and IV.8).
 
 The stages lie at C h and have the weights A; the last stage is the end of the step. With A = T
-diag(LAMBDA) T^-1 the linear part of a step decouples into three systems, each of the size of one
-stage.
+diag(LAMBDA) T^-1 a step's linear part decouples into three systems, each of a stage's size.
 """
 
 import math
@@ -98,8 +97,7 @@ SHARES = np.array(
 
 
 def _lagrange(nodes: list[float], x: float) -> list[float]:
-    """Return the weights of values at the nodes in the value of their interpolating polynomial at
-    x."""
+    """Return the weights of values at the nodes in that of their interpolating polynomial at x."""
     return [
         math.prod((x - other) / (node - other) for other in nodes if other != node)
         for node in nodes
@@ -146,8 +144,7 @@ def of_parts(weights, p, s, t):
 
 @jit
 def parts_times(factor, s, t):
-    """Return the parts b + c and i (b - c) after b is multiplied by a factor and c by its
-    conjugate."""
+    """Return b + c and i (b - c) after b is multiplied by a factor and c by its conjugate."""
     real, imaginary = factor.real, factor.imag
     return scaled(real, s) + scaled(imaginary, t), scaled(real, t) - scaled(imaginary, s)
 

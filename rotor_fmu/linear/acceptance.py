@@ -188,8 +188,7 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
 
 @dataclass(frozen=True, repr=False)
 class CriticalPeaks(Displayed):
-    """Critical speeds of nodes with their amplification factors, shown; criticals: by ascending
-    speed."""
+    """Critical speeds of nodes with amplification factors, shown; criticals: by ascending speed."""
 
     criticals: tuple[ProbeCritical, ...]
 

@@ -54,8 +54,7 @@ class ResponseRequest(NamedTuple):
     task: Task
 
     def ends(self) -> list[Rotor]:
-        """Return the machines with the ends of a quantity that is varied; none where the speed
-        is."""
+        """Return the machines with the ends of a varied quantity; none where it is the speed."""
         task = self.task
         values = () if task.name == SPEED else (task.low, task.high)
         return [self.rotor.with_values({task.name: value}) for value in values]
