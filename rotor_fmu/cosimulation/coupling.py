@@ -110,9 +110,7 @@ class Coupling:
                 shutil.copyfile(str(module.__file__), folder / name)
             raw = folder / "raw.fmu"
             wrap(script, [folder / name for name in beside], raw)
-            return repack(
-                raw, out / self.fmu_name, lambda root: complete(root, variables, RELEASED)
-            )
+            return repack(raw, out / self.fmu_name, lambda of: complete(of, variables, RELEASED))
 
     def open(
         self,

@@ -121,9 +121,8 @@ class ResponseCurves:
         point = points[i]
         t = 2 * math.pi / abs(point.orbit.omega) * np.arange(samples) / samples
         places = {name: self.series(point, name, samples) for name in self.probes}
-        return OrbitSeries(
-            t, {n: s[0] for n, s in places.items()}, {n: s[1] for n, s in places.items()}
-        )
+        x, y = ({name: both[k] for name, both in places.items()} for k in (0, 1))
+        return OrbitSeries(t, x, y)
 
     def section(self, name: str, side: str) -> list[SectionLine]:
         """x or y (side) of a place [m] each time the keyphasor's mark passes, along the branches:

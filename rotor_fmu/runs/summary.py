@@ -78,9 +78,7 @@ def last_contact(columns: Mapping[str, np.ndarray]) -> str | None:
     """Return the last part with a contact angle of those that touch, of all where none does."""
     parts = [name.removesuffix(".psi") for name in columns if name.endswith(".psi")]
     none = np.zeros(1)
-    forces = {
-        part: columns.get(f"{part}.fn_peak", columns.get(f"{part}.fn", none)) for part in parts
-    }
+    forces = {p: columns.get(f"{p}.fn_peak", columns.get(f"{p}.fn", none)) for p in parts}
     touching = [part for part, force in forces.items() if (force > 0.0).any()]
     return next(reversed(touching or parts), None)
 

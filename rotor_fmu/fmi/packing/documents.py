@@ -114,9 +114,8 @@ def _licence(of: str) -> bytes:
     """Return the licence of an installed distribution."""
     from importlib.metadata import distribution
 
-    result = next(
-        file for file in distribution(of).files or () if file.name.upper().startswith("LICEN")
-    )
+    carried = distribution(of).files or ()
+    result = next(file for file in carried if file.name.upper().startswith("LICEN"))
     return Path(str(result.locate())).read_bytes()
 
 
