@@ -152,8 +152,7 @@ def short_share(bearing):
 
 @jit_not_inlined
 def _pad_load(bearing, film, work):
-    """Return the integral of P exp(i theta) over a pad's film [1/s], of Ocvirk's less its
-    `short_share`."""
+    """Return a pad's integral of P exp(i theta) [1/s], that of Ocvirk's less its `short_share`."""
     total = 0.0j
     if film.S == 0.0:
         return total

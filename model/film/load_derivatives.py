@@ -189,8 +189,7 @@ def _with_free_ends(g, of_first, of_last, zone):
 
 @jit_not_inlined
 def zone_tangent(film, zone, work):
-    """Return the derivative of `zone_load` as pairs p z + q conj(z), by D and by S: p_D, q_D, p_S,
-    q_S."""
+    """Return derivatives of `zone_load`, pairs p z + q conj(z), by D and S: p_D, q_D, p_S, q_S."""
     none = Gradient(0.0j, 0.0j, 0.0, 0.0)
     of_first = of_last = none
     _fill_adjoints(film, zone, work)

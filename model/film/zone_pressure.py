@@ -83,8 +83,7 @@ class Zone(NamedTuple):
 
 
 class Bound(NamedTuple):
-    """Bounds of the ends of a zone [rad]; low: the least and most of the first end, high: of the
-    last."""
+    """Bounds of a zone's ends [rad]; low: least and most of the first end, high: of the last."""
 
     low: tuple
     high: tuple

@@ -27,8 +27,7 @@ _ALIKE = 1e-9  # relative difference of two stiffnesses that are one
 
 
 class BearingStiffness(NamedTuple):
-    """The stiffness that a bearing has itself along one axis, `x` or `y`, over the speed [rad/s];
-    stiffness [N/m]."""
+    """A bearing's own stiffness [N/m] along one axis, `x` or `y`, over the speed [rad/s]."""
 
     bearing: str
     axis: str

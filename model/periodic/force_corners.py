@@ -33,8 +33,7 @@ _FOUND = 1e-13  # in samples: the last secant moved no corner further
 
 
 class Crossings(NamedTuple):
-    """Where forces have corners: the sample before, the fraction of the interval, the interface,
-    shape (n,) each."""
+    """Corners of forces: the sample before, the fraction of the interval, interface, shape (n,)."""
 
     cell: np.ndarray
     share: np.ndarray
@@ -171,8 +170,7 @@ class SampledOrbit:
         return along
 
     def spectrum(self, values: np.ndarray, H: int) -> np.ndarray:
-        """Return the complex Fourier coefficients 0 to H of values at all instants, along the first
-        axis."""
+        """Return complex Fourier coefficients 0 to H of values at all instants, along axis 0."""
         n = self.n
         result = np.fft.rfft(values[:n], axis=0)[: H + 1] / n
         if not len(self.owner):

@@ -1,5 +1,4 @@
-"""Real Fourier series, represented by their coefficients [mean, cos 1, sin 1, cos 2, ...] along the
-first axis."""
+"""Real Fourier series, by their coefficients [mean, cos 1, sin 1, cos 2, ...] along axis 0."""
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
@@ -112,8 +111,7 @@ def times_derivative(matrices: np.ndarray, series: np.ndarray) -> np.ndarray:
 
 
 def repeated(series: np.ndarray, count: int) -> np.ndarray:
-    """Return the coefficients of the same motion with `count` of its periods as one, along the
-    first axis."""
+    """Return the coefficients of a motion with `count` of its periods as one, along axis 0."""
     if count == 1:
         return series
     out = np.zeros((count * (len(series) - 1) + 1, *series.shape[1:]))

@@ -151,8 +151,7 @@ def parts_times(factor, s, t):
 
 @jit
 def weight_until(i, x):
-    """Return the weight of stage i [1] in the integral over the first share x of a step, 0 < x <=
-    1."""
+    """Return the weight of stage i [1] in the integral over a step's first share x, 0 < x <= 1."""
     return ((INTEGRALS[i, 2] * x + INTEGRALS[i, 1]) * x + INTEGRALS[i, 0]) * x
 
 
@@ -164,8 +163,7 @@ def weight_at(i, x):
 
 @jit
 def amplification(z):
-    """Return the amplification of an oscillation in a step [1]; z = lambda h, its root times the
-    step length."""
+    """Return an oscillation's amplification in a step [1]; z = lambda h: root times step length."""
     above = 1.0 + z * (0.4 + z * 0.05)
     below = 1.0 - z * (0.6 - z * (0.15 - z * (1.0 / 60.0)))
     return modulus(above * inverse(below))
