@@ -19,8 +19,7 @@ _Result = TypeVar("_Result")
 @cache
 def _controller(has_scipy: bool) -> Any:
     """Return the object that limits the threads of the libraries loaded, None without
-    threadpoolctl. The libraries are searched for once, and once more after SciPy has loaded its
-    own."""
+    threadpoolctl. It looks for the libraries once, and once more after SciPy has loaded its own."""
     try:
         from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
     except ImportError:

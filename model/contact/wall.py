@@ -6,8 +6,7 @@ contact, psi = arg d the contact angle (paper A, eqs 2 to 5, with its misprints 
     delta = |d| - s;    n = max(0, k delta^m + c min(1, delta / delta_c) delta')  while delta > 0
 
 with the exponent m = 1, or 1.5 for Hertz' contact. The damping grows with the penetration. If it
-acted at once, the force would jump at touch, and a step that ends in the jump would have no
-solution.
+acted at once, the force would jump at touch, and a step ending in the jump would have no solution.
 
 In a worn housing the clearance depends on the direction, s(psi) = clearance + wear
 cos(psi / 2 - wear_angle / 2)^(2 wear_power), and the force acts along g = grad delta, no longer e,
@@ -45,10 +44,7 @@ class ContactQuantities:
     )
     v_s: float = quantity("m/s", "sliding speed below which friction is smoothed", default=1e-3)
     exponent: float = quantity(
-        "1",
-        "exponent of the penetration: 1 linear, 10/9 roller, 1.5 Hertz",
-        _EXPONENT,
-        1.0,
+        "1", "exponent of the penetration: 1 linear, 10/9 roller, 1.5 Hertz", _EXPONENT, 1.0
     )
     mu_rise: float = quantity(
         "1", "excess of the coefficient of friction at rest", NOT_NEGATIVE, 0.0
@@ -160,8 +156,7 @@ def touch(part, kinematics):
     n, n_k, stiffness, damping = pressed(part, delta, rate)
     skew, curvature = s_1 / (r * r), 1.0 / r - s_2 / (r * r)
     return Touch(
-        *(delta, rate, n, n_k, stiffness, damping),
-        *(e, velocity, gradient, skew, curvature),
+        *(delta, rate, n, n_k, stiffness, damping), *(e, velocity, gradient, skew, curvature)
     )
 
 

@@ -67,8 +67,7 @@ def sheared(bearing, tables, moving, has_slopes):
     half = -0.5j * z  # S = 2 V - i (sum) D
     turned = at.p_v * half + at.q_v * half.conjugate()
     return Sheared(
-        *(z, at.force, at.p_d, at.q_d, at.p_v, at.q_v),
-        *(turned, drag, steep, moving.sliding_speed),
+        *(z, at.force, at.p_d, at.q_d, at.p_v, at.q_v), *(turned, drag, steep, moving.sliding_speed)
     )
 
 
@@ -114,8 +113,7 @@ def torque_by(film, side, matrix, by_d):
 
 class RingResponse(NamedTuple):
     """Response of a ring to the journal: the derivative of the inner film's force, and the change
-    of this force, of the ring's position and of its speed that balances the residual forces on
-    it."""
+    of this force, of the ring's position and speed that balances the residual forces on it."""
 
     matrix: AmplitudeMatrix
     force: complex

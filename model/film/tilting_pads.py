@@ -169,8 +169,7 @@ def next_iterate(y, residual, slope, low, high, reach, scale):
 @jit_not_inlined
 def solve_pad(bearing, tables, kinematics, i, search):
     """Return y of a `PadSearch`, the derivative of G - inertia (y - free) by it, and the `Balance`
-    there, and move the pad there. By Newton's method, kept between values on both sides of the
-    root."""
+    there, and move the pad there. By Newton's method, kept between values on the root's sides."""
     y, reach = 0.0, search.reach
     low, high = -math.inf, math.inf
     for _ in range(ITERATIONS):
@@ -190,8 +189,7 @@ def solve_pad(bearing, tables, kinematics, i, search):
             break
     force_by_y = search.by_tilt * at.force_by_tilt + search.by_rate * at.force_by_rate
     set_tilt(
-        *(bearing, tables, i, search.tilt + search.by_tilt * y),
-        search.rate + search.by_rate * y,
+        *(bearing, tables, i, search.tilt + search.by_tilt * y), search.rate + search.by_rate * y
     )
     return y, slope, with_force_change(at, step * force_by_y)
 

@@ -108,8 +108,7 @@ class FirstForward:
         expected: float,
     ) -> None:
         """Find the mode; machine: of the rotor; shares: of cross coupling [1], each with its node
-        (from 1); expected: as much of it [N/m], or 0. Raises `LinearError` where no mode can be
-        it."""
+        (from 1); expected: as much of it [N/m], or 0. Raises `LinearError` where no mode is it."""
         self._rotor, self._speed, self._shares = rotor, speed, shares
         self._machine, alone = machine, machine.at(speed)
         first = modes_of(machine, alone, _COUNT)
@@ -169,11 +168,7 @@ class FirstForward:
 
 
 def first_forward(
-    rotor: Rotor,
-    speed: float,
-    shares: Mapping[int, float],
-    expected: float,
-    contacts: str | None,
+    rotor: Rotor, speed: float, shares: Mapping[int, float], expected: float, contacts: str | None
 ) -> FirstForward:
     """Return a rotor's first forward mode; both levels of a check ask for the same one."""
     machine = shared_machine(rotor, contacts)

@@ -51,8 +51,7 @@ class FrequencyResponse:
 
 @dataclass(frozen=True)
 class ControlLoop:
-    """The control of a magnetic bearing, alike in x and y; sensor, magnet: nodes (from 1) or
-    places."""
+    """A magnetic bearing's control, alike in x and y; sensor, magnet: nodes (from 1) or places."""
 
     name: str
     sensor: AnyPlace

@@ -41,8 +41,7 @@ class BowQuantities:
 
 @dataclass(frozen=True, kw_only=True)
 class HeatedQuantities(ContactQuantities, BowQuantities):
-    """The quantities of a bow, then those of a clearance contact; see
-    `touchdown_bearing.TouchdownQuantities`."""
+    """Quantities of a bow and a clearance contact; see `touchdown_bearing.TouchdownQuantities`."""
 
 
 OUTPUTS = (

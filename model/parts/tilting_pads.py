@@ -63,7 +63,7 @@ class TiltingQuantities(FilmQuantities):
         *(0.0,),
     )
     supply_pressure: float = quantity(
-        *("Pa", "pressure around the film, above that at which it ruptures", NOT_NEGATIVE, 0.0),
+        *("Pa", "pressure around the film, above that at which it ruptures", NOT_NEGATIVE, 0.0)
     )
 
 
@@ -115,8 +115,7 @@ class PadMotion(NamedTuple):
 
 @jit_not_inlined
 def _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b):
-    """Return the `PadSearch`, y, slope and `Balance` of a pad, its pivot at the present
-    displacement."""
+    """Return the `PadSearch`, y, slope and `Balance` of a pad, its pivot at this displacement."""
     if b == math.inf:
         search = search_at_rest(bearing, tables, kinematics, i)
     elif part.pad_inertia == 0.0:

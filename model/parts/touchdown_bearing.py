@@ -70,8 +70,7 @@ def _radius(part):
 @jit
 def _race_speed(part, pressure, sliding, b, free, guess, free_z):
     """Return the race's speed at the end of a step [rad/s]; pressure: normal force [N], sliding:
-    speed past a race at rest [m/s]; b: weight of the rate [s]; free_z: see `contact.rubbing`
-    [m]."""
+    speed past a race at rest [m/s]; b: the rate's weight [s]; free_z: see `contact.rubbing` [m]."""
     per = b / part.race_inertia
     if per == 0.0:
         return free
@@ -102,10 +101,7 @@ OUTPUTS = (
     Output("race", "rad/s", "speed of the race", True, 100.0),
     Output("sliding", "m/s", "sliding speed while in contact", nominal=1.0, reached_by=SPEED),
 )
-LOSSES = (
-    *CONTACT_LOSSES,
-    Output("drag", "J", "dissipated by the races' drag", nominal=1.0),
-)
+LOSSES = (*CONTACT_LOSSES, Output("drag", "J", "dissipated by the races' drag", nominal=1.0))
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 _STATE = places(("race", "elongation"))
 

@@ -51,8 +51,7 @@ class ContinuationEquations(Equations):
     def linearized_with_parameter(
         self, x: np.ndarray, value: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the residual, the Jacobian, and the derivative with respect to lambda over its
-        scale."""
+        """Return the residual, the Jacobian, and the derivative by lambda over its scale."""
         residual, jacobian = self.linearized(x, value)
         beside, is_across = partial(self.residual, x), partial(self.is_across, x, value)
         options = self.scale, self.difference, is_across, self.is_central
@@ -299,10 +298,7 @@ def _longest(steps: ContinuationSteps, point: CurvePoint, size: float, rate: flo
 
 
 def _beyond_corner(
-    equations: ContinuationEquations,
-    point: CurvePoint,
-    bend: float,
-    steps: ContinuationSteps,
+    equations: ContinuationEquations, point: CurvePoint, bend: float, steps: ContinuationSteps
 ) -> CurvePoint | None:
     """Return a point beyond a corner of the curve, a short way along the tangent that holds on the
     other side of the corner, or None if there is no such point; bend: 1 less the cosine of the way

@@ -1,5 +1,4 @@
-"""Checkpoint of a response computation: its events in order, from which an interrupted call is
-resumed.
+"""Checkpoint of a response computation: its events in order, from which a later call resumes.
 
 A response asks the log for the next event before it computes one; the events of an earlier call are
 taken over unchanged.

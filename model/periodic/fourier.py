@@ -1,5 +1,4 @@
-"""Real Fourier series, represented by their coefficients [mean, cos 1, sin 1, cos 2, ...] along the
-first axis."""
+"""Real Fourier series, by their coefficients [mean, cos 1, sin 1, cos 2, ...] along axis 0."""
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
@@ -17,8 +16,7 @@ def basis(H: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def projection(value: np.ndarray) -> np.ndarray:
-    """Return the matrix from evenly spaced samples over a turn to coefficients, shape (2 H + 1,
-    n)."""
+    """Return the matrix from even samples of a turn to coefficients, shape (2 H + 1, n)."""
     weights = np.full(value.shape[1], 2.0 / len(value))
     weights[0] = 1.0 / len(value)
     return weights[:, None] * value.T
@@ -40,8 +38,7 @@ def series_of(spectrum: np.ndarray) -> np.ndarray:
 
 
 def amplitudes(coefficients: np.ndarray) -> np.ndarray:
-    """Return the complex amplitudes of harmonics 0 to H, x = Re(sum x_k exp(i k t)), along the
-    first axis."""
+    """Return complex amplitudes of harmonics 0 to H, x = Re(sum x_k exp(i k t)), along axis 0."""
     out = np.zeros((len(coefficients) // 2 + 1, *coefficients.shape[1:]), complex)
     out[0] = coefficients[0]
     out.real[1:], out.imag[1:] = coefficients[1::2], -coefficients[2::2]
@@ -60,13 +57,10 @@ def add_real(matrix: np.ndarray, S: np.ndarray) -> None:
     """Add complex matrices of harmonics 0 to H, shape (H + 1, b, b), to a matrix of coefficients,
     shape (2 H + 1, b, 2 H + 1, b)."""
     matrix[0, :, 0] += S[0].real
-    k = np.arange(1, len(S))
-    for row, column, part in (
-        (2 * k - 1, 2 * k - 1, S[1:].real),
-        (2 * k, 2 * k, S[1:].real),
-        (2 * k - 1, 2 * k, S[1:].imag),
-        (2 * k, 2 * k - 1, -S[1:].imag),
-    ):
+    cosine, real, imag = 2 * np.arange(1, len(S)) - 1, S[1:].real, S[1:].imag
+    sine = cosine + 1
+    on_diagonal = (cosine, cosine, real), (sine, sine, real)
+    for row, column, part in (*on_diagonal, (cosine, sine, imag), (sine, cosine, -imag)):
         matrix[row, :, column] += part
 
 
@@ -117,8 +111,7 @@ def times_derivative(matrices: np.ndarray, series: np.ndarray) -> np.ndarray:
 
 
 def repeated(series: np.ndarray, count: int) -> np.ndarray:
-    """Return the coefficients of the same motion with `count` of its periods as one, along the
-    first axis."""
+    """Return the coefficients of a motion with `count` of its periods as one, along axis 0."""
     if count == 1:
         return series
     out = np.zeros((count * (len(series) - 1) + 1, *series.shape[1:]))
@@ -128,15 +121,13 @@ def repeated(series: np.ndarray, count: int) -> np.ndarray:
 
 
 def shifted(series: np.ndarray, angle: float) -> np.ndarray:
-    """Return the coefficients of the motion that is ahead by an angle [rad], along the first
-    axis."""
+    """Return the coefficients of the motion ahead by an angle [rad], along the first axis."""
     k = np.arange(len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
     return coefficients(amplitudes(series) * np.exp(1j * k * angle))
 
 
 def resized(series: np.ndarray, H: int) -> np.ndarray:
-    """Return the coefficients of a series truncated or extended to H harmonics, along the first
-    axis."""
+    """Return the coefficients of a series cut or extended to H harmonics, along the first axis."""
     out = np.zeros((2 * H + 1, *series.shape[1:]))
     n = min(len(out), len(series))
     out[:n] = series[:n]
@@ -144,8 +135,7 @@ def resized(series: np.ndarray, H: int) -> np.ndarray:
 
 
 def last_share(b: np.ndarray) -> float:
-    """Return the amplitude of the highest harmonics of a series relative to its largest
-    harmonic."""
+    """Return the amplitude of a series' highest harmonics relative to its largest harmonic."""
     size, H = np.abs(amplitudes(b)).max(axis=1, initial=0.0), len(b) // 2
     last = max(2, H // 4)
     return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < H else 1.0

@@ -85,8 +85,7 @@ class CondensedMachine:
         pivots, independent = _independent(followed)
         rest = np.setdiff1d(np.arange(N // 2), pivots)
         self._T = np.kron(
-            np.linalg.inv(np.vstack([followed[independent], np.eye(N // 2)[rest]])),
-            np.eye(2),
+            np.linalg.inv(np.vstack([followed[independent], np.eye(N // 2)[rest]])), np.eye(2)
         )
         self.size, self.b = N, 2 * len(independent)
         # of d, the relative displacements of all nonlinear interfaces, by b
@@ -268,8 +267,7 @@ def _is_same_but_laws(a: Structure, b: Structure, linear: np.ndarray) -> bool:
 
 
 def _independent(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the pivots of linearly independent rows of an incidence matrix, and the indices of
-    these rows."""
+    """Return the pivots of linearly independent rows of an incidence matrix, and these rows."""
     left = rows.astype(float).copy()
     pivots: list[int] = []
     retained: list[int] = []

@@ -53,8 +53,7 @@ class _RestEquations(Equations):
         self.sizes = np.append(sizes, problem.state_scale * abs(self.speed))
 
     def tangents(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return forces and rates, and their derivatives with respect to displacements, velocities
-        and states."""
+        """Return forces and rates, their derivatives by displacements, velocities and states."""
         y = x * self.scale
         d = (self.machine.B @ y[: self.b])[None]
         laws = self.machine.laws.tangents(d, 0 * d, y[None, self.b :], self._own_scale, self.speed)
@@ -206,9 +205,7 @@ def _growing(growth: np.ndarray | None) -> int:
     return -1 if growth is None else int(np.count_nonzero(growth > 0))
 
 
-def _may_pass_and_return(
-    growths: Sequence[np.ndarray | None],
-) -> Iterator[tuple[int, int, float]]:
+def _may_pass_and_return(growths: Sequence[np.ndarray | None]) -> Iterator[tuple[int, int, float]]:
     """Yield each piece between values and mode, the piece by its begin, in which the growth may
     come to 0 and back, with its sign at both ends: where lines from the neighbouring pieces meet
     beyond 0, as far as a growth that bends one way may come."""

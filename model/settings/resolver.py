@@ -41,8 +41,7 @@ _STABLE = 1e-12  # rounding in a stability condition
 
 
 def encoded(name: str, value: object) -> float:
-    """Return the number that stands for a setting's value. Raises `ValueError` for an invalid
-    one."""
+    """Return the number that stands for a setting's value. Raises `ValueError` for a wrong one."""
     return BY_NAME[name].encoded(value)
 
 

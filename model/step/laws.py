@@ -61,8 +61,7 @@ def _both_tangents(law: Law) -> Callable:
 
 
 def _vibrating(law: Law) -> Callable:
-    """Return the function `Law.vibrate` of a law, or one for a law whose states do not follow a
-    vibration."""
+    """Return a law's `Law.vibrate`, or a function for a law whose states follow no vibration."""
     if law.vibrate is not None:
         return law.vibrate
     both = _both_tangents(law)
@@ -102,8 +101,7 @@ add_losses = dispatcher([_dissipating(law) for law in LAWS])
 
 @jit_not_inlined
 def law_tangent_called(laws, interface, kinematics, weights, free, internal_state):
-    """Return `law_tangent`, not inlined because it is large: for all calls but the iterations of a
-    step."""
+    """Return `law_tangent`, not inlined, being large: for all calls but a step's iterations."""
     return law_tangent(laws, interface, kinematics, weights, free, internal_state)
 
 

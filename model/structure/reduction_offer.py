@@ -1,5 +1,4 @@
-"""Whether component modes would make a run cheaper, how many, and how much they change the
-frequencies."""
+"""Whether component modes make a run cheaper, how many, and how much they change frequencies."""
 
 from typing import NamedTuple
 

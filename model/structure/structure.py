@@ -52,10 +52,7 @@ NUMBERS = _record(
 
 # Type and extents of each array of a machine's `laws`: the records of each law, and last the
 # tables.
-LAW_TABLES = [
-    *((law.dtype, (f"rows_{law.name}",)) for law in LAWS),
-    (np.dtype(float), ("tables",)),
-]
+LAW_TABLES = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
 
 
 class Structure(NamedTuple):
@@ -122,8 +119,7 @@ def sizes_of_laws(laws: tuple) -> dict[str, int]:
 
 
 def sizes_of(structure: Structure) -> dict[str, int]:
-    """Return the sizes on which the extents of the arrays depend; `size`: of a motion, ground
-    included."""
+    """Return the sizes on which the arrays' extents depend; `size`: of a motion, with ground."""
     sizes = block.sizes_of(structure)
     states = structure.interfaces.states
     return sizes | {

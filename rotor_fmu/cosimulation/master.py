@@ -1,5 +1,4 @@
-"""A Jacobi master: at each communication point every FMU gets the others' last outputs, then all
-step."""
+"""A Jacobi master: at each communication point all FMUs get the others' last outputs, then step."""
 
 import reprlib
 from array import array
@@ -45,8 +44,7 @@ class Point(NamedTuple):
 @dataclass(frozen=True)
 class CoupledRun:
     """A coupled run at its communication points t [s]: `run[FMU][VARIABLE]` is what was read of an
-    FMU; each of shape (n,). status: see `run_status`; `failed: ` and why where the run ended
-    early."""
+    FMU; each of shape (n,). status: see `run_status`; `failed: ` and why where it ended early."""
 
     t: np.ndarray
     values: Mapping[str, Mapping[str, np.ndarray]]
@@ -96,9 +94,7 @@ class CoupledFmus:
         check_positive("step", step, "s")
         stop = self.stop
         check_steps(f"step = {step:g} s", f"stop = {stop:g} s", stop / step, most)
-        inputs = {
-            name: [c for c in self.connections if c.receiver == name] for name in self.members
-        }
+        inputs = {to: [c for c in self.connections if c.receiver == to] for to in self.members}
         for member in self.members.values():
             member.begin()
         point = self._at(0.0)
@@ -163,8 +159,7 @@ def coupled(
     call the two lists of pairs; stop: end of the run [s]; tolerance: relative, of the run [1], by
     default each FMU's own. Raises `RunFailed` where a call of one of the FMUs fails, and, before
     any of them is loaded, `InputError` for an unknown name, a pair that connects other units, an
-    input that has its value from another pair, and a stop or tolerance that is not positive and
-    finite.
+    input that has its value from another pair, and a stop or tolerance not positive and finite.
     """
     check_positive("stop", stop, "s")
     if tolerance is not None:
@@ -227,8 +222,7 @@ def _connection(table: str, row: Sequence[str], fmus: Mapping[str, Path]) -> Con
 def _check(
     table: str, c: Connection, members: Mapping[str, Member], settable: Sequence[str]
 ) -> None:
-    """Raise `InputError` for a connection whose units differ, or that ends where nothing can be
-    set."""
+    """Raise `InputError` for a connection whose units differ, or whose end cannot be set."""
     output, taken = members[c.sender].readable(c.output), members[c.receiver].readable(c.input)
     is_tunable = (taken.causality, taken.variability) == ("parameter", "tunable")
     if taken.causality not in settable and not is_tunable:

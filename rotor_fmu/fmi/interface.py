@@ -44,8 +44,7 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
 
 
 def ports(rotor: Rotor) -> list[tuple[str, PortElement]]:
-    """Return where external forces act, with their parts' names, in the order of
-    `Structure.load_dof`."""
+    """Return where external forces act, with their parts' names, as in `Structure.load_dof`."""
     return rotor.elements_of_kind(PortElement)
 
 
@@ -140,15 +139,11 @@ def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
     for name, output in observed(rotor):
         is_output = output.is_output or (is_free and str(name) in _OUTPUTS_IF_FREE)
         is_driven = is_free and str(name) in _DRIVEN_IF_FREE
-        table.append(
-            Variable(
-                str(name),
-                output.kind,
-                "output" if is_output else "local",
-                f"{_part_of(name)}{output.text}",
-                _BY_DRIVE.get(str(name), (output.unit, output.unit))[is_free],
-                nominal=output.nominal,
-                reached_by=_TORQUE if is_driven else output.reached_by,
-            )
+        by = _TORQUE if is_driven else output.reached_by
+        causality, text = "output" if is_output else "local", f"{_part_of(name)}{output.text}"
+        unit = _BY_DRIVE.get(str(name), (output.unit, output.unit))[is_free]
+        variable = Variable(
+            str(name), output.kind, causality, text, unit, nominal=output.nominal, reached_by=by
         )
+        table.append(variable)
     return table

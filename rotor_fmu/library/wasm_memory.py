@@ -1,8 +1,7 @@
 """Data in the memory of a WebAssembly component, behind what its linker laid out there.
 
 The binary formats are those of the WebAssembly core specification 2.0, section 5, and of the
-component model's `Binary.md`: a head of eight bytes, then sections of an identifier, a size and a
-content.
+component model's `Binary.md`: a head of eight bytes, then sections of identifier, size, content.
 """
 
 from collections.abc import Iterator

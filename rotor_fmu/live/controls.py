@@ -1,6 +1,5 @@
 """The controls of the page: a field, and where its range is known a slider, for everything that a
-host may set in the FMU; their values under which a recorded run is repeated; and what a run
-records."""
+host may set in the FMU; their values that repeat a recorded run; and what a run records."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -74,9 +73,8 @@ def groups(machine: Machine) -> list[dict[str, Any]]:
         if v.causality == "input":
             slider = _linear(-weight, weight) if v.unit == "N" else _linear(-10.0, 10.0)
         group = found.setdefault(title, {"title": title, "controls": []})
-        group["controls"].append(
-            _control(v, reference) | {"slider": slider, "usual": quantity in _USUAL}
-        )
+        control = _control(v, reference) | {"slider": slider, "usual": quantity in _USUAL}
+        group["controls"].append(control)
     return list(found.values())
 
 

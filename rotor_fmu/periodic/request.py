@@ -9,16 +9,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from ..display import current
-from ..errors import (
-    InputError,
-    check_integer,
-    mapped,
-    meant,
-    number,
-    numbers,
-    shown_value,
-    switch,
-)
+from ..errors import InputError, check_integer, mapped, meant, number, numbers, shown_value, switch
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
 from ..model.machine.rotor import Rotor
@@ -63,8 +54,7 @@ class ResponseRequest(NamedTuple):
     task: Task
 
     def ends(self) -> list[Rotor]:
-        """Return the machines with the ends of a quantity that is varied; none where the speed
-        is."""
+        """Return the machines with the ends of a varied quantity; none where it is the speed."""
         task = self.task
         values = () if task.name == SPEED else (task.low, task.high)
         return [self.rotor.with_values({task.name: value}) for value in values]

@@ -84,8 +84,7 @@ def _place(
     every: list[Vertex],
     samples: int,
 ) -> dict[str, Any]:
-    """Return the curves of a place, those that are drawn through every vertex, and its orbits, one
-    after another."""
+    """Return a place's curves, those drawn through every vertex, and its orbits on end."""
 
     def curves(motions: Iterable[Solution | Bifurcation]) -> dict[str, Any]:
         values = [result.quantities(motion, place) for motion in motions]

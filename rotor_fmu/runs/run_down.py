@@ -39,8 +39,7 @@ _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft", "fn_peak")
 @dataclass(frozen=True)
 class Job:
     """A run that was checked and can begin: the FMU's variables, values of its parameters by name,
-    its inputs, its end [s] and its communication step [s]; the rotor, also as TOML, and the
-    settings."""
+    its inputs, its end and communication step [s]; the rotor, also as TOML, and the settings."""
 
     table: Sequence[Variable]
     parameters: Mapping[str, float]
@@ -158,9 +157,8 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
         return Run(np.zeros(0), empty, f"{FAILED}{failure}", tuple(messages), wall)
     rows = recorder.result()
     columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
-    return Run(
-        np.asarray(rows["time"]), columns, status_of(messages, failure), tuple(messages), wall
-    )
+    status = status_of(messages, failure)
+    return Run(np.asarray(rows["time"]), columns, status, tuple(messages), wall)
 
 
 def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., None]) -> Any:
@@ -168,9 +166,8 @@ def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., No
 
     check_plain_path(Path(folder))
     try:
-        return fmpy.instantiate_fmu(
-            folder, description, "CoSimulation", debug_logging=True, logger=log
-        )
+        options = {"debug_logging": True, "logger": log}
+        return fmpy.instantiate_fmu(folder, description, "CoSimulation", **options)
     except Exception as error:  # FMPy raises nothing more specific
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 

@@ -218,8 +218,7 @@ def time_share(
 
     The path between two rows is a straight line, each of its `pieces` counting for the time it
     took: a quick passage is a faint trace, not the few points that happened to be recorded. What is
-    not finite is left out. Raises `TooFewRows` for less than two rows, `InputError` for what is no
-    signal.
+    not finite is left out. Raises `TooFewRows` for less than two rows, `InputError` for no signal.
     """
     for name, value in (("speeds", speeds), ("angles", angles), ("pieces", pieces)):
         check_integer(name, value, 1)
@@ -233,10 +232,7 @@ def time_share(
         return before + share * (after - before)
 
     speed, angle = path(w), np.angle(path(z)) % TURN
-    edges = (
-        np.linspace(speed.min(), speed.max(), speeds + 1),
-        np.linspace(0, TURN, angles + 1),
-    )
+    edges = (np.linspace(speed.min(), speed.max(), speeds + 1), np.linspace(0, TURN, angles + 1))
     table, *_ = np.histogram2d(speed, angle, edges, weights=weights)
     total = table.sum(axis=1, keepdims=True)
     return TimeShare(*edges, np.divide(table, total, out=np.zeros_like(table), where=total > 0))
