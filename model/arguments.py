@@ -36,7 +36,8 @@ def check_one_of(
 
 
 def number(name: str, value: Any) -> float:
-    """Return a number of Python or numpy, or a 0-d array, as a float; `InputError` for others."""
+    """Return a number of Python or numpy, or an array of no dimension, as a float; `InputError` for
+    anything else."""
     given = value.item() if getattr(value, "ndim", None) == 0 else value
     if isinstance(given, bool) or not isinstance(given, Real):
         raise InputError(f"{shown_value(name, value)}: must be a number")
@@ -58,7 +59,8 @@ def switch(name: str, value: Any) -> bool:
 def check_integer(
     name: str, value: object, low: int, high: float = math.inf, error: type[InputError] = InputError
 ) -> None:
-    """Raise an error unless an argument is an integer of Python or numpy within bounds, no bool."""
+    """Raise an error unless an argument of any type is an integer of Python or numpy within bounds,
+    as no bool is."""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not (is_whole and low <= value <= high):  # type: ignore[operator]
         bounds = f", at least {low}" if high == math.inf else f" from {low} to {high}"

@@ -28,7 +28,8 @@ def fill_template(pattern: str, numbers: Iterable[float]) -> str:
 class Message(str):
     """A message of a run, and its machine-readable code.
 
-    A note is about the machine or the input; any other means that the result is not to be trusted.
+    A note is about the machine or the input; any other message means that the result is not to be
+    trusted.
     """
 
     __slots__ = ("code",)

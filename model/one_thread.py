@@ -19,7 +19,8 @@ _Result = TypeVar("_Result")
 @cache
 def _controller(has_scipy: bool) -> Any:
     """Return the object that limits the threads of the libraries loaded, None without
-    threadpoolctl. It looks for the libraries once, and once more after SciPy has loaded its own."""
+    threadpoolctl. The libraries are searched for once, and once more after SciPy has loaded its
+    own."""
     try:
         from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
     except ImportError:

@@ -125,7 +125,8 @@ def remembered(*outputs: Output) -> tuple[Output, ...]:
 
 def places(entries: Iterable[Output | str], first: int = 0, width: int = 1) -> Any:
     """Return a named tuple of the index of each entry, by its name: kernels fill arrays by it, as
-    in `out[places(OUTPUTS).x]`. first: the first index; width: how many an entry has."""
+    in `out[places(OUTPUTS).x]`. first: the first index; width: the number of indices of an
+    entry."""
     names = [entry if isinstance(entry, str) else entry.name for entry in entries]
     kind = namedtuple("Places", names)  # type: ignore[misc]
     return kind(*range(first, first + width * len(names), width))
@@ -144,13 +145,15 @@ def quantities(kind: Any) -> Mapping[str, Quantity]:
 
 
 def unit_of(unit: str, exponent: Any) -> str:
-    """Return a declared unit, such as N/m^exponent, for an exponent; 1 for one that is none."""
+    """Return a declared unit, such as N/m^exponent, for an exponent; 1 for one that is no
+    number."""
     is_power = isinstance(exponent, (int, float)) and exponent != 1
     return unit.replace(f"^{EXPONENT}", f"^{exponent}" if is_power else "")
 
 
 def check(shown: str, declared: Quantity, value: Any) -> None:
-    """Raise `QuantityError` unless the quantity allows `value`; shown: what messages call it."""
+    """Raise `QuantityError` unless `value` is allowed for the quantity, which the message calls
+    `shown`."""
     if declared.is_switch:
         if not isinstance(value, bool):
             raise QuantityError(f"{shown} = {value!r}: must be true or false")
@@ -173,7 +176,8 @@ def check(shown: str, declared: Quantity, value: Any) -> None:
 
 
 def check_size(shown: str, value: float) -> None:
-    """Raise `QuantityError`, which calls a number `shown`, if it is larger than `LARGEST`."""
+    """Raise `QuantityError`, in which a number is called `shown`, if it is larger than
+    `LARGEST`."""
     if abs(value) > LARGEST:
         raise QuantityError(f"{shown}: must not exceed {LARGEST:g} in size")
 

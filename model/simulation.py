@@ -258,7 +258,8 @@ class Simulation:
         return self._run.outputs.derivatives[0].copy()
 
     def snapshot(self) -> np.ndarray:
-        """Return a copy of the whole state, as bytes, from which `restore` goes on bit for bit."""
+        """Return a copy of the whole state, as bytes, from which `restore` continues bit for
+        bit."""
         return self._state.copy()
 
     def restore(self, snapshot: np.ndarray | bytes) -> None:
@@ -294,7 +295,8 @@ class Simulation:
         )
 
     def _survey(self, is_start: bool) -> None:
-        """Survey the growing whirls up to the present speed; warn of those that the steps hide."""
+        """Survey the growing whirls up to the present speed, and warn of those that the steps
+        hide."""
         self._entry_points.survey(float(self._speed[0]), is_start)
         survey = self._run.survey
         grows = self._message(outcomes.growth_at_rest, complex(survey.rest[0]))

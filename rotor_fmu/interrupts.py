@@ -8,7 +8,8 @@ from contextlib import contextmanager
 
 @contextmanager
 def interrupts_noted() -> Iterator[list[int]]:
-    """Defer Ctrl-C until between two steps: raised inside the FMU, it would be an error of it."""
+    """Defer Ctrl-C until between two steps: raised inside the FMU, it would be one of its
+    errors."""
     interrupts: list[int] = []
     if threading.current_thread() is not threading.main_thread():
         yield interrupts

@@ -26,7 +26,8 @@ from .wall import touch
 
 @jit
 def friction(part, v_t):
-    """Return mu_t, the signed coefficient of friction at a sliding speed [m/s], and its slope."""
+    """Return mu_t, the signed coefficient of friction at a sliding speed [m/s], and its
+    derivative."""
     root = math.sqrt(v_t * v_t + part.v_s * part.v_s)
     s_t = v_t / root
     mu = part.mu
@@ -102,7 +103,8 @@ def outward(gradient):
 
 class Rubbing(NamedTuple):
     """A contact at an instant: complex force on the journal [N]; its normal force and friction
-    force [N]; the damping's share in n [N]; penetration [m], its rate and sliding speed [m/s]."""
+    force [N]; the damping's share in n [N]; penetration [m], its rate and the sliding speed
+    [m/s]."""
 
     force: complex
     normal: float
@@ -133,7 +135,8 @@ def rubbing(part, kinematics, surface, z):
 
 @jit_not_inlined
 def _column(at, rubs, friction_share, z, z_v):
-    """Return dF in the frame along e by displacement z and velocity z_v; see `contact_tangent`."""
+    """Return dF in the frame along e by a displacement z and a velocity z_v; see
+    `contact_tangent`."""
     steep, normal = outward(at.gradient)
     d_gradient = complex(at.skew * z.imag, at.skew * z.real + at.curvature * z.imag)
     d_rate = (d_gradient.conjugate() * at.velocity + at.gradient.conjugate() * z_v).real

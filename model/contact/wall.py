@@ -6,7 +6,8 @@ contact, psi = arg d the contact angle (paper A, eqs 2 to 5, with its misprints 
     delta = |d| - s;    n = max(0, k delta^m + c min(1, delta / delta_c) delta')  while delta > 0
 
 with the exponent m = 1, or 1.5 for Hertz' contact. The damping grows with the penetration. If it
-acted at once, the force would jump at touch, and a step ending in the jump would have no solution.
+acted at once, the force would jump at touch, and a step that ends in the jump would have no
+solution.
 
 In a worn housing the clearance depends on the direction, s(psi) = clearance + wear
 cos(psi / 2 - wear_angle / 2)^(2 wear_power), and the force acts along g = grad delta, no longer e,

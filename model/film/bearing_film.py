@@ -4,7 +4,8 @@ A pad is an arc of a circle of the radius R + c_p, whose centre lies c_p - c bey
 away from the pad's pivot: c_p = c / (1 - preload). So the journal's displacement from the pad's
 centre is d + (c_p - c) exp(i pivot), and the film is that of `zone_pressure`.
 
-A table of numbers, `Law.table`: the count of pads, for each a row of `PAD` and a work array.
+A table of numbers, `Law.table`: the count of pads, a row of `PAD` for each, and a work array for
+each.
 """
 
 import math
@@ -152,7 +153,8 @@ def short_share(bearing):
 
 @jit_not_inlined
 def _pad_load(bearing, film, work):
-    """Return a pad's integral of P exp(i theta) [1/s], that of Ocvirk's less its `short_share`."""
+    """Return the integral of P exp(i theta) over a pad's film [1/s], of Ocvirk's less its
+    `short_share`."""
     total = 0.0j
     if film.S == 0.0:
         return total
@@ -201,7 +203,8 @@ def _odd_load(bearing, film, along, work):
 def _slopes_at_rest(bearing, film, work):
     """Return the derivative of the load of a film at rest by S as a pair p_S, q_S. A film that
     ruptures resists a motion towards its thin side more than one away from it, so that the load has
-    a kink there; in a small vibration about it, the mean of both has the vibration's frequency."""
+    a kink there; in a small vibration about it, what has the vibration's frequency is the mean of
+    both."""
     e = modulus(film.D)
     along = film.D * (1.0 / e) if e > 0.0 else 1.0 + 0.0j
     of_along, of_across = (

@@ -113,7 +113,8 @@ def torque_by(film, side, matrix, by_d):
 
 class RingResponse(NamedTuple):
     """Response of a ring to the journal: the derivative of the inner film's force, and the change
-    of this force, of the ring's position and speed that balances the residual forces on it."""
+    of this force, of the ring's position and of its speed that balances the residual forces on
+    it."""
 
     matrix: AmplitudeMatrix
     force: complex

@@ -189,7 +189,8 @@ def _with_free_ends(g, of_first, of_last, zone):
 
 @jit_not_inlined
 def zone_tangent(film, zone, work):
-    """Return derivatives of `zone_load`, pairs p z + q conj(z), by D and S: p_D, q_D, p_S, q_S."""
+    """Return the derivative of `zone_load` as pairs p z + q conj(z), by D and by S: p_D, q_D, p_S,
+    q_S."""
     none = Gradient(0.0j, 0.0j, 0.0, 0.0)
     of_first = of_last = none
     _fill_adjoints(film, zone, work)
@@ -203,7 +204,8 @@ def zone_tangent(film, zone, work):
 
 @jit
 def pairs_of(x_D, x_S, y_D, y_S):
-    """Return gradients of the load's x, y by D and S, pairs p z + q conj(z): p_D, q_D, p_S, q_S."""
+    """Return gradients of the load's x and y by D and S as pairs p z + q conj(z): p_D, q_D, p_S,
+    q_S."""
     return (
         0.5 * (x_D.conjugate() + 1j * y_D.conjugate()),
         0.5 * (x_D + 1j * y_D),

@@ -38,7 +38,8 @@ _NARROWEST = 0.17  # cos(beta) of a pad that idles
 
 @jit
 def _search_from(bearing, negligible, tilt):
-    """Return the `PadSearch` for an equilibrium from a tilt [m]; negligible: G taken as 0 [N]."""
+    """Return the `PadSearch` for an equilibrium from a tilt on [m]; negligible: G that counts as 0
+    [N]."""
     c = bearing.clearance
     return PadSearch(tilt, 1.0, 0.0, 0.0, 0.0, 0.0, c, REACH * c, negligible)
 

@@ -16,7 +16,8 @@ _ROUND = 2.0 * math.pi - 1e-9
 
 class Sommerfeld(NamedTuple):
     """Two angles of a film in Sommerfeld's substitution: eccentricity e [1], sqrt(1 - e^2), the
-    direction of the thinnest film, sine and cosine of the angles gamma, their difference [rad]."""
+    direction of the thinnest film, sine and cosine of both angles gamma, and their difference
+    [rad]."""
 
     e: float
     root: float

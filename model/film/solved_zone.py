@@ -1,6 +1,7 @@
 """The pressure of a film of finite length between two ends, solved once for all that ask for it.
 
-A pad's work array holds the pressure at its nodes and, at its end, that pressure's zone.
+A pad's work array holds the pressure at its nodes and, at its end, the zone that the pressure is
+of.
 """
 
 from ..kernels.jit import jit, jit_not_inlined

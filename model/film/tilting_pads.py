@@ -169,7 +169,8 @@ def next_iterate(y, residual, slope, low, high, reach, scale):
 @jit_not_inlined
 def solve_pad(bearing, tables, kinematics, i, search):
     """Return y of a `PadSearch`, the derivative of G - inertia (y - free) by it, and the `Balance`
-    there, and move the pad there. By Newton's method, kept between values on the root's sides."""
+    there, and move the pad there. By Newton's method, kept between values on both sides of the
+    root."""
     y, reach = 0.0, search.reach
     low, high = -math.inf, math.inf
     for _ in range(ITERATIONS):

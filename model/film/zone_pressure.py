@@ -83,7 +83,8 @@ class Zone(NamedTuple):
 
 
 class Bound(NamedTuple):
-    """Bounds of a zone's ends [rad]; low: least and most of the first end, high: of the last."""
+    """Bounds of the ends of a zone [rad]; low: the least and most of the first end, high: of the
+    last."""
 
     low: tuple
     high: tuple
@@ -275,7 +276,8 @@ def _with_elements(film, n):
 @jit_not_inlined
 def solve_zone(film, bound, work):
     """Return the `Zone` within a `Bound`, its pressure filled into `work`: on a few elements first,
-    on some more, then on all, from ends extrapolated for an error of second order of an element."""
+    on some more, then on all, from ends extrapolated for an error of second order in the
+    element."""
     few = max(_FEW, film.n // 8)
     some = max(2 * few, film.n // 4)
     at = _ruptured(_with_elements(film, few), bound, bound.low[1], bound.high[0], _NEAR, work)

@@ -6,7 +6,8 @@ A named tuple declares type and extents of each of its arrays:
 
 or, in a list, of each array of a tuple. The extents are expressions in a few sizes, which stand at
 the head of the block. From these tuples follow the table (name, type, shape, offset) and `view`,
-which returns all arrays of a block: compiled, from the block or its address, or in Python.
+which returns all arrays of a block: compiled, from the block or its address alone, or in plain
+Python.
 """
 
 import re

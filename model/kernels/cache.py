@@ -30,7 +30,8 @@ def private_folder(folder: Path) -> Path:
     """Make a folder for this user alone, or check that nobody else can write to the existing one:
     its files are run as machine code.
 
-    Raises `OSError` if it cannot be made or written to, is another user's or open to others.
+    Raises `OSError` if it cannot be made or written to, belongs to another user or is open to
+    others.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     check_private(folder)

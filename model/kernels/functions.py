@@ -37,7 +37,8 @@ def copy(values, out):
 @jit
 def inverse(z):
     """Return 1 / z of a complex number that neither overflows nor underflows when it is squared.
-    Languages and libraries round complex divisions differently; this is the same in all."""
+    Languages and libraries round the division of complex numbers differently; this is the same in
+    all."""
     return z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
 
 

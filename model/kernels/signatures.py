@@ -1,6 +1,7 @@
 """The entry points of the kernels: their names, and the numbers that each takes behind its block.
 
-The solver library exports each as `rotor_` and its name; `rotor_fmu/fmi/c/kernels.h` has them.
+The solver library exports each as `rotor_` and its name; `rotor_fmu/fmi/c/kernels.h` declares them
+for C.
 """
 
 REAL, INTEGER = "real", "integer"

@@ -27,7 +27,8 @@ _ALIKE = 1e-9  # relative difference of two stiffnesses that are one
 
 
 class BearingStiffness(NamedTuple):
-    """A bearing's own stiffness [N/m] along one axis, `x` or `y`, over the speed [rad/s]."""
+    """The stiffness that a bearing has itself along one axis, `x` or `y`, over the speed [rad/s];
+    stiffness [N/m]."""
 
     bearing: str
     axis: str
@@ -84,7 +85,8 @@ def critical_map(
     with gyroscopic moments, otherwise natural frequencies at standstill are given; rigid_pedestals:
     whether housings are taken as ground; contacts: `open`, they do not act, or `pinned`, they are
     bearings too, by default open where the machine is held without them. Raises `LinearError` if
-    the stiffnesses do not ascend from above 0 or are beyond reason, or the rotor has no bearing.
+    the stiffnesses do not ascend from above 0 or are beyond all reason for the rotor, or it has no
+    bearing.
     """
     values = np.array(numbers("stiffness", stiffness))
     ascends = len(values) > 1 and values[0] > 0 and (np.diff(values) > 0).all()

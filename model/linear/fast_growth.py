@@ -62,7 +62,8 @@ def _shifts(linear: Linear, first: float) -> list[float]:
 
 
 def _is_definite(diagonal: np.ndarray, matrix: sp.csc_array) -> bool:
-    """Return whether a matrix's symmetric part, with this diagonal added, is positive definite."""
+    """Return whether the symmetric part of a matrix, with this diagonal added to it, is positive
+    definite."""
     whole = (matrix + matrix.T) / 2
     acts = abs(whole).sum(axis=0) > 0
     whole = whole[acts][:, acts].toarray() + np.diag(diagonal[acts])

@@ -108,7 +108,8 @@ class FirstForward:
         expected: float,
     ) -> None:
         """Find the mode; machine: of the rotor; shares: of cross coupling [1], each with its node
-        (from 1); expected: as much of it [N/m], or 0. Raises `LinearError` where no mode is it."""
+        (from 1); expected: as much of it [N/m], or 0. Raises `LinearError` where no mode can be
+        it."""
         self._rotor, self._speed, self._shares = rotor, speed, shares
         self._machine, alone = machine, machine.at(speed)
         first = modes_of(machine, alone, _COUNT)

@@ -51,7 +51,8 @@ class FrequencyResponse:
 
 @dataclass(frozen=True)
 class ControlLoop:
-    """A magnetic bearing's control, alike in x and y; sensor, magnet: nodes (from 1) or places."""
+    """The control of a magnetic bearing, alike in x and y; sensor, magnet: nodes (from 1) or
+    places."""
 
     name: str
     sensor: AnyPlace

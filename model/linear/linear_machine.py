@@ -36,7 +36,8 @@ Lead = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 class LinearMachine(Linearization):
-    """A machine for linear analyses, linearized where it rests; contacts: as of `Linearization`."""
+    """A machine for linear analyses, linearized at its equilibrium; contacts: as of
+    `Linearization`."""
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
         super().__init__(rotor, contacts)

@@ -83,7 +83,8 @@ def response_with_peaks(
     unbalances: Sequence[PlacedAmount] | None = None,
 ) -> UnbalanceResponse:
     """Return the response to unbalance at speeds [rad/s], ascending, and at the peaks between them
-    of nodes (from 1), by default those with the largest orbits; rest: see `unbalance_response`."""
+    of nodes (from 1), by default those with the largest orbits; see `unbalance_response` for the
+    rest."""
     whirl = steady_whirl(rotor, contacts, unbalances)
     close = with_criticals(rotor, speeds, contacts)
     shown = nodes or whirl.response(close).nodes()

@@ -43,7 +43,8 @@ _SOFT = 1e-14  # of that: of a bearing that has no stiffness, so that shapes are
 
 class Synchronous(NamedTuple):
     """Synchronous modes with a stiffness of all bearings [N/m], ascending: critical speeds [rad/s]
-    and forwardness (see `Modes`), shape (m,); shapes by the unknowns, (N, m), and modal masses."""
+    and forwardness (see `Modes`), shape (m,); shapes by the unknowns, (N, m), and their modal
+    masses."""
 
     stiffness: float
     speeds: np.ndarray

@@ -286,7 +286,8 @@ class Rotor:
 
     @property
     def down(self) -> complex:
-        """The direction of gravity across the shaft, its length the share that acts there [1]."""
+        """The direction of gravity across the shaft, its length the share of gravity that
+        acts there [1]."""
         return self.downwards * self.weight_share
 
     @property

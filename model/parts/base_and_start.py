@@ -14,7 +14,8 @@ _RATE = Rule(-1e5, False, "must be from -100000 to 100000", most=1e5)
 
 @dataclass(frozen=True)
 class Base(Part):
-    """A moving foundation: its acceleration [m/s2] is an input, all motion is relative to it."""
+    """A moving foundation: its acceleration [m/s2] is an input, and all motion is relative to
+    it."""
 
     KIND: ClassVar[str] = "base"
     TEXT: ClassVar[str] = "a foundation that moves with a given acceleration"

@@ -30,7 +30,8 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 @jit
 def contact_force(part, kinematics):
-    """Return a contact's `Rubbing` where nothing sticks, `part` a record of `ContactQuantities`."""
+    """Return the `Rubbing` of a contact whose journal does not stick, `part` a record of
+    `ContactQuantities`."""
     return rubbing(part, kinematics, part.journal_radius * kinematics.sliding_speed, 0.0)
 
 

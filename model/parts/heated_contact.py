@@ -41,7 +41,8 @@ class BowQuantities:
 
 @dataclass(frozen=True, kw_only=True)
 class HeatedQuantities(ContactQuantities, BowQuantities):
-    """Quantities of a bow and a clearance contact; see `touchdown_bearing.TouchdownQuantities`."""
+    """The quantities of a bow, then those of a clearance contact; see
+    `touchdown_bearing.TouchdownQuantities`."""
 
 
 OUTPUTS = (

@@ -69,7 +69,8 @@ class Kinematics(NamedTuple):
 
 class Weights(NamedTuple):
     """Weights of a tangent: dF = displacement dF/dd + velocity dF/dd', for an unknown of which d
-    and d' are linear functions; rate: internal_state = free + rate * rates, of its states [s]."""
+    and d' are linear functions; rate: internal_state = free + rate * rates, of a law's states
+    [s]."""
 
     displacement: float
     velocity: float

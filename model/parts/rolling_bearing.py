@@ -111,7 +111,8 @@ class ElementPosition(NamedTuple):
 
 class ElementContact(NamedTuple):
     """The contact of an element: its `ElementPosition`, the rate of the penetration [m/s], the
-    force along it, its elastic part [N], its derivatives by penetration and rate [N/m], [N.s/m]."""
+    force along it, its elastic part [N] and its derivatives by penetration and rate [N/m],
+    [N.s/m]."""
 
     position: ElementPosition
     rate: float

@@ -124,7 +124,8 @@ class Section:
         """The moment of inertia about the axis without that of further layers [kg.m2]."""
 
         def fourth(left: float, right: float) -> float:
-            """Return the mean of the fourth power of a diameter that is linear along a section."""
+            """Return the mean of the fourth power of a diameter that is linear along the
+            section."""
             return sum(left ** (4 - k) * right**k for k in range(5)) / 5
 
         solid = fourth(self.outer_left, self.outer_right)

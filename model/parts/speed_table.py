@@ -15,7 +15,8 @@ from ..quantities import QuantityError
 
 @jit
 def row_at(tables, first, rows, width, speed):
-    """Return the index of the last row of `width` numbers not beyond a speed, or of the first."""
+    """Return the index of the last row of `width` numbers that does not lie beyond a speed, or of
+    the first."""
     at, left = first, rows
     while left > 1:
         half = left // 2

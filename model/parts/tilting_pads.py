@@ -115,7 +115,8 @@ class PadMotion(NamedTuple):
 
 @jit_not_inlined
 def _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b):
-    """Return the `PadSearch`, y, slope and `Balance` of a pad, its pivot at this displacement."""
+    """Return the `PadSearch`, y, slope and `Balance` of a pad, its pivot at the present
+    displacement."""
     if b == math.inf:
         search = search_at_rest(bearing, tables, kinematics, i)
     elif part.pad_inertia == 0.0:

@@ -70,7 +70,8 @@ def _radius(part):
 @jit
 def _race_speed(part, pressure, sliding, b, free, guess, free_z):
     """Return the race's speed at the end of a step [rad/s]; pressure: normal force [N], sliding:
-    speed past a race at rest [m/s]; b: the rate's weight [s]; free_z: see `contact.rubbing` [m]."""
+    speed past a race at rest [m/s]; b: weight of the rate [s]; free_z: see `contact.rubbing`
+    [m]."""
     per = b / part.race_inertia
     if per == 0.0:
         return free

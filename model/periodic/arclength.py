@@ -51,7 +51,8 @@ class ContinuationEquations(Equations):
     def linearized_with_parameter(
         self, x: np.ndarray, value: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the residual, the Jacobian, and the derivative by lambda over its scale."""
+        """Return the residual, the Jacobian, and the derivative with respect to lambda over its
+        scale."""
         residual, jacobian = self.linearized(x, value)
         beside, is_across = partial(self.residual, x), partial(self.is_across, x, value)
         options = self.scale, self.difference, is_across, self.is_central

@@ -176,7 +176,8 @@ class HarmonicBalance(ContinuationEquations):
         return np.concatenate([b.ravel(), states.ravel(), tail])
 
     def converted(self, x: np.ndarray, other: "HarmonicBalance") -> np.ndarray:
-        """Return unknowns, or a change of them, for equations with more or fewer harmonics."""
+        """Return unknowns, or a change of them, as those of equations with another number of
+        harmonics."""
         *series, tail = self._series(x)
         return np.concatenate([*(resized(each, other.H).ravel() for each in series), tail])
 
@@ -212,7 +213,8 @@ class HarmonicBalance(ContinuationEquations):
         return float(np.sum(orbit.b / self.length_scale * derivative(self.phase_reference)))
 
     def fix_phase(self, x: np.ndarray) -> None:
-        """Use these unknowns as the phase condition's reference, if the motion is self-excited."""
+        """Use these unknowns as the reference of the phase condition, if the motion is
+        self-excited."""
         if not self.is_autonomous:
             return
         self.phase_reference = self._series(x)[0].copy()

@@ -84,7 +84,8 @@ def bifurcations_between(
 
 
 class _Piece(NamedTuple):
-    """A piece of a step between two points, with multipliers, the largest first, and orbits."""
+    """A piece of a step between two points, with the multipliers at both, the largest first, and
+    both orbits."""
 
     before: CurvePoint
     after: CurvePoint
@@ -156,7 +157,8 @@ class _Piece(NamedTuple):
 
 
 def _touches(problem: PeriodicEquations, orbit: Orbit) -> np.ndarray:
-    """Return how often each interface closes along an orbit, and 1 more if it is closed at all."""
+    """Return how often each interface comes into contact along an orbit, and 1 more where it is in
+    contact at all."""
     closed = problem.machine_at(orbit.parameter).gaps_along(orbit.b) < 0
     return np.asarray((closed & ~np.roll(closed, 1, axis=0)).sum(axis=0) + closed.any(axis=0))
 

@@ -1,4 +1,5 @@
-"""Checkpoint of a response computation: its events in order, from which a later call resumes.
+"""Checkpoint of a response computation: its events in order, from which an interrupted call is
+resumed.
 
 A response asks the log for the next event before it computes one; the events of an earlier call are
 taken over unchanged.

@@ -51,7 +51,8 @@ class BranchSearch:
         return Shooting(balance, start.orbit) if start.orbit is not None else balance
 
     def equations_of(self, orbit: Orbit) -> PeriodicEquations:
-        """Return the equations (balance or shooting) that found an orbit, with its period."""
+        """Return the equations (balance or shooting) with which an orbit was found, with its
+        period."""
         task, H = self.result.task, orbit.H
         if needs_shooting := task.needs_shooting(orbit):
             H = task.accuracy.most * orbit.turns // task.turns
@@ -274,7 +275,8 @@ def is_one_of(motions: Sequence[Solution], orbit: Orbit) -> bool:
 def _joined(result: Response) -> int | None:
     """Return the number, from 1, of a branch along which the last one has just gone on, since that
     branch was lost, or a step led over to it near a bifurcation: the last two motions lie on it,
-    and move there as it does, which those beyond a fold do not; None where there is none."""
+    and move there as it does, which those on the other side of a fold do not; None where there is
+    none."""
     *branches, branch = result.branches
     pair = branch.points[-2:]
     for number, other in enumerate(branches, 1):

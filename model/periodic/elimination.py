@@ -1,5 +1,6 @@
 """Linear systems in which many unknowns form groups that act on each other through a few others
-alone, such as tilts of a bearing's pads through its journal: groups are eliminated one by one."""
+alone, such as the tilts of the pads of a bearing through its journal: the groups are eliminated one
+by one."""
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
@@ -10,7 +11,8 @@ _LEFT = 1e-8  # of the right side: as much residual as a solution by elimination
 
 
 def groups_of(acts: np.ndarray) -> list[np.ndarray]:
-    """Return the groups of s things that act on one another; acts: each on each, shape (s, s)."""
+    """Return the groups of s things that act on one another, acts: whether each acts on each, shape
+    (s, s)."""
     count, labels = connected_components(acts, directed=False)
     return [np.flatnonzero(labels == group) for group in range(count)]
 

@@ -36,7 +36,8 @@ class Propagators(NamedTuple):
 class Period(NamedTuple):
     """The displacements of the m interfaces by the coordinates b, shape (2 m, b); the mean tangents
     that the modes contain; for all steps the response to the loads alone at their points, the
-    displacements and velocities y there, whether the step was not solved; the modes' amplitudes."""
+    displacements and velocities y there, and whether the step was not solved; amplitudes of the
+    modes."""
 
     B: Annotated[np.ndarray, float, "2 * interfaces", "b"]
     mean_tangent: Annotated[np.ndarray, float, "b", "2 * b"]

@@ -53,7 +53,8 @@ class ModalBasis(NamedTuple):
 
 
 class Frequencies(NamedTuple):
-    """Speed of the rotor, frequency of the motion, and the highest frequency in it [rad/s]."""
+    """Speed of the rotor, frequency of the motion, and the highest frequency it contains
+    [rad/s]."""
 
     speed: float
     frequency: float
@@ -264,7 +265,8 @@ def _collocation(roots: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 def propagators(modes: ModalBasis, h: np.ndarray) -> Propagators:
     """Return the propagators of steps of lengths h [s]. A complex pair of modes is represented by
-    the real and imaginary part of its amplitude: complex arithmetic takes four times as long."""
+    the real and imaginary part of its amplitude, since complex arithmetic takes four times as
+    long."""
     (outputs, n), c = modes.V.shape, modes.W.shape[1]
     each, which = np.unique(np.round(h / h.max(), 12), return_inverse=True)
     count, is_first = len(each), modes.roots.imag > 0

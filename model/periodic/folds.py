@@ -89,7 +89,8 @@ def fold_curve(
     steps: ContinuationSteps,
     report: Callable[[float], object],
 ) -> FoldCurve:
-    """Return the curve of folds over [low, high] of the second parameter, through that at `start`.
+    """Return the curve of folds over [low, high] of the second parameter, through the fold at
+    `start`.
 
     problem_at: the equations at a value of the second parameter; report: is called with that of
     each fold. Raises `NotConverged` if the first fold does not solve the equations.

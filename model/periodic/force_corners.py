@@ -33,7 +33,8 @@ _FOUND = 1e-13  # in samples: the last secant moved no corner further
 
 
 class Crossings(NamedTuple):
-    """Corners of forces: the sample before, the fraction of the interval, interface, shape (n,)."""
+    """Where forces have corners: the sample before, the fraction of the interval, the interface,
+    shape (n,) each."""
 
     cell: np.ndarray
     share: np.ndarray
@@ -158,7 +159,8 @@ class SampledOrbit:
         return np.clip(apart.min(axis=1), _LEAST, 1.0)
 
     def of_own_corners(self, along: _F) -> _F:
-        """Return forces and tangents, those of other interfaces set to 0 at the corners of one."""
+        """Return forces and tangents with those of the other interfaces set to 0 at the corners of
+        one."""
         if not len(self.owner):
             return along
         owner, laws = np.repeat(self.owner, len(_SIDES))[:, None], self._laws
@@ -170,7 +172,8 @@ class SampledOrbit:
         return along
 
     def spectrum(self, values: np.ndarray, H: int) -> np.ndarray:
-        """Return complex Fourier coefficients 0 to H of values at all instants, along axis 0."""
+        """Return the complex Fourier coefficients 0 to H of values at all instants, along the first
+        axis."""
         n = self.n
         result = np.fft.rfft(values[:n], axis=0)[: H + 1] / n
         if not len(self.owner):

@@ -1,4 +1,5 @@
-"""Real Fourier series, by their coefficients [mean, cos 1, sin 1, cos 2, ...] along axis 0."""
+"""Real Fourier series, represented by their coefficients [mean, cos 1, sin 1, cos 2, ...] along the
+first axis."""
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
@@ -16,7 +17,8 @@ def basis(H: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def projection(value: np.ndarray) -> np.ndarray:
-    """Return the matrix from even samples of a turn to coefficients, shape (2 H + 1, n)."""
+    """Return the matrix from evenly spaced samples over a turn to coefficients, shape (2 H + 1,
+    n)."""
     weights = np.full(value.shape[1], 2.0 / len(value))
     weights[0] = 1.0 / len(value)
     return weights[:, None] * value.T
@@ -38,7 +40,8 @@ def series_of(spectrum: np.ndarray) -> np.ndarray:
 
 
 def amplitudes(coefficients: np.ndarray) -> np.ndarray:
-    """Return complex amplitudes of harmonics 0 to H, x = Re(sum x_k exp(i k t)), along axis 0."""
+    """Return the complex amplitudes of harmonics 0 to H, x = Re(sum x_k exp(i k t)), along the
+    first axis."""
     out = np.zeros((len(coefficients) // 2 + 1, *coefficients.shape[1:]), complex)
     out[0] = coefficients[0]
     out.real[1:], out.imag[1:] = coefficients[1::2], -coefficients[2::2]
@@ -111,7 +114,8 @@ def times_derivative(matrices: np.ndarray, series: np.ndarray) -> np.ndarray:
 
 
 def repeated(series: np.ndarray, count: int) -> np.ndarray:
-    """Return the coefficients of a motion with `count` of its periods as one, along axis 0."""
+    """Return the coefficients of the same motion with `count` of its periods as one, along the
+    first axis."""
     if count == 1:
         return series
     out = np.zeros((count * (len(series) - 1) + 1, *series.shape[1:]))
@@ -121,13 +125,15 @@ def repeated(series: np.ndarray, count: int) -> np.ndarray:
 
 
 def shifted(series: np.ndarray, angle: float) -> np.ndarray:
-    """Return the coefficients of the motion ahead by an angle [rad], along the first axis."""
+    """Return the coefficients of the motion that is ahead by an angle [rad], along the first
+    axis."""
     k = np.arange(len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
     return coefficients(amplitudes(series) * np.exp(1j * k * angle))
 
 
 def resized(series: np.ndarray, H: int) -> np.ndarray:
-    """Return the coefficients of a series cut or extended to H harmonics, along the first axis."""
+    """Return the coefficients of a series truncated or extended to H harmonics, along the first
+    axis."""
     out = np.zeros((2 * H + 1, *series.shape[1:]))
     n = min(len(out), len(series))
     out[:n] = series[:n]
@@ -135,7 +141,8 @@ def resized(series: np.ndarray, H: int) -> np.ndarray:
 
 
 def last_share(b: np.ndarray) -> float:
-    """Return the amplitude of a series' highest harmonics relative to its largest harmonic."""
+    """Return the amplitude of the highest harmonics of a series relative to its largest
+    harmonic."""
     size, H = np.abs(amplitudes(b)).max(axis=1, initial=0.0), len(b) // 2
     last = max(2, H // 4)
     return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < H else 1.0

@@ -141,7 +141,8 @@ class LawsAlongMotion:
         return len(self._damped) > 0
 
     def wall_force(self, j: int, r: float) -> float:
-        """Return the inward force of wall j on a journal on a circle of radius r about it [N]."""
+        """Return the inward force of wall j on a journal on a circle of radius r about its centre
+        [N]."""
         d = np.zeros((1, 2 * self.count))
         d[0, 2 * j] = r
         force, _ = self.forces(d, 0 * d, np.tile(self.starts, (1, 1)), 0.0)

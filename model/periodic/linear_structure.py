@@ -267,7 +267,8 @@ def _is_same_but_laws(a: Structure, b: Structure, linear: np.ndarray) -> bool:
 
 
 def _independent(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the pivots of linearly independent rows of an incidence matrix, and these rows."""
+    """Return the pivots of linearly independent rows of an incidence matrix, and the indices of
+    these rows."""
     left = rows.astype(float).copy()
     pivots: list[int] = []
     retained: list[int] = []

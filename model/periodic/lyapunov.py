@@ -1,4 +1,5 @@
-"""The largest Lyapunov exponent of a motion in time: the mean rate at which neighbours diverge.
+"""The largest Lyapunov exponent of a motion in time: the mean rate at which neighbouring motions
+diverge.
 
 The machine linearized along the motion, by the laws' tangents, propagates a difference from turn to
 turn, as along an orbit (`floquet`). The exponent is the mean of the growth per turn, weighted by

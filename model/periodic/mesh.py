@@ -1,4 +1,5 @@
-"""Time steps of a period: short where forces change fast, and ending where one has a corner.
+"""Time steps of a period: short where the forces change fast, and ending where a force has a
+corner.
 
 The period is bisected repeatedly and cut at corners. The error of a step is estimated from the
 parabola through the forces at its three points: extrapolated to the begin of the step it misses the
@@ -47,7 +48,8 @@ def mesh_points(ends: np.ndarray) -> np.ndarray:
 
 def interpolated(values: np.ndarray, ends: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return values at fractions of the period, shape (n, m), from those at the points of the
-    steps, shape (steps, 3, m), by each step's cubic that also meets the end of the step before."""
+    steps, shape (steps, 3, m), by the cubic of each step that also meets the end of the step
+    before."""
     step = np.clip(np.searchsorted(ends, at, "left") - 1, 0, len(ends) - 2)
     x = (at - ends[step]) / (ends[step + 1] - ends[step])
     nodes = np.append(0.0, POINTS)

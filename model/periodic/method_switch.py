@@ -55,7 +55,8 @@ def as_shooting(
 def in_other_equations(
     problem: PeriodicEquations, point: CurvePoint, other: PeriodicEquations, orbit: Orbit
 ) -> CurvePoint:
-    """Return a curve's point and orbit in other equations' unknowns; raises `NotConverged`."""
+    """Return a point of the curve, with its orbit, in the unknowns of other equations; raises
+    `NotConverged`."""
     far = point.value + _AHEAD * problem.scale * point.tangent_value
     ahead = problem.split(point.x + _AHEAD * point.tangent, far)
     x = other.join(orbit)

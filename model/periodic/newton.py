@@ -57,7 +57,8 @@ def is_solution(equations: Equations, x: np.ndarray, value: float) -> bool:
 
 def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
     """Return the unknowns at a fixed lambda, by damped Newton's method; raises `NotConverged`,
-    also where corrections that do not decrease the residual recur, or many hardly do."""
+    also where corrections along which the residual does not decrease recur, or it hardly decreases
+    in many."""
     x, corrections, failed = x.copy(), [], 0
     residuals = list[float]()
     for _ in range(iterations):
@@ -104,13 +105,15 @@ def damping_factor(
 
 
 def _norm(residual: np.ndarray) -> float:
-    """Return the length of a residual, inf of one as far from 0 as a law's far beyond its wall."""
+    """Return the length of a residual, inf of one as far from 0 as that of a law far beyond its
+    wall may be."""
     with np.errstate(over="ignore"):
         return float(np.linalg.norm(residual))
 
 
 def solve_linear(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return a linear system's solution, of least squares if the matrix is singular to rounding."""
+    """Return the solution of a linear system, the least-squares one if the matrix is singular to
+    rounding."""
     try:
         result = np.linalg.solve(matrix, right)
         if np.isfinite(result).all() and np.abs(result).max(initial=0.0) < 1e12:

@@ -111,7 +111,8 @@ class PiecePoints:
             return self._last, False
 
     def _around_root(self, test: Callable[[float], float]) -> tuple[float, float]:
-        """Return the shares of two neighbouring points between which a function changes sign."""
+        """Return the shares of two neighbouring points between which a function changes its
+        sign."""
         shares = sorted({*self._shares, *self._between})
         low, high, sign = 0, len(shares) - 1, math.copysign(1.0, test(0.0))
         while high - low > 1:

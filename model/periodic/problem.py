@@ -70,7 +70,8 @@ class Task:
     def problem(
         self, machines: Machines, at: float, H: int, turns: int = 1, omega: float = 0.0, **more: Any
     ) -> HarmonicBalance:
-        """Return the harmonic balance equations about a value of the parameter, of H harmonics."""
+        """Return the harmonic balance equations about a value of the parameter, with H
+        harmonics."""
         more |= {"speed": self.speed, "turns": turns, "is_autonomous": self.is_whirl}
         scale = self.high - self.low
         return HarmonicBalance(machines, self.name, scale, at, H, omega=omega, **more)

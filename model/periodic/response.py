@@ -93,7 +93,8 @@ def _from_ends(search: BranchSearch) -> None:
 
 
 def _is_reached(result: Response, note: Message) -> bool:
-    """Return whether a note says that no start was found where another branch has come to."""
+    """Return whether a note says that no start was found where a branch from elsewhere has come
+    to."""
     if note.code != _NO_START or not isinstance(note, Note):
         return False
     values = [[p.value for p in branch.points] for branch in result.branches]
@@ -196,7 +197,8 @@ def _has_come_to_rest(
 def _of_whirl(
     search: BranchSearch, guess: Orbit, least_scale: float
 ) -> tuple[HarmonicBalance, np.ndarray]:
-    """Return a whirl's equations and unknowns; least_scale: the smallest scale of length [m]."""
+    """Return the equations of a whirl and its unknowns; least_scale: the smallest scale of length
+    [m]."""
     task = search.result.task
     size, H = max(float(np.abs(guess.b).max()), least_scale), max(task.accuracy.least, 3)
     problem = task.problem(
@@ -208,7 +210,8 @@ def _of_whirl(
 
 
 def _is_forward_whirl(problem: HarmonicBalance, orbit: Orbit) -> bool:
-    """Return whether a self-excited orbit is a motion, and whirls in the sense looked for."""
+    """Return whether a self-excited orbit is a motion, and whirls in the sense that was searched
+    for."""
     return float(np.linalg.norm(orbit.b[1:])) > 0.1 * problem.length_scale and orbit.omega > 0
 
 
@@ -266,7 +269,8 @@ def _solved_from(
 
 
 def _starts_at(search: BranchSearch, value: float, direction: float, is_seed: bool) -> Starts:
-    """Yield starts at motions through which no branch passes yet: the first one, at a seed all."""
+    """Yield starts at motions through which no branch passes yet: the first one found, at a seed
+    all of them."""
     result, task, machines = search.result, search.result.task, search.machines
     failures = list[str]()
     is_found = is_new = False

@@ -53,7 +53,8 @@ class _RestEquations(Equations):
         self.sizes = np.append(sizes, problem.state_scale * abs(self.speed))
 
     def tangents(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return forces and rates, their derivatives by displacements, velocities and states."""
+        """Return forces and rates, and their derivatives with respect to displacements, velocities
+        and states."""
         y = x * self.scale
         d = (self.machine.B @ y[: self.b])[None]
         laws = self.machine.laws.tangents(d, 0 * d, y[None, self.b :], self._own_scale, self.speed)

@@ -196,7 +196,8 @@ class Shooting(ContinuationEquations):
         return result
 
     def _integrate(self, x: np.ndarray, value: float, ends: np.ndarray) -> IntegratedPeriod:
-        """Return the period integrated from a state; raises `NotConverged` if it diverges."""
+        """Return the period integrated from a state on; raises `NotConverged` if the motion
+        diverges."""
         modal_system, machine = self.modal_system(value), self.machine_at(value)
         _, inverse = real_amplitudes(modal_system.modes.roots)
         loads = (inverse @ modal_system.initial).real
@@ -238,7 +239,8 @@ class Shooting(ContinuationEquations):
         raise NotConverged()
 
     def _on_adapted_mesh(self, x: np.ndarray, value: float) -> IntegratedPeriod:
-        """Return the period integrated from a state, on a mesh that is adapted to it and kept."""
+        """Return the period integrated from a state on, on a mesh that is adapted to it and
+        kept."""
         period = self._adopted(self._integrated(x, value))
         b = self.balance.b
         moved = np.abs(period.y - self._motion_of_mesh)[..., :b]

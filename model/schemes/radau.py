@@ -2,7 +2,8 @@
 Ordinary Differential Equations II, sec. IV.5 and IV.8).
 
 The stages lie at C h and have the weights A; the last stage is the end of the step. With A = T
-diag(LAMBDA) T^-1 a step's linear part decouples into three systems, each of a stage's size.
+diag(LAMBDA) T^-1 the linear part of a step decouples into three systems, each of the size of one
+stage.
 """
 
 import math
@@ -97,7 +98,8 @@ SHARES = np.array(
 
 
 def _lagrange(nodes: list[float], x: float) -> list[float]:
-    """Return the weights of values at the nodes in that of their interpolating polynomial at x."""
+    """Return the weights of values at the nodes in the value of their interpolating polynomial at
+    x."""
     return [
         math.prod((x - other) / (node - other) for other in nodes if other != node)
         for node in nodes
@@ -144,14 +146,16 @@ def of_parts(weights, p, s, t):
 
 @jit
 def parts_times(factor, s, t):
-    """Return b + c and i (b - c) after b is multiplied by a factor and c by its conjugate."""
+    """Return the parts b + c and i (b - c) after b is multiplied by a factor and c by its
+    conjugate."""
     real, imaginary = factor.real, factor.imag
     return scaled(real, s) + scaled(imaginary, t), scaled(real, t) - scaled(imaginary, s)
 
 
 @jit
 def weight_until(i, x):
-    """Return the weight of stage i [1] in the integral over a step's first share x, 0 < x <= 1."""
+    """Return the weight of stage i [1] in the integral over the first share x of a step, 0 < x <=
+    1."""
     return ((INTEGRALS[i, 2] * x + INTEGRALS[i, 1]) * x + INTEGRALS[i, 0]) * x
 
 
@@ -163,7 +167,8 @@ def weight_at(i, x):
 
 @jit
 def amplification(z):
-    """Return an oscillation's amplification in a step [1]; z = lambda h: root times step length."""
+    """Return the amplification of an oscillation in a step [1]; z = lambda h, its root times the
+    step length."""
     above = 1.0 + z * (0.4 + z * 0.05)
     below = 1.0 - z * (0.6 - z * (0.15 - z * (1.0 / 60.0)))
     return modulus(above * inverse(below))

@@ -92,7 +92,8 @@ def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
 
 
 def _resolved(given: np.ndarray) -> np.record:
-    """Return the record that the settings resolve to; fill in `given`. Raises `SettingsError`."""
+    """Return the record that the settings resolve to, and fill in `given`; raises
+    `SettingsError`."""
     numbers, arguments = np.zeros(1, METHOD).view(np.recarray), np.zeros(MOST_ARGUMENTS)
     code = interpreted(resolve)(given, numbers[0], arguments)
     if code != settings_messages.GOOD:

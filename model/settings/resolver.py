@@ -41,7 +41,8 @@ _STABLE = 1e-12  # rounding in a stability condition
 
 
 def encoded(name: str, value: object) -> float:
-    """Return the number that stands for a setting's value. Raises `ValueError` for a wrong one."""
+    """Return the number that stands for a setting's value. Raises `ValueError` for an invalid
+    one."""
     return BY_NAME[name].encoded(value)
 
 

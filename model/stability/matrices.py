@@ -20,7 +20,8 @@ _DIRECTIONS = 64  # in which a wall is looked at
 
 @jit
 def is_wall(interface):
-    """Return whether the interface is a wall that may slip; a race that turns is carried along."""
+    """Return whether the interface is a wall that may slip; a race that turns is carried along
+    instead."""
     return interface.slips == 1
 
 
@@ -252,7 +253,8 @@ def fill_system_matrix(structure, survey, seats, speed, case):
 
 @jit
 def _add_force(survey, half, j, first, p, q):
-    """Add the tangent p z + q conj(z) of interface j as a matrix of (x, y), from `first` on."""
+    """Add the tangent p z + q conj(z) of interface j as a matrix of (x, y), from column `first`
+    on."""
     size = 2 * half
     xx, xy = (p + q).real, (q - p).imag
     yx, yy = (p + q).imag, (p - q).real

@@ -1,4 +1,5 @@
-"""An integrator's effect on a growing oscillation: the step up to which it resolves the growth.
+"""The effect of an integrator on a growing oscillation: the step length up to which it resolves the
+growth.
 
 A step of length h multiplies an oscillation of root lambda by an eigenvalue of its amplification
 matrix, at omega h = |lambda| h and a damping ratio xi = -Re lambda / |lambda| < 0. Numerical
@@ -18,7 +19,8 @@ _STABLE = 1e-12  # rounding in a stability condition
 
 @jit
 def is_stable(scheme):
-    """Return whether a scheme is unconditionally stable; scheme: anything with its parameters."""
+    """Return whether a scheme is unconditionally stable; scheme: anything with a scheme's
+    parameters."""
     m, f = 1 - 2 * scheme.alpha_m, 1 - 2 * scheme.alpha_f
     g, b = 2 * scheme.gamma - 1, 4 * scheme.beta - 2 * scheme.gamma
     least = min(m, f * b, b + f * g, f + g, f + g - m, g * (b + f * f + f * g))
@@ -62,7 +64,8 @@ def _real_root(c0, c1, c2, c3):
 
 @jit_not_inlined
 def seen_growth(scheme, h, root):
-    """Return the rate at which the oscillation grows in steps of h [1/s], negative if it decays.
+    """Return the rate at which the oscillation grows in steps of length h [1/s], negative if it
+    decays.
 
     scheme: anything with a scheme's parameters. The characteristic polynomial of the amplification
     matrix is written in (lambda - 1) / w, whose roots stay apart however small w is.

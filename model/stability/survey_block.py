@@ -1,4 +1,5 @@
-"""The survey of growing whirls in a run's block: a long shaft's basis, and work arrays."""
+"""The arrays of the survey of growing whirls in a run's block: a long shaft's basis, and work
+arrays."""
 
 from typing import Annotated, NamedTuple
 
@@ -35,7 +36,8 @@ class WhirlSurvey(NamedTuple):
     the eigenvalue solver overwrites; one root's equation and its vector; all roots.
 
     whirls: the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward,
-    `case` (`whirls`), speed [rad/s]; counted: how many; rest: root of growth at rest or NaN [1/s].
+    `case` (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN
+    [1/s].
     """
 
     basis: Annotated[np.ndarray, float, "n", "basis"]

@@ -230,7 +230,8 @@ def _edge(run, sign, size, far):
 
 @jit
 def _step_in_the_open(run, speed):
-    """Return the longest step [s] that resolves the machine's own growth at a speed [rad/s]."""
+    """Return the longest step that resolves all growth of the machine itself at a speed [rad/s]
+    [s]."""
     structure, survey = run.structure, run.survey
     fill_tangents(structure, survey, run.motion, run.problem.internal_state, speed)
     _fill_own_roots(run, speed)
@@ -244,7 +245,8 @@ def _step_in_the_open(run, speed):
 
 @jit
 def is_growing(root):
-    """Return whether a root, over the lowest frequency, is a growing whirl and not rounding."""
+    """Return whether a root, over the machine's lowest frequency, is a growing whirl and not
+    rounding."""
     return root.imag > _SLOW and root.real > _GROWING * modulus(root)
 
 

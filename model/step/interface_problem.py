@@ -103,7 +103,8 @@ def solve_columns(a, places, x):
 @jit
 def _linearize(problem, laws, interfaces, spin, weights):
     """Fill in the forces and tangents at problem.w and Newton's correction of w; return False if
-    the matrix is singular. Only closed contacts, and laws with states, have their own columns."""
+    the matrix is singular. Only closed contacts, and laws with states, have columns of their
+    own."""
     m, b_d, b_v = len(interfaces), weights.displacement, weights.velocity
     flexibility, jacobian, correction = problem.flexibility, problem.jacobian, problem.correction
     columns = 0

@@ -61,7 +61,8 @@ def _both_tangents(law: Law) -> Callable:
 
 
 def _vibrating(law: Law) -> Callable:
-    """Return a law's `Law.vibrate`, or a function for a law whose states follow no vibration."""
+    """Return the function `Law.vibrate` of a law, or one for a law whose states do not follow a
+    vibration."""
     if law.vibrate is not None:
         return law.vibrate
     both = _both_tangents(law)
@@ -101,7 +102,8 @@ add_losses = dispatcher([_dissipating(law) for law in LAWS])
 
 @jit_not_inlined
 def law_tangent_called(laws, interface, kinematics, weights, free, internal_state):
-    """Return `law_tangent`, not inlined, being large: for all calls but a step's iterations."""
+    """Return `law_tangent`, not inlined because it is large: for all calls but the iterations of a
+    step."""
     return law_tangent(laws, interface, kinematics, weights, free, internal_state)
 
 

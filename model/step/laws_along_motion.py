@@ -65,7 +65,8 @@ def block_of(laws: tuple, interfaces: np.recarray, samples: int) -> tuple[np.nda
 
 
 def single_law(law: Law, record: Any, tables: np.ndarray, states: int) -> tuple[tuple, np.recarray]:
-    """Return the tables and interfaces for one law that acts by itself, with a number of states."""
+    """Return the tables of laws and the interfaces for one law that acts by itself, with a number
+    of states."""
     index = LAWS.index(law)
     records = [np.zeros(int(i == index), each.dtype) for i, each in enumerate(LAWS)]
     records[index][0] = record

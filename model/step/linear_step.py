@@ -45,7 +45,8 @@ def correct(scheme, h, a, q, v):
 @jit
 def balance(scheme, mass_factor, a0, v_dot0, a, v_dot):
     """Fill v_dot, the accelerations of the equation of motion at the end of a step, from the
-    scheme, with the mass factor of a `fitting`. Errors of v_dot0 do not propagate: a has them."""
+    scheme, with the mass factor of a `fitting`. Errors of v_dot0 do not propagate: a contains them
+    already."""
     share = 1.0 / (1.0 - scheme.alpha_f)
     by_new = mass_factor * (1.0 - scheme.alpha_m) * share
     by_old = mass_factor * scheme.alpha_m * share

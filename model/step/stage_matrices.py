@@ -148,7 +148,8 @@ def condense(structure, h, stages):
 
 @jit
 def _fill_block(by_force, column, row, response):
-    """Fill in the response to a force in x, and, turned by a right angle, to one in y."""
+    """Fill in the response to a force in x, and the same turned by a right angle for a force in
+    y."""
     by_force[column, row] = by_force[column + 1, row + 1] = response.real
     by_force[column + 1, row] = -response.imag
     by_force[column, row + 1] = response.imag

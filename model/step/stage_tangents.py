@@ -22,7 +22,8 @@ def kinematics_of_stage(stages, i, j):
 
 @jit_not_inlined
 def _fill_tangent(structure, h, stages, i, j):
-    """Fill in a stage's derivatives of force and rates by displacement, velocity and states."""
+    """Fill in the derivatives of force and rates at a stage with respect to displacement, velocity
+    and states."""
     interface = structure.interfaces[j]
     first, count = interface.internal_state, interface.states
     tangent, moving = stages.tangent[i, j], kinematics_of_stage(stages, i, j)

@@ -117,7 +117,8 @@ def spin_of_stage(stages, i):
 @jit
 def _add_differences(structure, spin, at, ahead, old, scratch, out):
     """Add to out the differences of the gyroscopic and circulatory terms at a stage, `ahead` [s]
-    from the start, from those amid the step, at the motion extrapolated from the start."""
+    from the start, from those in the middle of the step, at the motion extrapolated from the
+    start."""
     faster, rate = at.omega - spin.omega, 0.5 * (at.alpha - spin.alpha)
     kappa = circulation(structure, at.omega) - circulation(structure, spin.omega)
     if faster == 0.0 and rate == 0.0 and kappa == 0.0:
@@ -137,7 +138,8 @@ def _add_differences(structure, spin, at, ahead, old, scratch, out):
 
 @jit
 def _free_response(structure, spin, h, old, stages):
-    """Fill in accelerations of the three systems and the housings without interfaces' forces."""
+    """Fill in the accelerations of the three systems and of the housings without the interfaces'
+    forces."""
     n = len(structure.weight)
     at_start, by_time, scratch = stages.scratch[0], stages.scratch[1], stages.scratch[2]
     at_start[:] = 0.0
@@ -187,7 +189,8 @@ def _push_housing(stages, n, j, k, force):
 
 @jit
 def _fill_free(structure, h, old, stages):
-    """Fill in the interfaces' relative motion without their forces; return whether it is finite."""
+    """Fill in the relative motion of the interfaces without their forces; return whether it is
+    finite."""
     n = len(structure.weight)
     is_finite = True
     for j in range(len(structure.interfaces)):

@@ -106,7 +106,8 @@ def load_of(row, i):
 
 @jit
 def _add_by_spin(structure, spin, d_spin, share, damping, q, v, scratch, out):
-    """Add to out `share` times the change of unbalance and internal forces with rotation alone."""
+    """Add to out `share` times the change of unbalance and internal forces with the rotation
+    alone."""
     d_omega, d_alpha, d_theta = d_spin[0], d_spin[1], d_spin[2]
     if d_omega == 0.0 and d_alpha == 0.0 and d_theta == 0.0:
         return

@@ -6,7 +6,8 @@ The rotor's equation in complex coordinates q (deflection and slope at each node
 
 with F the interfaces' forces on the nodes. The housings are separate oscillators, m z'' + c z' + k
 z = f - F, with different springs and dampers in x and y. -i/2 Omega' G is the transient stiffness
-of the gyroscopic terms, without which the energy of a rotor of changing speed is not balanced.
+of the gyroscopic terms, without which the energy balance of a rotor with changing speed is not
+closed.
 """
 
 from collections.abc import Callable
@@ -259,7 +260,8 @@ def _add(band: np.ndarray, first: int, matrix: np.ndarray) -> None:
 
 
 def _one_body(rotor: Rotor, M: np.ndarray) -> np.ndarray:
-    """Return the shaft's displacement and tilt as a body about its centre of mass, shape (2, n)."""
+    """Return displacement and tilt of the shaft as one body about its centre of mass, shape (2,
+    n)."""
     along, tilt = np.zeros(len(M)), np.ones(len(M))
     along[::2] = 1.0
     tilt[::2] = np.array(rotor.nodes) - rotor.nodes[0]
@@ -289,7 +291,8 @@ def soft_stiffness(n: int, springs: np.recarray, elements: list[Element]) -> np.
 def with_renumbered_dofs(
     structure: Structure, place: Callable[[np.ndarray], np.ndarray]
 ) -> dict[str, Any]:
-    """Return the members of a structure that name dofs, each dof replaced by its new number."""
+    """Return the members of a structure that name dofs, with each dof replaced by its new
+    number."""
     load_dof = structure.load_dof.copy()
     load_dof[load_dof >= 0] = place(load_dof[load_dof >= 0])
     load_arms = structure.load_arms.copy()

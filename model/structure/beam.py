@@ -173,7 +173,8 @@ def _diameters(section: Section, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def _shear_stiffness(section: Section, ratio: Any) -> Any:
-    """Return kappa G [Pa] for a ratio of bore to outer diameter; 0: no shear deflection."""
+    """Return kappa G [Pa] for a ratio of bore to outer diameter; 0 for a section without shear
+    deflection."""
     if section.shear == "rigid":
         return 0.0
     coefficient = shear_coefficient(section.material.poisson, ratio, section.shear)

@@ -60,7 +60,8 @@ FLOWS = tuple(entry.name for entry in (*MACHINE_FLOWS, *LAW_LOSSES))
 
 
 def law_entries(rotor: Rotor) -> tuple[list[int], list[int]]:
-    """Return where in `LAW_STORES` and `LAW_LOSSES` the entries of a machine's laws stand."""
+    """Return the indices in `LAW_STORES` and `LAW_LOSSES` of the entries that a machine's laws
+    have."""
     laws = [interface.law for _, interface in rotor.elements_of_kind(InterfaceElement)]
     stores = {store.name for law in laws for store in law.stores}
     losses = {loss.name for law in laws for loss in law.losses}

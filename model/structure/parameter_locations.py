@@ -61,7 +61,8 @@ def parameter_locations(rotor: Rotor) -> dict[Name, tuple[ParameterLocation, ...
 def _locations_in_part(
     where: str, part: Part, name: str, density: float, rows_before: Mapping[str, int]
 ) -> Iterator[ParameterLocation]:
-    """Yield the locations of a part's quantity; rows_before: the records of parts before it."""
+    """Yield the locations of a quantity of one part; rows_before: the number of records of the
+    parts before it."""
     value = getattr(part, name)
     changed_value: Any = value * (1.0 + _CHANGE) if value else _CHANGE
     changed = replace(part, **{name: changed_value})

@@ -66,7 +66,8 @@ def lengths_of(structure: Structure) -> np.ndarray:
 
 @jit
 def elastic_share(eta_h):
-    """Return the factor of shaft stiffness by hysteretic damping (Zorzi and Nelson 1977) [1]."""
+    """Return the factor by which hysteretic damping scales the shaft stiffness (Zorzi and Nelson
+    1977) [1]."""
     return (1.0 + eta_h) / math.sqrt(1.0 + eta_h * eta_h)
 
 

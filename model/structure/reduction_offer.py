@@ -1,4 +1,5 @@
-"""Whether component modes make a run cheaper, how many, and how much they change frequencies."""
+"""Whether component modes would make a run cheaper, how many, and how much they change the
+frequencies."""
 
 from typing import NamedTuple
 

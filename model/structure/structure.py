@@ -119,7 +119,8 @@ def sizes_of_laws(laws: tuple) -> dict[str, int]:
 
 
 def sizes_of(structure: Structure) -> dict[str, int]:
-    """Return the sizes on which the arrays' extents depend; `size`: of a motion, with ground."""
+    """Return the sizes on which the extents of the arrays depend; `size`: of a motion, ground
+    included."""
     sizes = block.sizes_of(structure)
     states = structure.interfaces.states
     return sizes | {

@@ -1,1 +1,2 @@
-"""The loop over steps: start at equilibrium, memory, step control, ledger, monitors, outputs."""
+"""The loop over steps: equilibrium at the start, memory, step control, energy ledger, monitors,
+outputs."""

@@ -77,7 +77,8 @@ def has_power(structure, i, load):
 
 @jit
 def port_power(structure, spin, i, load, v):
-    """Return the power that enters with a load [W], less the reflected power of a line."""
+    """Return the power that enters with one of the loads [W], for a transmission line less the
+    reflected power."""
     power = load_power(structure, spin, i, load, v)
     impedance = structure.load_arms[i].impedance
     if impedance > 0.0:

@@ -99,7 +99,8 @@ def start(block, speed, drive, rate):
 @jit
 def advance(block, t_end, drive, rate):
     """Call `time_loop.advance` under the present loads and their rates; return its status. rate: of
-    `drive`, or NaN: a speed continues as between the last two values, a torque is constant."""
+    `drive`, or NaN: a speed continues linearly as between the last two values, and a torque is
+    constant."""
     run = _view(block)
     numbers = run.method.numbers[0]
     r, tangents = run.memory.record[0], _tangents(run)

@@ -136,7 +136,8 @@ class Memory(NamedTuple):
 @jit
 def spin_at(record, t, alpha):
     """Return the rotation at time t [s]: the speed is linear in time, the angle its integral. A
-    free rotor's rate is `alpha` [rad/s2] then; speed and angle follow by the trapezoidal rule."""
+    free rotor's rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal
+    rule."""
     r = record[0]
     if r.is_free == 1:
         h = t - r.t

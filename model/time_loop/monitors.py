@@ -1,5 +1,6 @@
 """The monitors, which run after every step: the probes' amplitudes and 1x components, the false
-wall-to-wall state, damping by the integrator beyond the machine's own, iterations of a cycle."""
+wall-to-wall state, damping by the integrator that exceeds the machine's own, and the iterations of
+a cycle."""
 
 import math
 

@@ -3,7 +3,8 @@ fixed size.
 
 The outputs of an FMU are those of its communication points, which may be many revolutions apart;
 the steps between them are not visible. A recorder stores selected observed quantities, one row a
-step, no closer than a least angle. When it is full, every second row goes, the angle doubles.
+step, no closer than a least angle. When it is full, every second row is dropped and the angle
+doubles.
 """
 
 import math

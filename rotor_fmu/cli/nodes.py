@@ -1,4 +1,5 @@
-"""Nodes, and what options put there: unbalances, seals' clearances, impellers, cross couplings."""
+"""Nodes, and what options put at them: unbalances, clearances of seals, impellers, cross
+couplings."""
 
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated
@@ -95,7 +96,8 @@ def ask_if_meant(option: str, text: str, name: str, value: float, unit: str) -> 
 def cross_couplings(
     machine: Rotor, speed: float, stages: list[str] | None, given: list[str] | None
 ) -> dict[int, float]:
-    """Cross-coupled stiffness by node [N/m] of `--stage` at a speed [rad/s], `--cross-coupling`."""
+    """Cross-coupled stiffness by node [N/m] of `--stage`, at a speed [rad/s], and
+    `--cross-coupling`."""
     of_stages = [("--stage", s.node, s.cross_coupling(speed)) for s in map(_stage, stages or [])]
     result: dict[int, float] = {}
     coupled = [("--cross-coupling", *_coupling(text)) for text in given or []]

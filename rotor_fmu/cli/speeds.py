@@ -121,7 +121,8 @@ def operating_range(
     text: str | None, rated: str | None, machine: "Rotor"
 ) -> tuple[float, float] | None:
     """The minimum and maximum continuous speed [rad/s] of `--range` and `--rated`, the range alone
-    where both are given; without either those of the machine's own `[operation]`, if any."""
+    where both are given; without either those of the machine's own `[operation]`, None if it has
+    none."""
     if text is None:
         if rated is None:
             own = [speed for speed in machine.operation.continuous_speeds if speed > 0]

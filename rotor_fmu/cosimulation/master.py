@@ -1,4 +1,5 @@
-"""A Jacobi master: at each communication point all FMUs get the others' last outputs, then step."""
+"""A Jacobi master: at each communication point every FMU gets the others' last outputs, then all
+step."""
 
 import reprlib
 from array import array
@@ -44,7 +45,8 @@ class Point(NamedTuple):
 @dataclass(frozen=True)
 class CoupledRun:
     """A coupled run at its communication points t [s]: `run[FMU][VARIABLE]` is what was read of an
-    FMU; each of shape (n,). status: see `run_status`; `failed: ` and why where it ended early."""
+    FMU; each of shape (n,). status: see `run_status`; `failed: ` and why where the run ended
+    early."""
 
     t: np.ndarray
     values: Mapping[str, Mapping[str, np.ndarray]]
@@ -159,7 +161,8 @@ def coupled(
     call the two lists of pairs; stop: end of the run [s]; tolerance: relative, of the run [1], by
     default each FMU's own. Raises `RunFailed` where a call of one of the FMUs fails, and, before
     any of them is loaded, `InputError` for an unknown name, a pair that connects other units, an
-    input that has its value from another pair, and a stop or tolerance not positive and finite.
+    input that has its value from another pair, and a stop or tolerance that is not positive and
+    finite.
     """
     check_positive("stop", stop, "s")
     if tolerance is not None:
@@ -222,7 +225,8 @@ def _connection(table: str, row: Sequence[str], fmus: Mapping[str, Path]) -> Con
 def _check(
     table: str, c: Connection, members: Mapping[str, Member], settable: Sequence[str]
 ) -> None:
-    """Raise `InputError` for a connection whose units differ, or whose end cannot be set."""
+    """Raise `InputError` for a connection whose units differ, or that ends where nothing can be
+    set."""
     output, taken = members[c.sender].readable(c.output), members[c.receiver].readable(c.input)
     is_tunable = (taken.causality, taken.variability) == ("parameter", "tunable")
     if taken.causality not in settable and not is_tunable:

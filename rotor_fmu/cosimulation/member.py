@@ -117,7 +117,8 @@ class Member:
             self._remove_extracted()
 
     def variable(self, name: str) -> Any:
-        """Return FMPy's description of a variable; `InputError` for an unknown one or an array."""
+        """Return FMPy's description of a variable. Raises `InputError` for an unknown name and for
+        an array."""
         variable = self._variables[known_name(f"{self._name}:", name, self._variables)]
         if variable.dimensions:
             raise InputError(f"{self._name}: {name}: is an array; must be a single value")

@@ -44,7 +44,8 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
 
 
 def ports(rotor: Rotor) -> list[tuple[str, PortElement]]:
-    """Return where external forces act, with their parts' names, as in `Structure.load_dof`."""
+    """Return where external forces act, with their parts' names, in the order of
+    `Structure.load_dof`."""
     return rotor.elements_of_kind(PortElement)
 
 

@@ -264,7 +264,8 @@ def link_kernels(parts: list[Path], target: Path) -> None:
 
 
 def link_module(parts: list[Path], target: Path, options: Sequence[str], what: str) -> None:
-    """Link C and object files for WebAssembly into a module, so named. Raises `LibraryError`."""
+    """Link C and object files for WebAssembly into a module, which `what` names. Raises
+    `LibraryError`."""
     command = [sys.executable, "-m", "ziglang", "cc", "-target", WASM.zig, *_FLAGS, *_MODULE]
     _run_all([[*command, *options, "-o", str(target), *map(str, parts)]], what)
 

@@ -75,7 +75,8 @@ def check_size(name: str, size: int) -> None:
 
 
 def _make_no_machine_code() -> None:
-    """Keep numba from compiling what it has optimised, from wrapping what kernels alone call."""
+    """Keep numba from compiling what it has optimised, and from wrapping functions that kernels
+    alone call."""
     codegen.JITCodeLibrary._finalize_specific = lambda library: None
     codegen.JITCodeLibrary.get_pointer_to_function = lambda library, name: 0
     codegen.JITCPUCodegen._add_module = lambda generator, module: None

@@ -1,7 +1,8 @@
 """Data in the memory of a WebAssembly component, behind what its linker laid out there.
 
 The binary formats are those of the WebAssembly core specification 2.0, section 5, and of the
-component model's `Binary.md`: a head of eight bytes, then sections of identifier, size, content.
+component model's `Binary.md`: a head of eight bytes, then sections of an identifier, a size and a
+content.
 """
 
 from collections.abc import Iterator

@@ -188,7 +188,8 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
 
 @dataclass(frozen=True, repr=False)
 class CriticalPeaks(Displayed):
-    """Critical speeds of nodes with amplification factors, shown; criticals: by ascending speed."""
+    """Critical speeds of nodes with their amplification factors, shown; criticals: by ascending
+    speed."""
 
     criticals: tuple[ProbeCritical, ...]
 

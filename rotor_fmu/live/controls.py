@@ -1,5 +1,6 @@
 """The controls of the page: a field, and where its range is known a slider, for everything that a
-host may set in the FMU; their values that repeat a recorded run; and what a run records."""
+host may set in the FMU; their values under which a recorded run is repeated; and what a run
+records."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -43,7 +43,8 @@ KINDS: RunKinds = {
 
 
 def read_study(path: Path, *, is_quick: bool = False) -> Study:
-    """Read a study's file, of a machine unless it names a module; see `studies.study_file`."""
+    """Read the file of a study, of a machine unless it names a module of its own; see
+    `studies.study_file`."""
     return read_study_file(path, read_machine, is_quick=is_quick)
 
 

@@ -54,7 +54,8 @@ class ResponseRequest(NamedTuple):
     task: Task
 
     def ends(self) -> list[Rotor]:
-        """Return the machines with the ends of a varied quantity; none where it is the speed."""
+        """Return the machines with the ends of a quantity that is varied; none where the speed
+        is."""
         task = self.task
         values = () if task.name == SPEED else (task.low, task.high)
         return [self.rotor.with_values({task.name: value}) for value in values]

@@ -84,7 +84,8 @@ def _place(
     every: list[Vertex],
     samples: int,
 ) -> dict[str, Any]:
-    """Return a place's curves, those drawn through every vertex, and its orbits on end."""
+    """Return the curves of a place, those that are drawn through every vertex, and its orbits, one
+    after another."""
 
     def curves(motions: Iterable[Solution | Bifurcation]) -> dict[str, Any]:
         values = [result.quantities(motion, place) for motion in motions]

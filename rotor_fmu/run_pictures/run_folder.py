@@ -50,7 +50,8 @@ def draw_amplitude(
     width: float = 1.4,
     has_start: bool = True,
 ) -> None:
-    """Draw an amplitude over the speed with its peak; has_start: whether the start-up is named."""
+    """Draw an amplitude over the speed, its peak marked and named; has_start: whether the
+    start-up is named."""
     d = current()
     values = run.columns[f"{place}.{axis}_amp"] * d.amplitude
     w = run.columns["w"]

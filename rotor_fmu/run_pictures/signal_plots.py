@@ -84,7 +84,8 @@ def polar(view: View) -> Figure:
 def _speeds_along(
     axes: Axes, vector: np.ndarray, speed: np.ndarray, color: str
 ) -> list[tuple[float, float, str, bool]]:
-    """Draw points of a curve at shares of its length; return labels with their speeds."""
+    """Draw points of a curve where it has gone a share of its length; return labels with their
+    speeds."""
     labels = []
     length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(vector)))])
     for share in (0.1, 0.3, 0.5, 0.7, 0.9):

@@ -134,7 +134,8 @@ def widened(limits: tuple[float | None, float | None]) -> tuple[float, float]:
 
 def speed_axis(axes: Axes, speed: np.ndarray) -> None:
     """Label an axis of speeds, in the unit that is shown, and let it end at tens, or at ones,
-    tenths, ... where the shaft is slower: down to standstill, unless the run stays far from it."""
+    tenths, ... where the shaft is slower than that: down to standstill, unless the run stays far
+    from it."""
     axes.set_xlabel(current().speed_label)
     highest = float(np.abs(speed).max(initial=0.0))
     # rounding leaves something of a shaft that stands

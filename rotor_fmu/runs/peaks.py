@@ -52,7 +52,8 @@ def largest_row(t: np.ndarray, amplitude: np.ndarray, begin: float) -> int:
 
 def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | None:
     """Return the row at which an amplitude over the last turn, shape (n,), has a peak after
-    the start-up; None where it is largest at an edge of the run or its speeds, which is no peak."""
+    the start-up; None where it is largest at an edge of the run or of its speeds: that is no
+    peak."""
     late = np.flatnonzero(t > start_up(t, w))
     if not len(late) or is_constant(w) or amplitude[late].max() < _STILL:
         return None

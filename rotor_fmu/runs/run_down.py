@@ -39,7 +39,8 @@ _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft", "fn_peak")
 @dataclass(frozen=True)
 class Job:
     """A run that was checked and can begin: the FMU's variables, values of its parameters by name,
-    its inputs, its end and communication step [s]; the rotor, also as TOML, and the settings."""
+    its inputs, its end [s] and its communication step [s]; the rotor, also as TOML, and the
+    settings."""
 
     table: Sequence[Variable]
     parameters: Mapping[str, float]

@@ -81,7 +81,8 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
 
 
 def machine_values(where: str, rotor: Rotor, given: Mapping[str, object]) -> dict[str, float]:
-    """Return values of the machine's own parameters by name. Raises `InputError` with `where`."""
+    """Return values of the machine's own parameters by name. Raises `InputError`, which begins with
+    `where`."""
     own = rotor.parameters()
     known = {v.name: v for v in interface(rotor, False) if v.name in own}
     return {

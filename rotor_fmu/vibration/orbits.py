@@ -218,7 +218,8 @@ def time_share(
 
     The path between two rows is a straight line, each of its `pieces` counting for the time it
     took: a quick passage is a faint trace, not the few points that happened to be recorded. What is
-    not finite is left out. Raises `TooFewRows` for less than two rows, `InputError` for no signal.
+    not finite is left out. Raises `TooFewRows` for less than two rows, `InputError` for what is no
+    signal.
     """
     for name, value in (("speeds", speeds), ("angles", angles), ("pieces", pieces)):
         check_integer(name, value, 1)

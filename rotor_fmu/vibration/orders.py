@@ -86,7 +86,8 @@ class Resonance(ShortRepr):
     speed [rad/s]; amplitude, 0-p [m]; amplification: the factor speed / (N2 - N1) between the
     half-power points (API RP 684), NaN where the response does not fall to one of them before the
     run ends or another peak begins, or the run passes both within fewer turns than an order is read
-    in: that is a beat; rate: of the speed between them, unsigned [rad/s2], NaN where not known.
+    in: that is a beat; rate: of the speed between them, without sign [rad/s2], NaN where it is not
+    known.
     """
 
     speed: float
