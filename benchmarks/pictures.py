@@ -6,7 +6,8 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.colors import BLUE, GREEN, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure, save
 
 from .compare import OWN, rows
 from .growth import REDUCED

@@ -57,17 +57,13 @@ def switch(name: str, value: Any) -> bool:
 
 
 def check_integer(
-    name: str,
-    value: object,
-    lowest: int,
-    highest: float = math.inf,
-    error: type[InputError] = InputError,
+    name: str, value: object, low: int, high: float = math.inf, error: type[InputError] = InputError
 ) -> None:
     """Raise an error unless an argument of any type is an integer of Python or numpy within bounds,
     as no bool is."""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
-    if not (is_whole and lowest <= value <= highest):  # type: ignore[operator]
-        bounds = f", at least {lowest}" if highest == math.inf else f" from {lowest} to {highest}"
+    if not (is_whole and low <= value <= high):  # type: ignore[operator]
+        bounds = f", at least {low}" if high == math.inf else f" from {low} to {high}"
         raise error(f"{shown_value(name, value)}: must be an integer{bounds}")
 
 

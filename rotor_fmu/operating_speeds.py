@@ -32,13 +32,9 @@ def operating_speeds(rotor: Rotor) -> OperatingSpeeds:
     rated = rated or _default(rotor)
     highest = given.service_speed or rated
     trip = given.trip_speed or max([highest, *speeds])
-    return OperatingSpeeds(
-        rated,
-        highest,
-        trip,
-        given.run_up_rate or highest**2 / (4 * math.pi * _TURNS),
-        given.run_down_rate or trip**2 / (4 * math.pi * _TURNS),
-    )
+    up = given.run_up_rate or highest**2 / (4 * math.pi * _TURNS)
+    down = given.run_down_rate or trip**2 / (4 * math.pi * _TURNS)
+    return OperatingSpeeds(rated, highest, trip, up, down)
 
 
 @lru_cache(maxsize=64)

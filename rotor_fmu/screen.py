@@ -23,14 +23,8 @@ def text_table(
 ) -> Table:
     """Return a table whose first column, of names, may fold, and those whose heads `folds` lists;
     the others are flush right. Heads and cells are shown as they are: "[mil]" is no markup."""
-    table = Table(
-        title=title or None,
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        padding=0,
-        pad_edge=False,
-    )
+    table = Table(title=title or None, box=box.SIMPLE_HEAD, padding=0, pad_edge=False)
+    table.title_justify, table.title_style = "left", "bold"
     for k, head in enumerate(heads):
         if k == 0 or head in folds:
             table.add_column(Text(head), overflow="fold", min_width=_FIRST)

@@ -24,7 +24,8 @@ from rotor_fmu.errors import run as run_app
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import fmu_in
 from rotor_fmu.output_options import with_output_options, write_json
-from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_panels, save
+from rotor_fmu.plotting.colors import BLUE, GREEN, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_panels, save
 from rotor_fmu.runs.run_files import clear
 
 HERE = Path(__file__).resolve().parent

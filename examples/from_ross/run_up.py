@@ -14,7 +14,8 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.machine_file.loading import machine_text
-from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.colors import BLUE, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure, save
 
 HERE = Path(__file__).resolve().parent
 CLEARANCE = 0.15e-3  # of the seals [m]

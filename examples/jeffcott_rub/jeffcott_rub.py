@@ -14,7 +14,8 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.colors import BLUE, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure, save
 
 HERE = Path(__file__).resolve().parent
 OMEGA, CLEARANCE = 100.0, 1e-3  # natural frequency [rad/s], clearance [m]

@@ -18,7 +18,8 @@ from rotor_fmu.model.parts.heated_contact import HeatedContact
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_panels, save
+from rotor_fmu.plotting.colors import BLUE, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_panels, save
 
 HERE = Path(__file__).resolve().parent
 BELOW, ABOVE = 0.985, 1.03  # of the critical speed

@@ -15,7 +15,8 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_panels, save
+from rotor_fmu.plotting.colors import BLUE, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_panels, save
 
 HERE = Path(__file__).resolve().parent
 FROM, TO, SECONDS = 150.0, 1150.0, 8.0  # rad/s, s

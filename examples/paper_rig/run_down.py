@@ -12,7 +12,8 @@ from rotor_fmu.examples import script_arguments
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.colors import BLUE, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure, save
 
 HERE = Path(__file__).resolve().parent
 SPEED, RATE, STOP = 400.0, -10.0, 40.0  # rad/s, rad/s2, s

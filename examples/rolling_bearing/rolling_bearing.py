@@ -17,7 +17,8 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.operating_speeds import operating_speeds
-from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_panels, save
+from rotor_fmu.plotting.colors import BLUE, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_panels, save
 
 HERE = Path(__file__).resolve().parent
 EVERY, SETTLES, SAMPLES = 1e-3, 0.4, 1024  # s, s

@@ -17,7 +17,8 @@ from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.colors import BLUE, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure, save
 
 HERE = Path(__file__).resolve().parent
 MASS = 10.0  # kg

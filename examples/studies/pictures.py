@@ -15,7 +15,8 @@ from rotor_fmu.examples import script_arguments
 from scipy.optimize import brentq
 
 from rotor_fmu import studies
-from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.colors import BLUE, GREEN, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure, save
 from rotor_fmu.studies.analysis import analyse, design_of, drawn_rows
 from rotor_fmu.studies.design import Design
 from rotor_fmu.studies.store import about_of

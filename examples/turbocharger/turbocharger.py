@@ -15,7 +15,8 @@ from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_panels, save
+from rotor_fmu.plotting.colors import BLUE, GREEN, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_panels, save
 
 HERE = Path(__file__).resolve().parent
 FROM, TO, SECONDS = 1000.0, 15708.0, 3.0  # rad/s, s

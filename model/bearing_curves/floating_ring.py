@@ -1,13 +1,12 @@
 """A bearing with a floating ring alone over speed or load: where journal and ring rest, how fast
 the ring turns, and the coefficients of both films in series."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..linear.bearing_equilibrium import RingAlone
-from ..linear.static import speeds_and_loads
+from ..linear.static import Values, speeds_and_loads
 from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
 from ..parts.floating_ring_bearing import FloatingRingBearing
@@ -50,11 +49,7 @@ _LOSSES = ("torque", "power", "outer_power")
 
 
 def ring_curves(
-    rotor: Rotor,
-    speeds: Sequence[float] | np.ndarray,
-    *,
-    bearing: str,
-    load: float | Sequence[float] | np.ndarray | None = None,
+    rotor: Rotor, speeds: Values, *, bearing: str, load: float | Values | None = None
 ) -> RingCurves:
     """Return a floating ring bearing's equilibrium and coefficients at each speed [rad/s], or under
     each load at one.

@@ -2,7 +2,6 @@
 the mass that they carry without whirling."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import get_args
@@ -14,7 +13,7 @@ from ..arguments import check_one_of
 from ..film.bearing_film import PAD
 from ..laws_at_rest.oil import oil_of_both, with_oil
 from ..linear.bearing_equilibrium import BearingAlone, critical_mass
-from ..linear.static import speeds_and_loads, without_rounding
+from ..linear.static import Values, speeds_and_loads, without_rounding
 from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
 from ..parts.floating_ring_bearing import FloatingRingBearing
@@ -95,11 +94,7 @@ def bearings(rotor: Rotor) -> dict[str, AnyBearing]:
 
 
 def bearing_curves(
-    rotor: Rotor,
-    speeds: Sequence[float] | np.ndarray,
-    *,
-    bearing: str | None = None,
-    load: float | Sequence[float] | np.ndarray | None = None,
+    rotor: Rotor, speeds: Values, *, bearing: str | None = None, load: float | Values | None = None
 ) -> BearingCurves:
     """Return a journal bearing's equilibrium and coefficients at each speed [rad/s] or load.
 

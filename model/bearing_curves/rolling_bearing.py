@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ..kernels.kernel import interpreted
-from ..linear.static import speeds_and_loads
+from ..linear.static import Values, speeds_and_loads
 from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
 from ..parts.law import BY_D
@@ -78,15 +78,12 @@ class RollingAlone(LawProbe):
             return x
 
         first = load / size if start is None else start / reach
-        x = newton(np.array([first.real, first.imag]))
+        begin = np.array([first.real, first.imag])
+        x = newton(begin)
         if np.abs(slope(x)).max() > _LEFT:
+            options = {"gtol": _LEFT, "maxiter": _ITERATIONS, "initial_trust_radius": 0.1}
             found = minimize(
-                potential,
-                np.array([first.real, first.imag]),
-                method="trust-exact",
-                jac=slope,
-                hess=curvature,
-                options={"gtol": _LEFT, "maxiter": _ITERATIONS, "initial_trust_radius": 0.1},
+                potential, begin, method="trust-exact", jac=slope, hess=curvature, options=options
             )
             x = newton(found.x)  # the potential's digits may end before those of its slope do
         d = reach * complex(*x)
@@ -136,11 +133,7 @@ class RollingCurves:
 
 
 def rolling_curves(
-    rotor: Rotor,
-    speeds: Sequence[float] | np.ndarray = (0.0,),
-    *,
-    bearing: str,
-    load: float | Sequence[float] | np.ndarray | None = None,
+    rotor: Rotor, speeds: Values = (0.0,), *, bearing: str, load: float | Values | None = None
 ) -> RollingCurves:
     """Return a rolling bearing's equilibrium and coefficients under each load.
 

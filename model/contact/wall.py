@@ -45,10 +45,7 @@ class ContactQuantities:
     )
     v_s: float = quantity("m/s", "sliding speed below which friction is smoothed", default=1e-3)
     exponent: float = quantity(
-        "1",
-        "exponent of the penetration: 1 linear, 10/9 roller, 1.5 Hertz",
-        _EXPONENT,
-        1.0,
+        "1", "exponent of the penetration: 1 linear, 10/9 roller, 1.5 Hertz", _EXPONENT, 1.0
     )
     mu_rise: float = quantity(
         "1", "excess of the coefficient of friction at rest", NOT_NEGATIVE, 0.0
@@ -160,8 +157,7 @@ def touch(part, kinematics):
     n, n_k, stiffness, damping = pressed(part, delta, rate)
     skew, curvature = s_1 / (r * r), 1.0 / r - s_2 / (r * r)
     return Touch(
-        *(delta, rate, n, n_k, stiffness, damping),
-        *(e, velocity, gradient, skew, curvature),
+        *(delta, rate, n, n_k, stiffness, damping), *(e, velocity, gradient, skew, curvature)
     )
 
 

@@ -67,8 +67,7 @@ def sheared(bearing, tables, moving, has_slopes):
     half = -0.5j * z  # S = 2 V - i (sum) D
     turned = at.p_v * half + at.q_v * half.conjugate()
     return Sheared(
-        *(z, at.force, at.p_d, at.q_d, at.p_v, at.q_v),
-        *(turned, drag, steep, moving.sliding_speed),
+        *(z, at.force, at.p_d, at.q_d, at.p_v, at.q_v), *(turned, drag, steep, moving.sliding_speed)
     )
 
 

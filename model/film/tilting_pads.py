@@ -190,8 +190,7 @@ def solve_pad(bearing, tables, kinematics, i, search):
             break
     force_by_y = search.by_tilt * at.force_by_tilt + search.by_rate * at.force_by_rate
     set_tilt(
-        *(bearing, tables, i, search.tilt + search.by_tilt * y),
-        search.rate + search.by_rate * y,
+        *(bearing, tables, i, search.tilt + search.by_tilt * y), search.rate + search.by_rate * y
     )
     return y, slope, with_force_change(at, step * force_by_y)
 

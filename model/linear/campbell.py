@@ -88,12 +88,11 @@ def campbell(
         for result in _critical(follow, seen[i : i + 2], places[i : i + 2], order)
     ]
     followed = list(zip(seen, places, strict=True))
+    values = [[m.eigenvalues[p] if p >= 0 else _LOST for p in of] for m, of in followed]
     return Campbell(
         speeds=at,
         contacts=seen[0].contacts,
-        eigenvalues=np.array(
-            [[m.eigenvalues[p] if p >= 0 else _LOST for p in of] for m, of in followed]
-        ),
+        eigenvalues=np.array(values),
         whirl=tuple(
             tuple(words[p] if p >= 0 else "" for p in of)
             for words, of in ((m.whirl, of) for m, of in followed)

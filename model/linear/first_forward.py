@@ -169,11 +169,7 @@ class FirstForward:
 
 
 def first_forward(
-    rotor: Rotor,
-    speed: float,
-    shares: Mapping[int, float],
-    expected: float,
-    contacts: str | None,
+    rotor: Rotor, speed: float, shares: Mapping[int, float], expected: float, contacts: str | None
 ) -> FirstForward:
     """Return a rotor's first forward mode; both levels of a check ask for the same one."""
     machine = shared_machine(rotor, contacts)

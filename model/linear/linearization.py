@@ -35,15 +35,7 @@ from .real_matrices import (
     to_complex,
     unknowns,
 )
-from .supports import (
-    are_linear,
-    interfaces,
-    not_held,
-    rigid_motions,
-    seat,
-    supports,
-    unsprung,
-)
+from .supports import are_linear, interfaces, not_held, rigid_motions, seat, supports, unsprung
 from .system_at_speed import Linear, LinearError, Strain
 
 OPEN, PINNED = "open", "pinned"

@@ -201,9 +201,8 @@ def modes_of(
         values = np.concatenate([values[slow], fast.values[rest]])
         shapes = np.hstack([shapes[:, slow], fast.shapes[:, rest]])
         residuals = np.concatenate([residuals[slow], fast.residuals[rest]])
-    found = with_fast_growth(
-        Lowest(values, shapes, residuals, decays, is_held), linear, scale, strain.by_d
-    )
+    slowest = Lowest(values, shapes, residuals, decays, is_held)
+    found = with_fast_growth(slowest, linear, scale, strain.by_d)
     values, shapes, residuals, decays, is_held = found
     # what grows faster than it whirls is not left out for its high frequency
     first = np.argsort(np.where(values.real > values.imag, 0.0, np.abs(values)))[:more]

@@ -221,9 +221,8 @@ def level_2(
     shares = {node: q / total for node, q in given.items() if total}
     shares = shares or {_stage_node(rotor, {}, contacts): 1.0}
     mode = first_forward(bare, speed, shares, total, contacts)
-    return StabilityLevel2(
-        speed, tuple(_case(name, mode.with_parts(parts, q)) for name, parts, q in variants)
-    )
+    cases = (_case(name, mode.with_parts(parts, q)) for name, parts, q in variants)
+    return StabilityLevel2(speed, tuple(cases))
 
 
 def log_dec(root: complex) -> float:

@@ -17,6 +17,7 @@ from .support_loads import support_loads
 
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 _NO_LOAD = 1e-10  # of the rotor's weight: what films bear that nothing loads is their rounding
+Values = Sequence[float] | np.ndarray
 
 
 @dataclass(frozen=True)
@@ -105,10 +106,7 @@ def needs_to_turn(rotor: Rotor, contacts: str | None = None) -> bool:
 
 
 def speeds_and_loads(
-    rotor: Rotor,
-    name: str,
-    speeds: Sequence[float] | np.ndarray,
-    load: float | Sequence[float] | np.ndarray | None = None,
+    rotor: Rotor, name: str, speeds: Values, load: float | Values | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return speeds [rad/s] and the load on an interface at each, complex x + i y [N].
 

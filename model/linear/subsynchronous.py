@@ -66,9 +66,8 @@ def subsynchronous_whirl(
     if not machine.laws.follows.any():
         return None
     linear = linear._replace(own_K=linear.own_K + added)
-    own, synchronous = (
-        modes_of(machine, linear, DEFAULT_COUNT, pads_whirl=whirl) for whirl in (True, False)
-    )
+    own = modes_of(machine, linear, DEFAULT_COUNT, pads_whirl=True)
+    synchronous = modes_of(machine, linear, DEFAULT_COUNT)
     of_own, of_synchronous = (found.damped < abs(speed) for found in (own, synchronous))
     if not of_own.any():
         return None

@@ -112,9 +112,7 @@ def unbalance_response(
 
 
 def steady_whirl(
-    rotor: Rotor,
-    contacts: str | None = None,
-    unbalances: Sequence[PlacedAmount] | None = None,
+    rotor: Rotor, contacts: str | None = None, unbalances: Sequence[PlacedAmount] | None = None
 ) -> "SteadyWhirl":
     """Return the `SteadyWhirl` of a machine under its unbalances, or under those given instead; see
     `unbalance_response` for these and `contacts`. The last one is kept: a response and its checks

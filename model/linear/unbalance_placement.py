@@ -120,9 +120,8 @@ def _points(rotor: Rotor, shape: np.ndarray) -> list[_Point]:
             i = body.node - 1
             mass[i] -= body.mass
             moved = float(shape[i] @ (1.0, body.offset))
-            beyond.append(
-                _Point(Place(body.node, body.offset), z[i] + body.offset, body.mass, moved)
-            )
+            place = Place(body.node, body.offset)
+            beyond.append(_Point(place, z[i] + body.offset, body.mass, moved))
     at_nodes = zip(z, mass.tolist(), shape[:, 0].tolist(), strict=True)
     return [*(_Point(Place(i), *each) for i, each in enumerate(at_nodes, 1)), *beyond]
 

@@ -119,7 +119,8 @@ class _Reader:
         shaft = self._of(_SHAFT)
         sections, materials = sections_of(shaft, self._origins)
         tables: dict[str, Any] = {"name": self._name, "material": materials, "section": sections}
-        tables["operation"] = self._operation()
+        speeds = {ours: self._parameters.number(w, 0.0) for w, ours in _SPEEDS.items()}
+        tables["operation"] = {name: speed for name, speed in speeds.items() if speed != 0}
         tables["shaft"] = self._damping(shaft)
         last = len(sections)
         pedestals = self._pedestals(last)
@@ -141,10 +142,6 @@ class _Reader:
                 self._append(tables, _BEARINGS[element.kind], held, element)
         given = {k: v for k, v in tables.items() if v}
         return Imported(given, tuple(map(printable, self._notes)), self._origins)
-
-    def _operation(self) -> dict[str, float]:
-        speeds = {ours: self._parameters.number(w, 0.0) for w, ours in _SPEEDS.items()}
-        return {name: speed for name, speed in speeds.items() if speed != 0}
 
     def _damping(self, shaft: list[Element]) -> dict[str, float]:
         """Return the damping of the shaft by its stiffness [s] and mass [1/s]; that of the whole

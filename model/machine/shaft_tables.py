@@ -138,11 +138,7 @@ def _profile(where: str, table: dict[str, Any], length: float, materials: Materi
     if "material" in table:
         material = materials.take(f"{where}.material", table["material"])
     choices = {name: table[name] for name in ("shear", "taper") if name in table}
-    section = Section(
-        length=length,
-        material=material,
-        **choices,
-        **{name: number(value) for name, value in values.items()},
-    )
+    sizes = {name: number(value) for name, value in values.items()}
+    section = Section(length=length, material=material, **choices, **sizes)
     section.check(where)
     return section

@@ -76,9 +76,8 @@ def make(kind: type, where: str, value: Any) -> Any:
         if field.type in (str, "str") and not isinstance(given, str):
             raise QuantityError(f"{where}.{field.name} = {given!r}: must be a string")
     numbers = quantities(kind)
-    return kind(
-        **{
-            key: number(value, numbers[key].may_be_list) if key in numbers else value
-            for key, value in table.items()
-        }
-    )
+    values = {
+        key: number(value, numbers[key].may_be_list) if key in numbers else value
+        for key, value in table.items()
+    }
+    return kind(**values)

@@ -63,7 +63,7 @@ class TiltingQuantities(FilmQuantities):
         *(0.0,),
     )
     supply_pressure: float = quantity(
-        *("Pa", "pressure around the film, above that at which it ruptures", NOT_NEGATIVE, 0.0),
+        *("Pa", "pressure around the film, above that at which it ruptures", NOT_NEGATIVE, 0.0)
     )
 
 

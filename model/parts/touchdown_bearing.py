@@ -102,10 +102,7 @@ OUTPUTS = (
     Output("race", "rad/s", "speed of the race", True, 100.0),
     Output("sliding", "m/s", "sliding speed while in contact", nominal=1.0, reached_by=SPEED),
 )
-LOSSES = (
-    *CONTACT_LOSSES,
-    Output("drag", "J", "dissipated by the races' drag", nominal=1.0),
-)
+LOSSES = (*CONTACT_LOSSES, Output("drag", "J", "dissipated by the races' drag", nominal=1.0))
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 _STATE = places(("race", "elongation"))
 

@@ -299,10 +299,7 @@ def _longest(steps: ContinuationSteps, point: CurvePoint, size: float, rate: flo
 
 
 def _beyond_corner(
-    equations: ContinuationEquations,
-    point: CurvePoint,
-    bend: float,
-    steps: ContinuationSteps,
+    equations: ContinuationEquations, point: CurvePoint, bend: float, steps: ContinuationSteps
 ) -> CurvePoint | None:
     """Return a point beyond a corner of the curve, a short way along the tangent that holds on the
     other side of the corner, or None if there is no such point; bend: 1 less the cosine of the way

@@ -60,13 +60,10 @@ def add_real(matrix: np.ndarray, S: np.ndarray) -> None:
     """Add complex matrices of harmonics 0 to H, shape (H + 1, b, b), to a matrix of coefficients,
     shape (2 H + 1, b, 2 H + 1, b)."""
     matrix[0, :, 0] += S[0].real
-    k = np.arange(1, len(S))
-    for row, column, part in (
-        (2 * k - 1, 2 * k - 1, S[1:].real),
-        (2 * k, 2 * k, S[1:].real),
-        (2 * k - 1, 2 * k, S[1:].imag),
-        (2 * k, 2 * k - 1, -S[1:].imag),
-    ):
+    cosine, real, imag = 2 * np.arange(1, len(S)) - 1, S[1:].real, S[1:].imag
+    sine = cosine + 1
+    on_diagonal = (cosine, cosine, real), (sine, sine, real)
+    for row, column, part in (*on_diagonal, (cosine, sine, imag), (sine, cosine, -imag)):
         matrix[row, :, column] += part
 
 

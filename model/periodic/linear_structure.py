@@ -85,8 +85,7 @@ class CondensedMachine:
         pivots, independent = _independent(followed)
         rest = np.setdiff1d(np.arange(N // 2), pivots)
         self._T = np.kron(
-            np.linalg.inv(np.vstack([followed[independent], np.eye(N // 2)[rest]])),
-            np.eye(2),
+            np.linalg.inv(np.vstack([followed[independent], np.eye(N // 2)[rest]])), np.eye(2)
         )
         self.size, self.b = N, 2 * len(independent)
         # of d, the relative displacements of all nonlinear interfaces, by b

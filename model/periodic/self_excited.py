@@ -206,9 +206,7 @@ def _growing(growth: np.ndarray | None) -> int:
     return -1 if growth is None else int(np.count_nonzero(growth > 0))
 
 
-def _may_pass_and_return(
-    growths: Sequence[np.ndarray | None],
-) -> Iterator[tuple[int, int, float]]:
+def _may_pass_and_return(growths: Sequence[np.ndarray | None]) -> Iterator[tuple[int, int, float]]:
     """Yield each piece between values and mode, the piece by its begin, in which the growth may
     come to 0 and back, with its sign at both ends: where lines from the neighbouring pieces meet
     beyond 0, as far as a growth that bends one way may come."""

@@ -144,12 +144,8 @@ def _simulation(
     rotor: Rotor, speed: float, loads: np.ndarray | None, tolerance: float
 ) -> Simulation:
     turn = 2 * math.pi / abs(speed)
-    settings = choose(
-        tolerance=tolerance,
-        h=_FIRST_STEP * turn,
-        h_min=_SHORTEST_STEP * turn,
-        h_max=_LONGEST_STEP * turn,
-    )
+    first, least, most = _FIRST_STEP * turn, _SHORTEST_STEP * turn, _LONGEST_STEP * turn
+    settings = choose(tolerance=tolerance, h=first, h_min=least, h_max=most)
     return Simulation(rotor, settings, speed=speed, loads=loads, warn=lambda _: None)
 
 

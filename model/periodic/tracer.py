@@ -11,12 +11,7 @@ from .balance import HarmonicBalance
 from .bifurcation_search import bifurcations_between, count_outside
 from .branch import CLOSED, Bifurcation, Solution, solution, why_ended
 from .harmonic_count import Accuracy, with_enough_harmonics
-from .method_switch import (
-    PeriodicEquations,
-    as_shooting,
-    in_other_equations,
-    suitable_equations,
-)
+from .method_switch import PeriodicEquations, as_shooting, in_other_equations, suitable_equations
 from .newton import NotConverged
 
 _NEAR_START = 0.5  # share of a step: the branch has come back to its start

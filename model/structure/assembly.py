@@ -67,8 +67,7 @@ def assemble(rotor: Rotor) -> Structure:
     for _, added in _of_kind(AddedMassElement, elements):
         M[_dof(added), 0] += added.mass
     springs = _rows(
-        SPRING,
-        [(_dof(s), s.stiffness, s.damping) for _, s in _of_kind(SpringElement, elements)],
+        SPRING, [(_dof(s), s.stiffness, s.damping) for _, s in _of_kind(SpringElement, elements)]
     )
     M_factors = M.copy()
     interpreted(factorize)(M_factors)

@@ -52,10 +52,7 @@ NUMBERS = _record(
 
 # Type and extents of each array of a machine's `laws`: the records of each law, and last the
 # tables.
-LAW_TABLES = [
-    *((law.dtype, (f"rows_{law.name}",)) for law in LAWS),
-    (np.dtype(float), ("tables",)),
-]
+LAW_TABLES = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
 
 
 class Structure(NamedTuple):

@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
+from rotor_fmu.plotting.colors import BLUE, GREEN, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure
 
 from .impact.bars import BarsRun
 from .impact.ratchet import RatchetRun

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from rotor_fmu.plotting.figure_style import ORANGE, legend_below, new_figure, save
+from rotor_fmu.plotting.colors import ORANGE
+from rotor_fmu.plotting.figure_style import legend_below, new_figure, save
 from rotor_fmu.run_pictures import run_folder
 from rotor_fmu.run_pictures.signal_plots import orbit
 from rotor_fmu.run_pictures.view import View

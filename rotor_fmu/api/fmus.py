@@ -5,17 +5,8 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..errors import (
-    InputError,
-    check_one_of,
-    check_positive,
-    listed,
-    mapped,
-    number,
-    path_of,
-    switch,
-    writable_folder,
-)
+from ..errors import InputError, path_of, writable_folder
+from ..model.arguments import check_one_of, check_positive, listed, mapped, number, switch
 from ..model.simulation import RotorWarning, warn
 from ..runs.recording import Recording
 from ..runs.settings_text import parse_starts

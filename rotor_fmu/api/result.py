@@ -224,9 +224,8 @@ class Result(RecordedSignals):
         if not self.peaks:
             facts["peaks"] = f"none: {self.peaks.why}"
         for p in self.peaks[-2:]:
-            facts[f"peak of {p.part}.{p.axis}"] = (
-                f"{p.amplitude * 1e6:.4g} µm at {p.speed:.4g} rad/s"
-            )
+            size = f"{p.amplitude * 1e6:.4g} µm"
+            facts[f"peak of {p.part}.{p.axis}"] = f"{size} at {p.speed:.4g} rad/s"
         return facts
 
     def __repr__(self) -> str:
@@ -279,6 +278,5 @@ def read_run(folder: Path | str) -> Result:
     file = path_of("folder", folder)
     recording = load_recording(file / RECORDING if file.is_dir() else file)
     rotor = recording.rotor
-    return Result(
-        recording, machine=None if rotor is None else Machine(rotor, str(recording.about["toml"]))
-    )
+    machine = None if rotor is None else Machine(rotor, str(recording.about["toml"]))
+    return Result(recording, machine=machine)

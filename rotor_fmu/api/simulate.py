@@ -8,21 +8,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..errors import (
-    InputError,
-    check_one_of,
-    check_positive,
-    known_name,
-    listed,
-    mapped,
-    number,
-    shown_value,
-    switch,
-)
+from ..errors import InputError, known_name, shown_value
 from ..fmi.interface import interface
 from ..fmi.solver_parameters import PREFIX
 from ..fmi.variables import Variable
 from ..machine_file.loading import warn_of_changes
+from ..model.arguments import check_one_of, check_positive, listed, mapped, number, switch
 from ..model.settings import PRESETS
 from ..model.simulation import RotorWarning, warn
 from ..model.time_loop.recorder import Record
@@ -176,9 +167,8 @@ def plan(
     for name in given.keys() & inputs:
         raise InputError(f"parameters: {name} is an input: give it as speed or among loads")
     try:
-        values = parse_settings(
-            machine.rotor, table, [f"{name}={value}" for name, value in given.items()]
-        )
+        texts = [f"{name}={value}" for name, value in given.items()]
+        values = parse_settings(machine.rotor, table, texts)
         job = make_job(machine.toml, machine.rotor, values, signals, stop, step)
     except ValueError as error:
         said = str(error).removeprefix("--set ")

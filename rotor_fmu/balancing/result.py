@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 
 from ..display import current, speed_with_unit
 from ..linear.displayed import Displayed
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, entitle, new_panels
+from ..plotting.colors import BLUE, GREEN, GREY, ORANGE
+from ..plotting.figure_style import entitle, new_panels
 from ..plotting.labels import write_labels
 from ..tables import Table
 

@@ -216,11 +216,7 @@ def _say_where_it_holds(
     contacts: str | None,
 ) -> None:
     """Print about which states a response, and its check over an operating range, is linearized."""
-    from ..linear.where_linearized import (
-        where_films_are_left,
-        where_linearized,
-        where_not_reached,
-    )
+    from ..linear.where_linearized import where_films_are_left, where_linearized, where_not_reached
     from ..model.linear.unbalance_check import highest_of_interest
 
     looked_at = [*response.speeds]

@@ -137,10 +137,8 @@ def _linear_bearing(
     for letter, of in (("k", K), ("c", C)):
         for i, row in enumerate("xy"):
             for j, column in enumerate("xy"):
-                over_speed = of[:, i, j].tolist()
-                values[f"{letter}{row}{column}"] = (
-                    over_speed if "speed" in values else over_speed[0]
-                )
+                all_of = of[:, i, j].tolist()
+                values[f"{letter}{row}{column}"] = all_of if "speed" in values else all_of[0]
     head = f"# {what}{result.bearing} of {machine.name}, linearized where {rests}.\n"
     is_ring = isinstance(result, RingCurves)
     if is_ring or (isinstance(result, BearingCurves) and result.tilts.shape[1]):

@@ -161,11 +161,7 @@ def frequency_response(
         raise InputError(f"--zones {zones}: are of --loop, which is not given")
     bounds = () if zones is None else _zones(zones)
     from ..linear import frequency_answers as answers
-    from ..linear.where_linearized import (
-        where_beyond_ranges,
-        where_linearized,
-        where_not_reached,
-    )
+    from ..linear.where_linearized import where_beyond_ranges, where_linearized, where_not_reached
 
     compute: Callable[..., answers.FrequencyResponse | answers.Sensitivity]
     if loop is not None:

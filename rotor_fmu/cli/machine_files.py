@@ -79,8 +79,7 @@ def _copy(folder: Traversable, target: Path) -> None:
 
 @with_output_options
 def import_ross(
-    file: Annotated[Path, typer.Argument()],
-    out: Path = Path("machine.toml"),
+    file: Annotated[Path, typer.Argument()], out: Path = Path("machine.toml")
 ) -> dict[str, Any]:
     """Convert a rotor that ROSS saved into a machine file.
 

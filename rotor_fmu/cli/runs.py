@@ -124,9 +124,8 @@ def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outco
     from ..runs.verify_run import verified
 
     driven = None if fmu is None else jobs.execute(job, fmu, label)
-    recorded, recording = jobs.execute_recorded(
-        job, f"{label}, recorded", is_silent=driven is not None
-    )
+    what, is_silent = f"{label}, recorded", driven is not None
+    recorded, recording = jobs.execute_recorded(job, what, is_silent=is_silent)
     # an FMU holds its loads between two communication points
     result = driven if driven is not None and job.signals.is_held(job.stop) else recorded
     if verify:

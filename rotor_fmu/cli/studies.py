@@ -172,9 +172,8 @@ def _in_units(definition: Study, row: dict[str, Any]) -> dict[str, Any]:
     result = {}
     for name, value in row.items():
         shown = current().of_si(units.get(name, ""))
-        result[column_head(name, shown.word)] = (
-            value if shown.factor == 1.0 else shown.factor * value
-        )
+        in_unit = value if shown.factor == 1.0 else shown.factor * value
+        result[column_head(name, shown.word)] = in_unit
     return result
 
 

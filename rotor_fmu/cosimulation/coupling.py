@@ -57,11 +57,10 @@ class Coupling:
         """Variables of the partner, in the order of their value references. Raises `InputError` for
         a unit or a causality that no FMU has, and where `BEGUN` is missing."""
         table = f"{self.source.name}: VARIABLES"
+        rows = check_rows(table, self._table("VARIABLES"), *_LISTED)
         variables = tuple(
             Variable(name, "Real", causality, text, unit, start, low=low)
-            for name, causality, unit, start, low, text in check_rows(
-                table, self._table("VARIABLES"), *_LISTED
-            )
+            for name, causality, unit, start, low, text in rows
         )
         for name, count in Counter(v.name for v in variables).items():
             if count > 1:
@@ -111,9 +110,7 @@ class Coupling:
                 shutil.copyfile(str(module.__file__), folder / name)
             raw = folder / "raw.fmu"
             wrap(script, [folder / name for name in beside], raw)
-            return repack(
-                raw, out / self.fmu_name, lambda root: complete(root, variables, RELEASED)
-            )
+            return repack(raw, out / self.fmu_name, lambda of: complete(of, variables, RELEASED))
 
     def open(
         self,

@@ -96,9 +96,7 @@ class CoupledFmus:
         check_positive("step", step, "s")
         stop = self.stop
         check_steps(f"step = {step:g} s", f"stop = {stop:g} s", stop / step, most)
-        inputs = {
-            name: [c for c in self.connections if c.receiver == name] for name in self.members
-        }
+        inputs = {to: [c for c in self.connections if c.receiver == to] for to in self.members}
         for member in self.members.values():
             member.begin()
         point = self._at(0.0)

@@ -136,21 +136,13 @@ class System:
     def osp(self) -> Element:
         """Return OSP's system structure."""
         root = Element("OspSystemStructure", {"xmlns": _OSP, "version": "0.1"})
-        for name, text in (
-            ("StartTime", "0.0"),
-            ("BaseStepSize", repr(self.step)),
-            ("Algorithm", self.algorithm),
-        ):
+        texts = {"StartTime": "0.0", "BaseStepSize": repr(self.step), "Algorithm": self.algorithm}
+        for name, text in texts.items():
             SubElement(root, name).text = text
         simulators = SubElement(root, "Simulators")
         for component in self.components:
-            simulator = SubElement(
-                simulators,
-                "Simulator",
-                name=component.name,
-                source=component.fmu.name,
-                stepSize=repr(self.step),
-            )
+            given = {"name": component.name, "source": component.fmu.name}
+            simulator = SubElement(simulators, "Simulator", given, stepSize=repr(self.step))
             values = SubElement(simulator, "InitialValues")
             for name, value in component.values.items():
                 of = component.settable()[name]
@@ -198,21 +190,14 @@ def _xml_value(variable: Variable, value: float | None) -> str:
 
 
 def _add_component(elements: Element, component: Component) -> None:
-    element = _sub(
-        elements,
-        "ssd:Component",
-        name=component.name,
-        source=f"resources/{component.fmu.name}",
-        type="application/x-fmu-sharedlibrary",
-    )
+    source, kind = f"resources/{component.fmu.name}", "application/x-fmu-sharedlibrary"
+    element = _sub(elements, "ssd:Component", name=component.name, source=source, type=kind)
     connectors = _sub(element, "ssd:Connectors")
     for variable in component.connectable():
         connector = _sub(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
         _sub(connector, f"ssc:{variable.kind}", **_unit_of(variable))
-    bindings = _sub(element, "ssd:ParameterBindings")
-    _sub(
-        bindings, "ssd:ParameterBinding", type=_EXTENSION, source=f"resources/{component.name}.ssv"
-    )
+    bindings, values = _sub(element, "ssd:ParameterBindings"), f"resources/{component.name}.ssv"
+    _sub(bindings, "ssd:ParameterBinding", type=_EXTENSION, source=values)
     annotations = _sub(element, "ssd:Annotations")
     annotation = _sub(annotations, "ssc:Annotation", type=_TERMINALS)
     annotation.append(terminals_element(component.terminals))

@@ -27,13 +27,8 @@ TIME = Variable("time", "Real", "independent", "time", "s")
 _TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "Enumeration": "Enumeration"}
 # The order of the elements in FMI 2.0.
 _ORDER = (
-    "CoSimulation",
-    "UnitDefinitions",
-    "TypeDefinitions",
-    "LogCategories",
-    "DefaultExperiment",
-    "ModelVariables",
-    "ModelStructure",
+    *("CoSimulation", "UnitDefinitions", "TypeDefinitions", "LogCategories"),
+    *("DefaultExperiment", "ModelVariables", "ModelStructure"),
 )
 
 
@@ -196,7 +191,7 @@ def _limits(variable: Variable) -> dict[str, str]:
     if variable.kind == "Enumeration":
         attributes["declaredType"] = variable.type_name
     if variable.kind != "Boolean":
-        for key, limit in (("min", variable.low), ("max", variable.high)):
+        for key, limit in (("min", variable.least), ("max", variable.high)):
             if limit is not None:
                 attributes[key] = repr(limit)
     return attributes
@@ -236,10 +231,9 @@ def complete(root: Element, table: Sequence[Variable], generated: str) -> Elemen
     for element, variable in zip(root.iterfind("ModelVariables/*"), table, strict=True):
         for key, value in _limits(variable).items():
             element[0].set(key, value)
-    retained = [child for child in root if child.tag != "ModelStructure"]
-    root[:] = sorted(
-        [*retained, _model_structure(table)], key=lambda child: _ORDER.index(child.tag)
-    )
+    parts = [child for child in root if child.tag != "ModelStructure"]
+    parts.append(_model_structure(table))
+    root[:] = sorted(parts, key=lambda child: _ORDER.index(child.tag))
     return root
 
 

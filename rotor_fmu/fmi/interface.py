@@ -2,13 +2,13 @@
 documents are made."""
 
 from dataclasses import replace
-from math import inf, isfinite, nextafter
+from math import isfinite
 
 from ..model.machine.names import Name
 from ..model.machine.rotor import Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import BASE, PortElement
-from ..model.quantities import SMALLEST, Quantity, Rule
+from ..model.quantities import Quantity
 from ..model.time_loop.observe import observed
 from ..operating_speeds import operating_speeds
 from .coupling_parameters import coupling_variables
@@ -16,7 +16,6 @@ from .solver_parameters import solver_parameters
 from .variables import Variable
 
 _HELD = "held until the next communication point, or continued by its derivative"
-_SMALLEST = float(f"{SMALLEST:g}")  # without the last digits of its rounding
 _TORQUE = "tau_drive"  # the input that drives a free rotor
 _DIRECTIONS = (("x", "to the right (+x)"), ("y", "upwards (+y)"))
 
@@ -100,15 +99,12 @@ def _parameter(name: Name, quantity: Quantity, value: float | bool) -> Variable:
     text = f"{_part_of(name)}{quantity.text}"
     if quantity.is_switch:
         return Variable(str(name), "Boolean", "parameter", text, start=value)
-    limits = _lowest(quantity.rule), quantity.rule.most
-    low, high = (limit if isfinite(limit) else None for limit in limits)
+    rule = quantity.rule
+    low, high = (limit if isfinite(limit) else None for limit in (rule.least, rule.most))
     variable = _real(str(name), quantity.unit, float(value), text, low)
-    return replace(variable, high=high, is_tunable=quantity.is_tunable)
-
-
-def _lowest(rule: Rule) -> float:
-    """Return the least value that a rule allows: FMI's `min` is one, a rule may exclude its end."""
-    return max(nextafter(rule.least, inf), _SMALLEST) if rule.is_strict else rule.least
+    return replace(
+        variable, high=high, is_low_excluded=rule.is_strict, is_tunable=quantity.is_tunable
+    )
 
 
 # Quantities under these headings are of the machine itself.
@@ -144,15 +140,11 @@ def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
     for name, output in observed(rotor):
         is_output = output.is_output or (is_free and str(name) in _OUTPUTS_IF_FREE)
         is_driven = is_free and str(name) in _DRIVEN_IF_FREE
-        table.append(
-            Variable(
-                str(name),
-                output.kind,
-                "output" if is_output else "local",
-                f"{_part_of(name)}{output.text}",
-                _BY_DRIVE.get(str(name), (output.unit, output.unit))[is_free],
-                nominal=output.nominal,
-                reached_by=_TORQUE if is_driven else output.reached_by,
-            )
+        by = _TORQUE if is_driven else output.reached_by
+        causality, text = "output" if is_output else "local", f"{_part_of(name)}{output.text}"
+        unit = _BY_DRIVE.get(str(name), (output.unit, output.unit))[is_free]
+        variable = Variable(
+            str(name), output.kind, causality, text, unit, nominal=output.nominal, reached_by=by
         )
+        table.append(variable)
     return table

@@ -54,18 +54,8 @@ def _variable(setting: Choice | Number) -> Variable:
         text = f"{setting.text}: " + ", ".join(f"{i} {name}" for i, name in enumerate(choices))
         kind, unit, start = "Enumeration", "1", 0
         low, high = 0, len(setting.values)
-    return Variable(
-        name,
-        kind,
-        "parameter",
-        text,
-        unit,
-        start,
-        low,
-        high,
-        choices=choices,
-        is_unset_at_start=True,
-    )
+    given = name, kind, "parameter", text, unit, start, low, high
+    return Variable(*given, choices=choices, is_unset_at_start=True)
 
 
 # In the order in which the resolver takes them, the preset first (`settings.resolver.resolve`).
@@ -89,18 +79,14 @@ def solver_parameters() -> list[Variable]:
 
 
 def chosen_at_build(
-    table: Sequence[Variable],
-    reduction: int,
-    step: float | None,
-    starts: Mapping[str, float] = NO_STARTS,
+    table: Sequence[Variable], reduction: int, step: float | None, starts: Mapping[str, float]
 ) -> tuple[Variable, ...]:
     """Return an FMU's variables with what is chosen when it is built: the modes kept of the shaft,
     the step length [s] of an FMU for real time, which begins with the preset `realtime`, and start
     values of other solver parameters. Raises `SettingsError` for an impossible value."""
     if reduction != int(reduction) or not 0 <= reduction <= MOST_MODES:
-        raise SettingsError(
-            f"{REDUCTION.name} = {reduction}: must be an integer from 0 to {MOST_MODES}"
-        )
+        allowed = f"must be an integer from 0 to {MOST_MODES}"
+        raise SettingsError(f"{REDUCTION.name} = {reduction}: {allowed}")
     fixed: dict[str, float] = {REDUCTION.name: reduction}
     if step is not None:
         fixed |= {_PRESET.name: list(PRESETS).index(REALTIME), _H.name: step}

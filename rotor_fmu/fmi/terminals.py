@@ -54,11 +54,6 @@ def terminals_element(terminals: Iterable[Terminal]) -> Element:
         if terminal.text:
             element.set("description", terminal.text)
         for member, variable in terminal.members.items():
-            SubElement(
-                element,
-                "TerminalMemberVariable",
-                memberName=member,
-                variableName=variable,
-                variableKind="signal",
-            )
+            given = {"memberName": member, "variableName": variable, "variableKind": "signal"}
+            SubElement(element, "TerminalMemberVariable", given)
     return group

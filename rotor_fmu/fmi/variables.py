@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 
-from ..model.quantities import NOTHING
+from ..model.quantities import NOTHING, SMALLEST
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,7 @@ _DERIVED = {
     "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
     "H": {"kg": 1, "m": 2, "s": -2, "A": -2},
 }
+_SMALLEST = float(f"{SMALLEST:g}")  # without the last digits of its rounding
 _SHOWN = {"m": ("um", 1e6), "rad": ("deg", 180 / math.pi), "rad/s": ("rpm", 30 / math.pi)}
 
 
@@ -67,8 +68,9 @@ class Variable:
     """One variable of the FMU.
 
     kind: Real, Integer, Boolean or Enumeration; causality: input, output, local or parameter; unit:
-    a name that `unit` reads (Reals); choices: the names of an Enumeration's values, from 0;
-    is_unset_at_start: whether the start value of a solver parameter leaves it to the preset;
+    a name that `unit` reads (Reals); low, high: its limits; is_low_excluded: whether it must be
+    above `low`; choices: the names of an Enumeration's values, from 0; is_unset_at_start: whether
+    the start value of a solver parameter leaves it to the preset;
     is_tunable: whether a parameter may change between two steps; reached_by: see
     `quantities.Output`.
     """
@@ -81,11 +83,19 @@ class Variable:
     start: float | int | bool | None = None
     low: float | None = None
     high: float | None = None
+    is_low_excluded: bool = False
     nominal: float | None = None
     choices: tuple[str, ...] = field(default=())
     is_unset_at_start: bool = False
     is_tunable: bool = False
     reached_by: str = NOTHING
+
+    @property
+    def least(self) -> float | None:
+        """The least value that is allowed, if there is one."""
+        if self.low is None or not self.is_low_excluded:
+            return self.low
+        return max(math.nextafter(self.low, math.inf), _SMALLEST)
 
     @property
     def type_name(self) -> str:

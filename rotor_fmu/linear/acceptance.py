@@ -18,20 +18,8 @@ from ..model.linear.amplification import DAMPED
 from ..model.linear.critical_map import BearingStiffness
 from ..model.linear.unbalance_check import OF_INTEREST, ProbeCritical
 from ..model.one_thread import on_one_thread
-from ..plotting.figure_style import (
-    BLUE,
-    DASHED,
-    DOTTED,
-    GREEN,
-    GREY,
-    LABEL,
-    LIMIT,
-    ORANGE,
-    annotate,
-    entitle,
-    legend_below,
-    new_figure,
-)
+from ..plotting.colors import BLUE, DASHED, DOTTED, GREEN, GREY, LABEL, LIMIT, ORANGE
+from ..plotting.figure_style import annotate, entitle, legend_below, new_figure
 from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed, of_machine, rotor_of
 from .linear_plots import grouped, plain_ticks, shade
@@ -102,8 +90,8 @@ class CriticalMap(Displayed, linear.CriticalMap):
         low, high = np.nanmin(self.speeds), np.nanmax(self.speeds)
         axes.set(xscale="log", yscale="log", ylim=(low * d.speed * 0.8, high * d.speed * 1.25))
         axes.set_xlim(stiffness[0], stiffness[-1])
-        for axis in (axes.xaxis, axes.yaxis):
-            plain_ticks(axis)
+        plain_ticks(axes.xaxis)
+        plain_ticks(axes.yaxis)
         axes.set_xlabel(f"Stiffness of every bearing [{d.stiffness_unit}]")
         what, unit = "natural frequency at standstill", d.frequency_unit
         if self.synchronous:

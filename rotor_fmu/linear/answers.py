@@ -21,32 +21,13 @@ from ..model import linear
 from ..model.linear.modes import FORWARD
 from ..model.one_thread import on_one_thread
 from ..operating_speeds import operating_speeds
-from ..plotting.figure_style import (
-    BLUE,
-    DASHED,
-    DOTTED,
-    GREY,
-    LIMIT,
-    ORANGE,
-    PURPLE,
-    broken_at_turns,
-    colors_of,
-    entitle,
-    legend_below,
-    new_figure,
-    new_panels,
-)
+from ..plotting.colors import BLUE, DASHED, DOTTED, GREY, LIMIT, ORANGE, PURPLE, colors_of
+from ..plotting.figure_style import broken_at_turns, entitle, legend_below, new_figure, new_panels
 from ..plotting.labels import write_labels
 from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
 from .linear_plots import FAINT, WHIRL_COLORS, curve, dotted, draw_whirling, shade
-from .linear_tables import (
-    clean_damping,
-    peaks,
-    shown_either_way,
-    state_in_words,
-    without_rounding,
-)
+from .linear_tables import clean_damping, peaks, shown_either_way, state_in_words, without_rounding
 from .mode_answers import Modes
 
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
@@ -122,13 +103,12 @@ class Campbell(Displayed, linear.Campbell):
         reach = max(_REACH * max(self.harmonics) * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
         above.set(ylim=(0, max(min(highest, reach), 1e-9)), xlim=(speed[0], speed[-1]))
         above.set_ylabel(current().frequency_label)
-        below.set_ylabel("Logarithmic decrement [1]")
+        below.set(xlabel=current().speed_label, ylabel="Logarithmic decrement [1]")
         finite = self.log_dec[np.isfinite(self.log_dec)]
         if len(finite) and np.abs(finite).max() < 1e-8:
             below.set_ylim(-1, 1)
         elif len(finite) and finite.max() > 3:
             below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
-        below.set_xlabel(current().speed_label)
         entitle(above, self.titled(f"Campbell diagram, contacts {self.contacts}"))
         words = [(shown_speed(c.speed), c.whirl == FORWARD) for c in self.critical]
         write_labels(above, [(*at, *word) for at, word in zip(places, words, strict=True)])
@@ -196,9 +176,8 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
         for node, color in zip(nodes, colors_of(len(nodes)), strict=True):
             at = node - 1
             label = f"node {node}"
-            above.plot(
-                speed, self.major[:, at] * scale, marker=mark, color=color, lw=1.8, label=label
-            )
+            major = self.major[:, at] * scale
+            above.plot(speed, major, marker=mark, color=color, lw=1.8, label=label)
             for x, dashes in ((self.x, DASHED), (self.y, DOTTED)):
                 above.plot(speed, np.abs(x[:, at]) * scale, color=color, lw=1.0, ls=dashes)
             for angle, dashes in ((self.phase_x, DASHED), (self.phase_y, DOTTED)):
@@ -211,11 +190,9 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
         above.legend(handles=handles, frameon=False, fontsize=8, loc="best")
         above.set_ylim(bottom=0)
         above.set_ylabel(f"Amplitude [{current().amplitude_unit}]")
-        below.set(ylabel="Phase to the mark [deg]", ylim=(-185, 185))
+        below.set(xlabel=current().speed_label, ylabel="Phase to the mark [deg]", ylim=(-185, 185))
         below.set_yticks([-180, -90, 0, 90, 180])
-        below.set_xlabel(current().speed_label)
-        title = f"Steady response to unbalance, contacts {self.contacts}"
-        entitle(above, self.titled(title))
+        entitle(above, self.titled(f"Steady response to unbalance, contacts {self.contacts}"))
         return figure
 
 

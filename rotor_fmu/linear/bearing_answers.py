@@ -12,7 +12,8 @@ from ..cells import five_digits
 from ..display import current, speed_with_unit
 from ..model import bearing_curves
 from ..model.bearing_curves.journal_bearing import ANGLES
-from ..plotting.figure_style import BLUE, ORANGE, PURPLE, empty_figure, entitle, new_panels, style
+from ..plotting.colors import BLUE, ORANGE, PURPLE
+from ..plotting.figure_style import empty_figure, entitle, new_panels, style
 from ..tables import Table
 from .bearing_columns import (
     coefficient_columns,

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 
 from ..display import current
 from ..model import bearing_curves
-from ..plotting.figure_style import colors_of, entitle
+from ..plotting.colors import colors_of
+from ..plotting.figure_style import entitle
 from .linear_tables import without_rounding
 
 _BESIDE = 4  # lines in a row of a legend

@@ -21,18 +21,8 @@ from ..model.machine.table_reader import make
 from ..model.one_thread import on_one_thread
 from ..model.parts.base import PortElement, ProbeElement
 from ..model.quantities import check_all
-from ..plotting.figure_style import (
-    DASHED,
-    DOTTED,
-    GREY,
-    LIMIT,
-    annotate,
-    colors_of,
-    entitle,
-    legend_below,
-    new_figure,
-    new_panels,
-)
+from ..plotting.colors import DASHED, DOTTED, GREY, LIMIT, colors_of
+from ..plotting.figure_style import annotate, entitle, legend_below, new_figure, new_panels
 from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed
 from .linear_plots import plain_ticks

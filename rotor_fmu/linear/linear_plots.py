@@ -12,7 +12,7 @@ from scipy.interpolate import BPoly
 
 from ..display import current
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR
-from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, SKY
+from ..plotting.colors import BLUE, GREEN, GREY, ORANGE, SKY
 
 _Item = TypeVar("_Item")
 DASHED = (0, (2, 2))  # of a line upon another one
@@ -96,12 +96,11 @@ def grouped(items: Iterable[_Item], is_alike: Callable[[_Item, _Item], bool]) ->
     """Return items in groups of those that are alike the first one of each."""
     groups = list[list[_Item]]()
     for item in items:
-        for group in groups:
-            if is_alike(item, group[0]):
-                group.append(item)
-                break
-        else:
+        alike = next((group for group in groups if is_alike(item, group[0])), None)
+        if alike is None:
             groups.append([item])
+        else:
+            alike.append(item)
     return groups
 
 

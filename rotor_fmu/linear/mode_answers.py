@@ -7,16 +7,8 @@ from matplotlib.figure import Figure
 
 from ..display import current, shown_speed
 from ..model import linear
-from ..plotting.figure_style import (
-    BLUE,
-    DASHED,
-    GREY,
-    ORANGE,
-    empty_figure,
-    entitle,
-    legend_below,
-    new_panels,
-)
+from ..plotting.colors import BLUE, DASHED, GREY, ORANGE
+from ..plotting.figure_style import empty_figure, entitle, legend_below, new_panels
 from ..tables import Table
 from .displayed import Displayed
 from .linear_plots import WHIRL_COLORS, curve, dotted, shapes_in_grid
@@ -84,9 +76,8 @@ class Modes(Displayed, linear.Modes):
                 bent = curve(self.z, (w * turn).real, (slope * turn).real, self.shear)
                 axes.plot(*bent, color=color, lw=1.6, ls=dashes, label=label)
                 at = dotted(len(w))
-                axes.plot(
-                    self.z[at] * current().length, (w[at] * turn).real, "o", color=color, ms=3
-                )
+                z = self.z[at] * current().length
+                axes.plot(z, (w[at] * turn).real, "o", color=color, ms=3)
             axes.margins(y=0.08)
             damping = f"damping {clean_damping(self.damping_ratio[i]):.2g}"
             entitle(axes, self.caption(i, damping), 9)

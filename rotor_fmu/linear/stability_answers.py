@@ -9,17 +9,8 @@ from matplotlib.figure import Figure
 from ..display import current, speed_with_unit
 from ..model import linear
 from ..model.linear.stability_levels import LEAST_LOG_DEC, LEAST_RATIO
-from ..plotting.figure_style import (
-    BLUE,
-    GREEN,
-    GREY,
-    LIMIT,
-    ORANGE,
-    PURPLE,
-    annotate,
-    entitle,
-    new_figure,
-)
+from ..plotting.colors import BLUE, GREEN, GREY, LIMIT, ORANGE, PURPLE
+from ..plotting.figure_style import annotate, entitle, new_figure
 from ..tables import Table
 from .displayed import Displayed, answer_of
 from .linear_tables import clean_damping
@@ -83,11 +74,9 @@ class StabilityLevel1(Displayed, linear.StabilityLevel1):
         if self.threshold is not None:
             at = self.threshold * d.stiffness
             axes.axvline(at, color=ORANGE, lw=1.3, ls=":", label="Q0, unstable above")
-        axes.set_xlim(*(self.stiffness[[0, -1]] * d.stiffness))
+        axes.set(xlim=over[[0, -1]], ylabel="Logarithmic decrement [1]")
         axes.set_xlabel(f"Cross-coupled stiffness at node {self.node} [{d.stiffness_unit}]")
-        axes.set_ylabel("Logarithmic decrement [1]")
-        title = f"Least of the forward modes at {speed_with_unit(self.speed)}"
-        entitle(axes, self.titled(title))
+        entitle(axes, self.titled(f"Least of the forward modes at {speed_with_unit(self.speed)}"))
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         return figure
 
@@ -129,8 +118,7 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         axes.margins(x=0.12)
         what = "Least logarithmic decrement of the forward modes [1]"
         axes.set_xlabel(f"{what}; dashed: {LEAST_LOG_DEC:g}")
-        title = f"Stability level 2 at {speed_with_unit(self.speed)}"
-        entitle(axes, self.titled(title))
+        entitle(axes, self.titled(f"Stability level 2 at {speed_with_unit(self.speed)}"))
         return figure
 
 

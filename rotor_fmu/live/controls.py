@@ -74,9 +74,8 @@ def groups(machine: Machine) -> list[dict[str, Any]]:
         if v.causality == "input":
             slider = _linear(-weight, weight) if v.unit == "N" else _linear(-10.0, 10.0)
         group = found.setdefault(title, {"title": title, "controls": []})
-        group["controls"].append(
-            _control(v, reference) | {"slider": slider, "usual": quantity in _USUAL}
-        )
+        control = _control(v, reference) | {"slider": slider, "usual": quantity in _USUAL}
+        group["controls"].append(control)
     return list(found.values())
 
 

@@ -31,24 +31,15 @@ def schema() -> dict[str, Any]:
         if table.name == "material":
             one = {**one, "additionalProperties": one, "required": []}
         properties[table.name] = {"type": "array", "items": one} if table.is_list else one
-    return {
-        "$schema": _DRAFT,
-        "title": "A machine of rotor-fmu",
-        "type": "object",
-        "properties": properties,
-        "additionalProperties": False,
-    }
+    head = {"$schema": _DRAFT, "title": "A machine of rotor-fmu", "type": "object"}
+    return head | {"properties": properties, "additionalProperties": False}
 
 
 def _object(table: Table) -> dict[str, Any]:
     needed = [key.name for key in table.keys if key.is_needed and key.name != "node"]
-    result: dict[str, Any] = {
-        "type": "object",
-        "description": table.text,
-        "properties": _properties(table) | _units_of(table),
-        "required": needed,
-        "additionalProperties": False,
-    }
+    properties = _properties(table) | _units_of(table)
+    result: dict[str, Any] = {"type": "object", "description": table.text, "properties": properties}
+    result |= {"required": needed, "additionalProperties": False}
     if any(key.name == "node" for key in table.keys):
         result["oneOf"] = [{"required": ["node"]}, {"required": ["z"]}]
     return result

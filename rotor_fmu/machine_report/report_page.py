@@ -90,10 +90,9 @@ def machine_report(
     diagram = answers.campbell(rotor, speeds)
     over_stiffness = acceptance.critical_map(rotor)
     curve = np.linspace(first, top, SPEEDS)
-    response = answers.response_with_peaks(
-        rotor, curve, nodes=options.probes or (), unbalances=unbalances
-    )
-    probes = list(options.probes or response.nodes())
+    nodes = options.probes or ()
+    response = answers.response_with_peaks(rotor, curve, nodes=nodes, unbalances=unbalances)
+    probes = list(nodes or response.nodes())
     check = acceptance.unbalance_check(
         rotor, low, high, probes, unbalances=unbalances, clearances=options.clearances
     )
@@ -140,18 +139,10 @@ def machine_report(
         scripts=("modes.js",),
         with_charts=False,
     )
-    data = {
-        "machine": numbers(listed),
-        "static": numbers(at_rest),
-        "modes": numbers(at_speed),
-        "campbell": numbers(diagram),
-        "critical_map": numbers(over_stiffness),
-        "response": numbers(response),
-        "unbalance": numbers(check),
-        "stability_level_1": numbers(level_1),
-        "stability_level_2": numbers(level_2),
-        "contact": numbers(rub),
-    }
+    said = {"machine": listed, "static": at_rest, "modes": at_speed, "campbell": diagram}
+    said |= {"critical_map": over_stiffness, "response": response, "unbalance": check}
+    said |= {"stability_level_1": level_1, "stability_level_2": level_2, "contact": rub}
+    data = {name: numbers(answer) for name, answer in said.items()}
     return Report(html, data | {"conclusions": [c.text for c in conclusions]}, conclusions)
 
 

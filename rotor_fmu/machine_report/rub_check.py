@@ -32,6 +32,7 @@ from ..model.structure.reduction_offer import reduction_offer
 from ..run_status import has_failed, on_numbers
 from ..runs.measuring_points import last_of_the_largest
 
+_OverSpeed = Callable[[float], Any]
 _TURNS = 1200.0  # of a run up or down
 _SETTLING = 60.0  # turns at the first speed, before the run begins
 _FIRST = 0.1  # of the highest speed: where a run begins
@@ -226,11 +227,7 @@ def _across(gap: Gap, scale: float, of: Callable[[float], np.ndarray], speed: fl
 
 
 def _closing(
-    gap: Gap,
-    rest: Callable[[float], Any],
-    motion: Callable[[float], Any],
-    speeds: np.ndarray,
-    is_open: bool,
+    gap: Gap, rest: _OverSpeed, motion: _OverSpeed, speeds: np.ndarray, is_open: bool
 ) -> Closing | None:
     """Return where a motion closes a gap, if it does; rest, motion: of its ends against each other,
     x + i y and complex amplitudes of x and y, at a speed [m]; is_open: whether nothing in the gap

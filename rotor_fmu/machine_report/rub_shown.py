@@ -2,11 +2,13 @@
 
 import math
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from ..display import current
 from ..linear.linear_plots import shade
-from ..plotting.figure_style import BLUE, DASHED, GREEN, GREY, ORANGE, entitle, new_figure
+from ..plotting.colors import BLUE, DASHED, GREEN, GREY, ORANGE
+from ..plotting.figure_style import entitle, new_figure
 from ..tables import Table
 from .rub_check import RubCheck
 
@@ -16,20 +18,10 @@ _HIGHEST = 3.0  # of the largest amplitude in the runs: more of the linear one i
 def closings_table(rub: RubCheck) -> Table:
     """Return a table with one row for each clearance that the linear response closes."""
     d = current()
-    small, unit = d.small, d.small_word
-    quantities = (f"{name} [{unit}]" for name in ("clearance", "sag", "amplitude"))
+    quantities = (f"{name} [{d.small_word}]" for name in ("clearance", "sag", "amplitude"))
     heads = ("contact", *quantities, "closed from", "to")
-    rows = [
-        (
-            c.name,
-            c.clearance * small,
-            c.sag * small,
-            c.amplitude * small,
-            c.begin * d.speed,
-            c.end * d.speed,
-        )
-        for c in rub.closings
-    ]
+    factors = np.array([d.small] * 3 + [d.speed] * 2)
+    rows = [(name, *(factors * numbers).tolist()) for name, *numbers in rub.closings]
     title = f"Clearances that the linear response closes [{d.speed_unit}]"
     if all(math.isnan(c.begin) for c in rub.closings):
         title = "Contacts that hold the machine: its linear response takes them as closed"
@@ -39,31 +31,19 @@ def closings_table(rub: RubCheck) -> Table:
 def runs_table(rub: RubCheck) -> Table:
     """Return a table with one row for each contact of each run."""
     d = current()
-    heads = (
-        *("run", "contact", f"first touch [{d.speed_unit}]", "last touch", "touches [%]"),
-        *(
-            "in the range [%]",
-            "turns of the range [%]",
-            f"largest force [{d.force_unit}]",
-            "status",
-        ),
+    seen = [(run, contact) for run in rub.runs for contact in run.contacts]
+    columns = (
+        ("run", [run.direction for run, _ in seen]),
+        ("contact", [c.name for _, c in seen]),
+        (f"first touch [{d.speed_unit}]", [c.first * d.speed for _, c in seen]),
+        ("last touch", [c.last * d.speed for _, c in seen]),
+        ("touches [%]", [100 * c.share for _, c in seen]),
+        ("in the range [%]", [100 * c.share_in_range for _, c in seen]),
+        ("turns of the range [%]", [100 * c.turns_in_range for _, c in seen]),
+        (f"largest force [{d.force_unit}]", [c.force * d.force for _, c in seen]),
+        ("status", [run.status for run, _ in seen]),
     )
-    rows = [
-        (
-            run.direction,
-            c.name,
-            c.first * d.speed,
-            c.last * d.speed,
-            100 * c.share,
-            100 * c.share_in_range,
-            100 * c.turns_in_range,
-            c.force * d.force,
-            run.status,
-        )
-        for run in rub.runs
-        for c in run.contacts
-    ]
-    return Table("Runs with contacts", heads, rows)
+    return Table.of("Runs with contacts", columns)
 
 
 def rub_figure(rub: RubCheck) -> Figure:

@@ -94,9 +94,8 @@ def _panels(
     points = np.array([data[a.name].values for a in rest]).reshape(len(rest), data.sizes["run"]).T
     groups = np.unique(points, axis=0)
     if len(groups) > _MOST_PANELS:
-        say(
-            f"{len(groups)} combinations of {', '.join(a.name for a in rest)}: {_MOST_PANELS} drawn"
-        )
+        names = ", ".join(a.name for a in rest)
+        say(f"{len(groups)} combinations of {names}: {_MOST_PANELS} drawn")
         groups = groups[np.linspace(0, len(groups) - 1, _MOST_PANELS).astype(int)]
     result: dict[str, list[Panel]] = {}
     for group in groups:
@@ -188,23 +187,16 @@ def _figure(metric: Metric, shown: Shown, axis: Axis | None, panels: list[Panel]
 
 def _draw(metric: Metric, shown: Shown, unit: str, panel: Panel, ax: "Axes") -> None:
     """Draw a panel; shown: how its section is shown; unit: the SI unit of its parameter."""
-    from ..plotting.figure_style import BLUE, GREY, ORANGE
+    from ..plotting.colors import BLUE, GREY, ORANGE
 
     across = current().of_si(unit).factor
     for falls, color, text in ((False, BLUE, "rising"), (True, ORANGE, "falling")):
         mine = panel.falls == falls
         if mine.any():
             label = text if panel.falls.any() else "once a turn"
-            ax.plot(
-                panel.parameter[mine] * across,
-                panel.section[mine] * shown.factor,
-                "x" if falls else ".",
-                color=color,
-                ms=3,
-                mew=0.6,
-                zorder=2,
-                label=label,
-            )
+            points = panel.parameter[mine] * across, panel.section[mine] * shown.factor
+            mark = "x" if falls else "."
+            ax.plot(*points, mark, color=color, ms=3, mew=0.6, zorder=2, label=label)
     place, _, side = metric.of.rpartition(".")
     response = panel.response
     if response is not None and place in response.probes and side in "xy":

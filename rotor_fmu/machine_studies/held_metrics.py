@@ -12,10 +12,10 @@ from .run_kinds import CONSTANT, STEPS
 KINDS: dict[str, MetricKind] = {}
 _kind = partial(declared, KINDS)
 _LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
-_ANY_LEVEL = (CONSTANT.name, STEPS.name)
+_LEVELS = (CONSTANT.name, STEPS.name)
 
 
-def _turn_axis(metric: Metric, how: Excitation) -> ListAxis:
+def _turns(metric: Metric, how: Excitation) -> ListAxis:
     return ListAxis("turn")
 
 
@@ -24,10 +24,7 @@ def _spread(metric: Metric, window: Window) -> float:
 
 
 @_kind(
-    "value once a turn, at the keyphasor's mark of {of}",
-    axis=_turn_axis,
-    least=_spread,
-    held=_ANY_LEVEL,
+    "value once a turn, at the keyphasor's mark of {of}", axis=_turns, least=_spread, held=_LEVELS
 )
 def _poincare(metric: Metric, window: Window) -> np.ndarray:
     return window.turns.quantity(metric.of)[window.per_turn - 1 :: window.per_turn]
@@ -54,7 +51,7 @@ def _check_order(metric: Metric, how: Excitation) -> None:
     "order",
     check=_check_order,
     least=_spread,
-    held=_ANY_LEVEL,
+    held=_LEVELS,
 )
 def _order(metric: Metric, window: Window) -> float:
     """Return twice the modulus of the mean of x exp(-i order phi), over whole turns."""
@@ -81,7 +78,7 @@ def _turns_per_second(metric: Metric, window: Window) -> float:
     check=_check_lyapunov,
     least=_turns_per_second,
     outputs=None,
-    held=_ANY_LEVEL,
+    held=_LEVELS,
 )
 def _lyapunov(metric: Metric, window: Window) -> float:
     return window.exponent

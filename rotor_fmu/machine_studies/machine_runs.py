@@ -169,9 +169,8 @@ class MachineRuns:
             how, simulation = self._prepared(values, messages, self.samples(False))
             settings = simulation.settings
             has_exponent = any(metric.kind.name == "lyapunov" for metric in self.metrics)
-            monitor = Monitor(
-                simulation, self.samples(False), self.samples(True), has_exponent=has_exponent
-            )
+            samples = self.samples(False), self.samples(True)
+            monitor = Monitor(simulation, *samples, has_exponent=has_exponent)
             windows = list(excite(simulation, how, monitor))
         except (InputError, StepFailure) as error:
             return Result(f"{FAILED}{error}", {}), settings, {}

@@ -109,21 +109,12 @@ MOTOR = {
     "stop": STOP,
     "step": Number("s", 2e-3, "interval between two commands to the motor", POSITIVE),
 }
-CONSTANT = RunKind(
-    "constant", {"speed": Number("rad/s", None, "speed")} | _MEASURED, holds_speeds=True
-)
+_SPEED = {"speed": Number("rad/s", None, "speed")}
+CONSTANT = RunKind("constant", _SPEED | _MEASURED, holds_speeds=True)
 STEPS = RunKind("steps", _STEPS | _MEASURED, holds_speeds=True)
+DOWN, UP = RunKind("run-down", _DOWN), RunKind("run-up", _UP)
 UP_AND_DOWN = RunKind("up-and-down", _UP)
 DROP = RunKind("drop", _DROP, is_free=True)
 BY_MOTOR = RunKind("motor", MOTOR, is_free=True)
 SIGNALS = RunKind("signals", {"stop": STOP, "step": _STEP})
-IN_TIME = (
-    RunKind("run-down", _DOWN),
-    RunKind("run-up", _UP),
-    UP_AND_DOWN,
-    CONSTANT,
-    STEPS,
-    SIGNALS,
-    DROP,
-    BY_MOTOR,
-)
+IN_TIME = (DOWN, UP, UP_AND_DOWN, CONSTANT, STEPS, SIGNALS, DROP, BY_MOTOR)

@@ -121,9 +121,8 @@ class ResponseCurves:
         point = points[i]
         t = 2 * math.pi / abs(point.orbit.omega) * np.arange(samples) / samples
         places = {name: self.series(point, name, samples) for name in self.probes}
-        return OrbitSeries(
-            t, {n: s[0] for n, s in places.items()}, {n: s[1] for n, s in places.items()}
-        )
+        x, y = ({name: both[k] for name, both in places.items()} for k in (0, 1))
+        return OrbitSeries(t, x, y)
 
     def section(self, name: str, side: str) -> list[SectionLine]:
         """x or y (side) of a place [m] each time the keyphasor's mark passes, along the branches:
@@ -154,14 +153,8 @@ class ResponseCurves:
         is_once = not self.is_whirl and len(X) > point.orbit.turns
         once = X[point.orbit.turns] if is_once else np.zeros(2, complex)
         phase = np.full(2, np.nan) if self.is_whirl else np.angle(once)
-        values = (
-            np.hypot(x - mean[0], y - mean[1]).max(),
-            np.ptp(x) / 2,
-            np.ptp(y) / 2,
-            *np.abs(once),
-            *phase,
-            *mean,
-        )
+        sizes = np.hypot(x - mean[0], y - mean[1]).max(), np.ptp(x) / 2, np.ptp(y) / 2
+        values = (*sizes, *np.abs(once), *phase, *mean)
         return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}
 
     def series(

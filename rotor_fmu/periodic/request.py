@@ -9,16 +9,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from ..display import current
-from ..errors import (
-    InputError,
-    check_integer,
-    mapped,
-    meant,
-    number,
-    numbers,
-    shown_value,
-    switch,
-)
+from ..errors import InputError, check_integer, mapped, meant, number, numbers, shown_value, switch
 from ..fmi.interface import ports
 from ..linear.displayed import rotor_of
 from ..model.machine.rotor import Rotor

@@ -12,7 +12,8 @@ from ..linear.linear_plots import grouped, titled
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS, UNFINISHED
 from ..model.periodic.continuation import LOST
 from ..model.periodic.folds import FoldCurve
-from ..plotting.figure_style import BLUE, DASHED, GREY, colors_of, entitle, new_figure
+from ..plotting.colors import BLUE, DASHED, GREY, colors_of
+from ..plotting.figure_style import entitle, new_figure
 from .curves import ResponseCurves
 from .vertices import pieces
 

@@ -24,19 +24,9 @@ from ..model.periodic.problem import Note
 from ..model.periodic.tracer import TracedPoint, TracerState
 
 FILE, LOCK = "points.jsonl", "points.lock"
+_OF_CURVES = (Orbit, CurvePoint, TracerState, Solution, Bifurcation, TracedPoint)
 _KINDS: Mapping[str, Callable[..., Any]] = {
-    kind.__name__: kind
-    for kind in (
-        Orbit,
-        CurvePoint,
-        TracerState,
-        Solution,
-        Bifurcation,
-        TracedPoint,
-        BranchStart,
-        StartEvent,
-        EndEvent,
-    )
+    kind.__name__: kind for kind in (*_OF_CURVES, BranchStart, StartEvent, EndEvent)
 }
 
 
@@ -52,34 +42,30 @@ def saved_log(folder: Path, toml: str, options: Mapping[str, Any]) -> Iterator[S
     """The event log of a response in a folder; one of another machine, options or version is begun
     anew. A line that an earlier call did not finish is dropped. Raises `InputError` while another
     call writes one there; an `OSError`, as of a full disk, has the file's name."""
-    with only_call(folder / LOCK), _log(folder / FILE, toml, options) as saved:
-        yield saved
-
-
-@contextmanager
-def _log(path: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
+    path = folder / FILE
     given = json.dumps([__version__, toml, options], sort_keys=True, default=str)
     head = json.dumps({"response": sha256(given.encode()).hexdigest()})
     events: list[Event] = []
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
-    whole = [head + "\n"]
-    if lines and lines[0] == whole[0]:
-        for line in lines[1:]:
-            try:
-                events.append(_decoded(json.loads(line)))
-            except (ValueError, KeyError, TypeError):
-                break
-            whole.append(line)
-    with named(path), path.open("w", encoding="utf-8") as file:
-        file.writelines(whole)
-        file.flush()
-
-        def write(event: Event) -> None:
-            file.write(json.dumps(_encoded(event)) + "\n")
+    with only_call(folder / LOCK), named(path):
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
+        whole = [head + "\n"]
+        if lines and lines[0] == whole[0]:
+            for line in lines[1:]:
+                try:
+                    events.append(_decoded(json.loads(line)))
+                except (ValueError, KeyError, TypeError):
+                    break
+                whole.append(line)
+        with path.open("w", encoding="utf-8") as file:
+            file.writelines(whole)
             file.flush()
 
-        before = sum(isinstance(event, TracedPoint) for event in events)
-        yield Saved(EventLog(events, write), before)
+            def write(event: Event) -> None:
+                file.write(json.dumps(_encoded(event)) + "\n")
+                file.flush()
+
+            before = sum(isinstance(event, TracedPoint) for event in events)
+            yield Saved(EventLog(events, write), before)
 
 
 def _encoded(thing: Any) -> Any:

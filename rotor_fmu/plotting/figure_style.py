@@ -8,14 +8,12 @@ from textwrap import fill
 from typing import Any, BinaryIO
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cbook import is_math_text
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, fontManager
 from matplotlib.ft2font import FT2Font
@@ -24,24 +22,11 @@ from matplotlib.ticker import AutoLocator
 
 from ..files import unfinished
 
-BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe and Ito
-LABEL = "#555555"  # of words in a picture
-PURPLE, SKY, BLACK = "#cc79a7", "#56b4e9", "#000000"
-COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", SKY, BLACK, GREY)
-_SCALE = "viridis"  # of the colours of more lines than these
 # Widths of a number at an axis, of its digits and of the gap to the next, in sizes of its letters.
 _ASSUMED, _DIGIT, _BETWEEN = 3.0, 0.64, 0.6  # the first one is Matplotlib's
 _TITLE = 10.0  # size of a title [pt]
 _WRITTEN = 0.85  # of the width of a picture, in the lines of a title
 _BOXES = "Last Resort High-Efficiency"  # which Matplotlib takes last: it draws kinds of letters
-DASHED, DOTTED, LIMIT = (0, (4, 2)), (0, (1, 1.5)), (0, (4, 3))  # of lines
-
-
-def colors_of(count: int) -> Sequence[str]:
-    """Return the colours of so many lines, each another one."""
-    if count <= len(COLORS):
-        return COLORS[:count]
-    return [to_hex(color) for color in colormaps[_SCALE](np.linspace(0, 1, count))]
 
 
 class PlainFigure(Figure):

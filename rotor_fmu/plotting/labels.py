@@ -10,7 +10,8 @@ from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Bbox
 
-from .figure_style import GREY, PlainFigure
+from .colors import GREY
+from .figure_style import PlainFigure, annotate
 
 _SIZE = 8.0  # of the font [pt]
 _MARK = 3.0  # half a point's mark [pt]
@@ -40,7 +41,7 @@ def write_labels(
     room = _scaled(axes.get_window_extent(), to_points)
     places = [axes.transData.transform((x, y)) * to_points for x, y, *_ in (*labels, *marks)]
     taken += [Bbox.from_bounds(x - _MARK, y - _MARK, 2 * _MARK, 2 * _MARK) for x, y in places]
-    scale = Affine2D().scale(to_points)
+    scale, halo = Affine2D().scale(to_points), [withStroke(linewidth=2.5, foreground="white")]
     paths = [(of.get_transform() + scale).transform_path(of.get_path()) for of in curves]
     for (x, y, text, is_right), place in zip(labels, places, strict=False):
         width, height = _size_of(axes, text) * to_points
@@ -50,16 +51,10 @@ def write_labels(
         ]
         far, box = next((each for each in boxes if _is_free(each[1], taken, paths, room)), boxes[0])
         taken.append(box)
-        axes.annotate(
-            text,
-            (x, y),
-            xytext=(box.x0 - place[0], box.y0 - place[1]),
-            textcoords="offset points",
-            fontsize=_SIZE,
-            va="bottom",
-            path_effects=[withStroke(linewidth=2.5, foreground="white")],
-            arrowprops={"arrowstyle": "-", "color": GREY, "lw": 0.6} if far else None,
-        )
+        aside = box.x0 - place[0], box.y0 - place[1]
+        line = {"arrowstyle": "-", "color": GREY, "lw": 0.6} if far else None
+        look = {"fontsize": _SIZE, "va": "bottom", "path_effects": halo, "arrowprops": line}
+        annotate(axes, text, (x, y), aside, **look)
 
 
 def _size_of(axes: Axes, text: str) -> np.ndarray:

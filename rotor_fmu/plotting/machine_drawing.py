@@ -11,7 +11,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from ..display import current
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Shape
-from .figure_style import LABEL, empty_figure, entitle
+from .colors import LABEL
+from .figure_style import empty_figure, entitle
 from .notebook import png
 
 _LINE = 0.035  # height of a line of names, of the machine's size
@@ -19,6 +20,7 @@ _MOST_NUMBERS = 250  # of nodes
 _STEPS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
 _MOST_EDGES = 100  # of elements, beyond which thinner ones leave the shaft grey
 _LAYER = "#dddddd"
+_Dashes = str | tuple[int, tuple[int, int]]
 _SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
 
 
@@ -54,14 +56,8 @@ def machine_figure(rotor: Rotor) -> Figure:
     for z, name, row in rows:
         _label(axes, z, low, low - line * (1 + row), name, 8)
     deepest = max(row for _, _, row in rows)
-    axes.annotate(
-        "node",
-        (rotor.nodes[0] - 1.2 * line, low - line),
-        ha="right",
-        va="center",
-        fontsize=8,
-        color=LABEL,
-    )
+    place = rotor.nodes[0] - 1.2 * line, low - line
+    axes.annotate("node", place, ha="right", va="center", fontsize=8, color=LABEL)
     axes.update_datalim([(rotor.nodes[0] - 3 * line, low - line * (2 + deepest))])
     drawn = axes.dataLim
     figure.set_figheight(min(8.0, max(2.8, 9.0 * drawn.height / drawn.width + 1.2)))
@@ -101,15 +97,9 @@ class _RoundIn(MaxNLocator):
 def _label(axes: Axes, z: float, edge: float, height: float, text: str, size: int) -> None:
     """A name on a thin line that leads to its node."""
     axes.plot([z, z], [edge, height], color=LABEL, lw=0.5)
-    above = height > edge
-    axes.annotate(
-        text,
-        (z, height),
-        ha="center",
-        va="bottom" if above else "top",
-        fontsize=size,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
-    )
+    box = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
+    side = "bottom" if height > edge else "top"
+    axes.annotate(text, (z, height), ha="center", va=side, fontsize=size, bbox=box)
 
 
 def _rows(labels: list[tuple[float, str]], width: float) -> list[tuple[float, str, int]]:
@@ -164,10 +154,8 @@ def _tube(
 
 def _radius(rotor: Rotor, node: int) -> float:
     """Return the larger radius of the shaft on both sides of a node (from 1) [m]."""
-    left, right = (
-        rotor.sections[max(node - 2, 0)],
-        rotor.sections[min(node, len(rotor.nodes) - 1) - 1],
-    )
+    left = rotor.sections[max(node - 2, 0)]
+    right = rotor.sections[min(node, len(rotor.nodes) - 1) - 1]
     return max(left.outer_right, right.outer_left) / 2
 
 
@@ -202,14 +190,7 @@ def _pedestal(axes: Axes, z: float, shape: Shape, size: float, length: float) ->
     _ground(axes, z, top + high, size, width, _SPRING)
 
 
-def _ground(
-    axes: Axes,
-    z: float,
-    high: float,
-    size: float,
-    width: float,
-    line: str | tuple[int, tuple[int, int]],
-) -> None:
+def _ground(axes: Axes, z: float, high: float, size: float, width: float, line: _Dashes) -> None:
     """Draw the connection to ground: springs dashed."""
     low = max(size, high + 0.1 * size)
     axes.plot([z, z], [-low, -high], color="black", lw=1.0, ls=line)
@@ -225,9 +206,8 @@ def _force(axes: Axes, z: float, shape: Shape, size: float, length: float) -> No
 
 def _gauge(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
     radius = 0.006 * length
-    axes.add_patch(
-        Circle((z, shape.outer + 1.5 * radius), radius, facecolor="white", edgecolor=_PORT)
-    )
+    middle = z, shape.outer + 1.5 * radius
+    axes.add_patch(Circle(middle, radius, facecolor="white", edgecolor=_PORT))
 
 
 _SPRING = (0, (2, 1))

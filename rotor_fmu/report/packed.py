@@ -50,6 +50,5 @@ def packed(values: np.ndarray, bits: int = FINE) -> dict[str, Any]:
 
 
 def _planes(counts: np.ndarray, bits: int) -> bytes:
-    return b"".join(
-        (counts >> np.uint32(shift)).astype(np.uint8).tobytes() for shift in range(0, bits, 8)
-    )
+    shifted = (counts >> np.uint32(shift) for shift in range(0, bits, 8))
+    return b"".join(each.astype(np.uint8).tobytes() for each in shifted)

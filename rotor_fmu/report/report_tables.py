@@ -35,8 +35,10 @@ def notices(run: Recording, why: str | None, shown: int) -> str:
     places in the pictures, none where there are none and `why` says so."""
     said = []
     if has_failed(run.status):
-        reason = run.status.removeprefix(FAILED)
-        said.append(f"{run.name} stopped before its end. It came to {_reached(run)}: {reason}")
+        reason, reached = run.status.removeprefix(FAILED), "no step"
+        if len(run.t):
+            reached = f"t = {run.t[-1]:.4g} s at {_speed(run, -1)} {current().speed_unit}"
+        said.append(f"{run.name} stopped before its end. It came to {reached}: {reason}")
     elif run.status != OK:
         said.append(f"{run.name} is {run.status}")
     for message in dict.fromkeys(map(str, run.about.get("messages", ()))):
@@ -60,12 +62,6 @@ def notices_html(said: Iterable[object]) -> str:
 def notice_html(text: object, mark: str = "") -> str:
     """Return a notice as HTML; mark: a further class that `page.css` has."""
     return f'<p class="{f"notice {mark}".strip()}">{escape(str(text))}</p>'
-
-
-def _reached(run: Recording) -> str:
-    if not len(run.t):
-        return "no step"
-    return f"t = {run.t[-1]:.4g} s at {_speed(run, -1)} {current().speed_unit}"
 
 
 def _speed(run: Recording, at: int) -> str:

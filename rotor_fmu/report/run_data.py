@@ -69,14 +69,10 @@ def _turns(run: Recording) -> dict[str, Any]:
     sinks = run.sinks
     t, speed, powers = vibration.power_by_sink(run.t, run.phi, sinks)
     rows = _thin(len(t))
-    power = {
-        "hz": packed(speed[rows] / TURN),
-        "t": packed(t[rows]),
-        "sinks": [
-            {"label": s, "total": float(sinks[s][-1]), "p": packed(taken[rows])}
-            for s, taken in powers.items()
-        ],
-    }
+    power: dict[str, Any] = {"hz": packed(speed[rows] / TURN), "t": packed(t[rows])}
+    power["sinks"] = [
+        {"label": s, "total": float(sinks[s][-1]), "p": packed(p[rows])} for s, p in powers.items()
+    ]
     return result | {"touches": contacts, "power": power, "force": d.force_unit}
 
 
@@ -107,16 +103,13 @@ def _shared(seen: _Evaluated) -> dict[str, Any]:
     signal, block, track, cascade, whirl = seen
     rows = _thin(len(track.t))
     speed = cascade.speed / TURN
+    stations = {"t": cascade.t.tolist(), "hz": speed.tolist(), "passage": cascade.passage.tolist()}
     turns = _thin_turns(len(signal.values))
     blocks = _thin(len(whirl.t))
     whirls = {"t": packed(whirl.t[blocks]), "hz": packed(whirl.speed[blocks] / TURN)}
     return {
         "track": {"t": packed(track.t[rows]), "hz": packed(track.speed[rows] / TURN)},
-        "stations": {
-            "t": cascade.t.tolist(),
-            "hz": speed.tolist(),
-            "passage": cascade.passage.tolist(),
-        },
+        "stations": stations,
         "isOneWay": cascade.is_one_way,
         "isConstant": is_constant(speed),
         "orders": cascade.order.tolist(),
@@ -180,13 +173,8 @@ def signal_data(run: Recording, room: int = ROOM) -> dict[str, Any]:
     in_full = min(len(entries), max(room // max(len(run.t), 1) - 1, 0))
     signals = []
     for i, (name, unit, values) in enumerate(entries):
-        entry: dict[str, Any] = {
-            "name": name,
-            "label": display_name(name),
-            "unit": unit,
-            "t": None,
-            "every": 1,
-        }
+        entry: dict[str, Any] = {"name": name, "label": display_name(name), "unit": unit}
+        entry |= {"t": None, "every": 1}
         if i >= in_full and len(values) > 2 * _STRETCHES:
             retained = extremes(values, _STRETCHES)
             entry["t"], values = packed(run.t[retained]), values[retained]
@@ -200,9 +188,7 @@ def _entries(run: Recording) -> list[tuple[str, str, np.ndarray]]:
     """Return the names, units and values in the units that are shown, of the places that move most,
     as many as there is room for, and of all that is none."""
     d, result = current(), list[tuple[str, str, np.ndarray]]()
-    others = [
-        (f"{contact.name}.fn", d.force_unit, contact.fn * d.force) for contact in run.contacts
-    ]
+    others = [(f"{c.name}.fn", d.force_unit, c.fn * d.force) for c in run.contacts]
     if "tau" in run.columns:
         others.append(("tau", d.torque_unit, run.columns["tau"] * d.torque))
     others.append(("w", d.speed_unit, run.w * d.speed))

@@ -126,10 +126,9 @@ def head(title: str, css: str, policy: str = "") -> str:
 def _bokeh() -> Sequence[str]:
     resources = optional("bokeh.resources", "report", "a page of a run")
     # the third is what Bokeh's own Python pages set up
-    scripts: list[str] = resources.Resources(
-        mode="inline", components=["bokeh", "bokeh-api"]
-    ).js_raw
-    return scripts[:2]
+    inline = resources.Resources(mode="inline", components=["bokeh", "bokeh-api"])
+    scripts: list[str] = inline.js_raw[:2]
+    return scripts
 
 
 def template(name: str, package: str = __package__) -> Template:

@@ -104,9 +104,8 @@ def _curves(
         across, unit = _shown_in("1" if is_counted else column["coordinate_unit"])
         head: dict[str, Any] = _head(column)
         head |= {"dimension": column["dimension"], "coordinate_unit": unit}
-        head["coordinate"] = [
-            across * at for at in column["coordinate"] or range(1, values.shape[1] + 1)
-        ]
+        places = column["coordinate"] or range(1, values.shape[1] + 1)
+        head["coordinate"] = [across * at for at in places]
         scale = _shown_in(column["unit"]).factor
         result.append(head | {"values": packed(scale * values, COARSE)})
     return result

@@ -12,16 +12,8 @@ from matplotlib.figure import Figure
 
 from .. import vibration
 from ..display import current, shown_speed, speed_with_unit
-from ..plotting.figure_style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    entitle,
-    legend_below,
-    new_figure,
-    new_panels,
-    save,
-)
+from ..plotting.colors import BLUE, GREY, ORANGE
+from ..plotting.figure_style import entitle, legend_below, new_figure, new_panels, save
 from ..plotting.thinning import extremes
 from ..runs.measuring_points import display_name
 from ..runs.peaks import is_constant, peak_index, start_up
@@ -95,14 +87,9 @@ def journal_angle(recording: Recording, caption: str) -> Figure:
     if per_turn >= FINE and not is_constant(recording.w):
         shown = vibration.time_share(recording.t, recording.w, z)
         angles = np.degrees(shown.angle)
-        image = axes.pcolormesh(
-            shown.speed * current().speed,
-            angles,
-            100 * shown.share.T,
-            cmap="Blues",
-            norm=PowerNorm(0.4, 0, 25),
-            rasterized=True,
-        )
+        speed, share = shown.speed * current().speed, 100 * shown.share.T
+        scale = PowerNorm(0.4, 0, 25)
+        image = axes.pcolormesh(speed, angles, share, cmap="Blues", norm=scale, rasterized=True)
         bar = figure.colorbar(image, ax=axes, extend="max")
         bar.set_label(f"share of the time within {angles[1]:.0f}° [%]")
         with suppress(vibration.TooFewTurns):  # a part of a turn has no mark

@@ -10,15 +10,8 @@ from matplotlib.figure import Figure
 
 from .. import vibration
 from ..display import current, shown_speed
+from ..plotting.colors import BLACK, BLUE, COLORS, DASHED, GREEN, GREY, ORANGE, PURPLE
 from ..plotting.figure_style import (
-    BLACK,
-    BLUE,
-    COLORS,
-    DASHED,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
     annotate,
     broken_at_turns,
     empty_figure,
@@ -27,14 +20,7 @@ from ..plotting.figure_style import (
 )
 from ..plotting.labels import write_labels
 from ..runs.measuring_points import ContactSignals
-from .view import (
-    View,
-    angle_axis,
-    broken_at_reversals,
-    displacement_axes,
-    two_over_speed,
-    widened,
-)
+from .view import View, angle_axis, broken_at_reversals, displacement_axes, two_over_speed, widened
 
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
 _ORBIT_TURNS, _WHIRL_TURNS = 4, 16
@@ -181,20 +167,14 @@ def cascade(view: View) -> Figure:
     amplitude = np.nan_to_num(result.amplitude) * view.shown.amplitude
     # small lines are seen beside large ones on the root's scale
     norm = PowerNorm(0.4, 0, max(float(amplitude.max(initial=0)), 1e-9))
+    look: dict[str, Any] = {"cmap": "cividis", "norm": norm, "shading": "gouraud"}
     shades = None
     for number in np.unique(result.passage):
         # nothing is drawn over a rest or a reversal
         rows = np.flatnonzero(result.passage == number)
         if len(rows) > 1:
-            shades = axes.pcolormesh(
-                across[rows],
-                np.broadcast_to(down[rows, None], across[rows].shape),
-                amplitude[rows],
-                cmap="cividis",
-                norm=norm,
-                shading="gouraud",
-                rasterized=True,
-            )
+            x_y = across[rows], np.broadcast_to(down[rows, None], across[rows].shape)
+            shades = axes.pcolormesh(*x_y, amplitude[rows], rasterized=True, **look)
     if shades is None:
         raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; needed: 17")
     once = np.abs(_speed(result.speed))
@@ -222,10 +202,8 @@ def poincare(view: View) -> Figure:
     """Draw the points of the Poincare section, coloured by the speed, with the clearance."""
     figure, axes = new_figure(6.0, 5.2)
     result = vibration.poincare(*view.signal)
-    points = result.points * current().small
-    shown = axes.scatter(
-        points.real, points.imag, c=_speed(result.speed), s=6, cmap="cividis", lw=0
-    )
+    x_y, speed = result.points * current().small, _speed(result.speed)
+    shown = axes.scatter(x_y.real, x_y.imag, c=speed, s=6, cmap="cividis", lw=0)
     shown.set_clim(widened(shown.get_clim()))
     figure.colorbar(shown, ax=axes, label=current().speed_label)
     displacement_axes(axes, view.place)
@@ -263,9 +241,8 @@ def contact_angle(view: View) -> Figure:
     at, low = _speed(result.speed), np.degrees(result.low)
     high = low + np.degrees(result.width)
     for bottom, top in ((low, np.minimum(high, 360)), (np.zeros_like(low), high - 360)):
-        axes.vlines(
-            at[top > bottom], bottom[top > bottom], top[top > bottom], color=BLUE, alpha=0.2
-        )
+        there = top > bottom
+        axes.vlines(at[there], bottom[there], top[there], color=BLUE, alpha=0.2)
     axes.plot(at, np.degrees(result.angle), ".", color=BLUE, ms=3, mew=0)
     axes.plot([], [], ".", color=GREY, label="every recorded step that touches")
     axes.plot([], [], "|", color=BLUE, alpha=0.4, ms=12, label="range of a turn")
@@ -313,19 +290,16 @@ def energy(view: View) -> Figure:
     _, speed, powers = vibration.power_by_sink(run.t, run.phi, sinks)
     for i, (name, energy) in enumerate(sinks.items()):
         color, style = COLORS[i % len(COLORS)], ("-", DASHED, (0, (1, 1)))[i % 3]
-        label = f"{name}: {_joules(energy[-1])}"
+        total = energy[-1]
+        label = f"{total:.3g} J" if abs(total) < 1e3 else f"{total / 1e3:.4g} kJ"
         power = broken_at_reversals(speed, powers[name])
-        above.plot(_speed(speed), power, color=color, ls=style, lw=1.2, label=label)
+        above.plot(_speed(speed), power, color=color, ls=style, lw=1.2, label=f"{name}: {label}")
         below.plot(_speed(run.w), energy, color=color, ls=style, lw=1.2)
     above.legend(frameon=False, fontsize=8)
     above.set_ylabel("Power [W], mean of a turn")
     below.set_ylabel("Energy since the start [J]")
     view.title(above, "energy dissipated by sink")
     return figure
-
-
-def _joules(energy: float) -> str:
-    return f"{energy:.3g} J" if abs(energy) < 1e3 else f"{energy / 1e3:.4g} kJ"
 
 
 KINDS: dict[str, Callable[[View], Figure]] = {

@@ -122,15 +122,11 @@ class Recording(ShortRepr):
         columns = self.columns
         names = [name.removesuffix(".fn") for name in columns if name.endswith(".fn")]
         unknown = np.full(len(self.t), np.nan)
-        return tuple(
-            ContactSignals(
-                name,
-                columns.get(f"{name}.psi", unknown),
-                columns[f"{name}.fn"],
-                columns.get(f"{name}.fn_peak", columns[f"{name}.fn"]),
-            )
-            for name in names
-        )
+        found = []
+        for name in names:
+            psi, fn = columns.get(f"{name}.psi", unknown), columns[f"{name}.fn"]
+            found.append(ContactSignals(name, psi, fn, columns.get(f"{name}.fn_peak", fn)))
+        return tuple(found)
 
     @property
     def losses(self) -> dict[str, np.ndarray]:

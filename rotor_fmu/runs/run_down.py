@@ -158,9 +158,8 @@ def run_fmu(fmu: Path, job: Job, progress: ReportProgress = silent) -> Run:
         return Run(np.zeros(0), empty, f"{FAILED}{failure}", tuple(messages), wall)
     rows = recorder.result()
     columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
-    return Run(
-        np.asarray(rows["time"]), columns, status_of(messages, failure), tuple(messages), wall
-    )
+    status = status_of(messages, failure)
+    return Run(np.asarray(rows["time"]), columns, status, tuple(messages), wall)
 
 
 def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., None]) -> Any:
@@ -168,9 +167,8 @@ def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., No
 
     check_plain_path(Path(folder))
     try:
-        return fmpy.instantiate_fmu(
-            folder, description, "CoSimulation", debug_logging=True, logger=log
-        )
+        options = {"debug_logging": True, "logger": log}
+        return fmpy.instantiate_fmu(folder, description, "CoSimulation", **options)
     except Exception as error:  # FMPy raises nothing more specific
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 

@@ -52,6 +52,7 @@ def summary(
     steps = last["solver.steps"]
     losses = sum(last[name] for name in last if name.endswith("_loss"))
     stored = max((abs(last[n]) for n in last if n.startswith("energy.")), default=0.0)
+    residual = last["energy.residual"] / losses if abs(losses) > _NO_LOSS * stored else None
     overdamped_at = last["solver.overdamped_at"]
     return {
         **(figures := _peaks(run, place)),
@@ -64,9 +65,7 @@ def summary(
         "h_max": last["solver.h_max_used"],
         "h_last": last["solver.h_last"],
         "solver_s": run.wall_s,
-        "energy_residual": (
-            last["energy.residual"] / losses if abs(losses) > _NO_LOSS * stored else None
-        ),
+        "energy_residual": residual,
         "trapped_steps": int(last["solver.trapped"]),
         "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
         "overdamped_at_s": overdamped_at if overdamped_at >= 0 else None,
@@ -79,9 +78,7 @@ def last_contact(columns: Mapping[str, np.ndarray]) -> str | None:
     """Return the last part with a contact angle of those that touch, of all where none does."""
     parts = [name.removesuffix(".psi") for name in columns if name.endswith(".psi")]
     none = np.zeros(1)
-    forces = {
-        part: columns.get(f"{part}.fn_peak", columns.get(f"{part}.fn", none)) for part in parts
-    }
+    forces = {p: columns.get(f"{p}.fn_peak", columns.get(f"{p}.fn", none)) for p in parts}
     touching = [part for part, force in forces.items() if (force > 0.0).any()]
     return next(reversed(touching or parts), None)
 
@@ -94,8 +91,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         )
     )
     c, hz = run.columns, run.hz
-    place = place or probe_that_moves_most(c)
-    figures["place"] = place
+    figures["place"] = place = place or probe_that_moves_most(c)
     if len(hz) and place:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > start_up(run.t, c["w"]))
@@ -105,14 +101,14 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         figures["r_largest_um"] = float(c[f"{place}.r_amp"][late].max()) * 1e6
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
-        figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
+        largest = float(amplitude[late].max())
+        figures[f"{axis}_largest_um"] = largest * 1e6
         at = peak_index(run.t, c["w"], amplitude)
         if at is not None:
             figures[f"{axis}_peak_um"] = float(amplitude[at]) * 1e6
             figures[f"{axis}_peak_hz"] = float(hz[at])
             figures[f"{axis}_peak_s"] = float(run.t[at])
         else:
-            largest = float(amplitude[late].max())
             figures["no_peak"] = why_no_peak(run.t, c["w"], run.status, largest)
     return figures
 

@@ -136,16 +136,14 @@ def compare(run: Run, other: Run, settings: Settings, length: float) -> Verifica
     still = STILL * length
     for part in (n.removesuffix(".x_amp") for n in run.columns if n.endswith(".x_amp")):
         names = [f"{part}.{axis}_amp" for axis in "xy"]
-        size = max(still, *(_largest(other, name) for name in names))
-        peaks += [
-            _compared(name, _largest(run, name), _largest(other, name), size) for name in names
-        ]
+        largest = [(name, _largest(run, name), _largest(other, name)) for name in names]
+        size = max(still, *(value for _, _, value in largest))
+        peaks += [_compared(*each, size) for each in largest]
         ends = [(n, _last(run, n), _last(other, n)) for n in (*names, f"{part}.x", f"{part}.y")]
         size = max(still, _SMALL * size, *(value for _, _, value in ends[:2]))
         final += [_compared(*each, size) for each in ends]
-    return Verification(
-        finer(settings), other.status, tuple(peaks), tuple(final), allowed(settings)
-    )
+    both = tuple(peaks), tuple(final)
+    return Verification(finer(settings), other.status, *both, allowed(settings))
 
 
 def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run, Recording]:

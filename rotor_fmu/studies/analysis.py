@@ -114,19 +114,14 @@ def _says(design: Design, failed: int, count: int) -> list[str]:
 
 def design_of(design: dict[str, Any]) -> Design:
     """Return the design that is recorded in a folder."""
-    axes = tuple(
-        Axis(
-            axis["name"],
-            tuple(axis["targets"]),
-            tuple(axis.get("values", ())),
-            Distribution(axis["distribution"], axis["parameters"])
-            if "distribution" in axis
-            else None,
-            axis.get("unit", ""),
-        )
-        for axis in design["axes"]
-    )
-    return Design(axes, design["kind"], design["size"], design["seed"], levels=design["levels"])
+    axes = []
+    for axis in design["axes"]:
+        is_drawn = "distribution" in axis
+        drawn = Distribution(axis["distribution"], axis["parameters"]) if is_drawn else None
+        targets, values = tuple(axis["targets"]), tuple(axis.get("values", ()))
+        axes.append(Axis(axis["name"], targets, values, drawn, axis.get("unit", "")))
+    kind, size, seed = design["kind"], design["size"], design["seed"]
+    return Design(tuple(axes), kind, size, seed, levels=design["levels"])
 
 
 def statistics(values: np.ndarray) -> dict[str, Any]:
@@ -183,10 +178,8 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
     else:
         from SALib.analyze import morris
 
-        points = design.sample[retained]
-        result = morris.analyze(
-            problem, points, values[retained], num_levels=design.levels, **drawn
-        )
+        drawn["num_levels"] = design.levels
+        result = morris.analyze(problem, design.sample[retained], values[retained], **drawn)
         keys = ("mu", "mu_star", "mu_star_conf", "sigma")
     indices = {axis: {key: float(result[key][i]) for key in keys} for i, axis in enumerate(names)}
     return {"blocks": int(whole.sum()), "of": len(whole), "indices": indices}

@@ -198,9 +198,8 @@ class Design:
         place among them, shape (drawn_points,)."""
         if not self.drawn:
             return np.zeros(1, int), np.zeros(1, int)
-        _, first, place = np.unique(
-            self._drawn_values.T, axis=0, return_index=True, return_inverse=True
-        )
+        points = self._drawn_values.T
+        _, first, place = np.unique(points, axis=0, return_index=True, return_inverse=True)
         order = np.argsort(first)
         rank = np.empty_like(order)
         rank[order] = np.arange(len(order))

@@ -86,9 +86,8 @@ def engine(where: ExecutorConfig) -> Iterator[Engine]:
         return
     # before a worker loads NumPy: one thread a process, and the same bits in each
     with _environment(ONE_THREAD):
-        executor = _Processes(
-            where.jobs, multiprocessing.get_context("spawn"), initializer=_begin_worker
-        )
+        spawn = multiprocessing.get_context("spawn")
+        executor = _Processes(where.jobs, spawn, initializer=_begin_worker)
         try:
             yield Engine(executor, where.jobs, 1.0)
         finally:
@@ -156,15 +155,15 @@ def _dask(where: ExecutorConfig) -> Iterator[Engine]:
     dask = optional("distributed", "cluster", "--scheduler, --cluster")
     with contextlib.ExitStack() as stack:
         address: Any = where.scheduler
+        options = {
+            "threads_per_worker": 1,
+            "dashboard_address": None,
+            "silence_logs": logging.ERROR,
+        }
         if where.cluster:
             stack.enter_context(_environment(ONE_THREAD))
             with interrupts_deferred():
-                cluster = dask.LocalCluster(
-                    where.cluster,
-                    threads_per_worker=1,
-                    dashboard_address=None,
-                    silence_logs=logging.ERROR,
-                )
+                cluster = dask.LocalCluster(where.cluster, **options)
             address = stack.enter_context(cluster)
         try:
             client = stack.enter_context(dask.Client(address, timeout=TIME_OUT))

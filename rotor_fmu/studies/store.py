@@ -210,11 +210,7 @@ def open_dataset(folder: Path) -> "xarray.Dataset":
         if not dimension:
             variables[name] = ("run", table[name].to_numpy(), described)
             continue
-        variables[name] = (
-            ("run", dimension),
-            matrix(table[name], column["coordinate"]),
-            described,
-        )
+        variables[name] = (("run", dimension), matrix(table[name], column["coordinate"]), described)
         if column["coordinate"]:
             unit = {"units": column["coordinate_unit"]}
             coordinates[dimension] = (dimension, np.array(column["coordinate"]), unit)

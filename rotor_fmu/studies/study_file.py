@@ -11,15 +11,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..errors import (
-    InputError,
-    check_integer,
-    check_one_of,
-    known_name,
-    meant,
-    read_text,
-    toml_tables,
-)
+from ..errors import InputError, known_name, meant, read_text, toml_tables
+from ..model.arguments import check_integer, check_one_of
 from ..units import number
 from .design import DESIGNS, GRID, Axis, Design, axis_of
 from .study import Column, Model, Study, Tables, table_of

@@ -40,11 +40,4 @@ from .spectra import (
     second_half,
     spectrum,
 )
-from .turns import (
-    TURN,
-    Synchronous,
-    Turns,
-    rows_per_turn,
-    synchronous,
-    turns_of,
-)
+from .turns import TURN, Synchronous, Turns, rows_per_turn, synchronous, turns_of

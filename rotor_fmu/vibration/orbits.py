@@ -233,10 +233,7 @@ def time_share(
         return before + share * (after - before)
 
     speed, angle = path(w), np.angle(path(z)) % TURN
-    edges = (
-        np.linspace(speed.min(), speed.max(), speeds + 1),
-        np.linspace(0, TURN, angles + 1),
-    )
+    edges = (np.linspace(speed.min(), speed.max(), speeds + 1), np.linspace(0, TURN, angles + 1))
     table, *_ = np.histogram2d(speed, angle, edges, weights=weights)
     total = table.sum(axis=1, keepdims=True)
     return TimeShare(*edges, np.divide(table, total, out=np.zeros_like(table), where=total > 0))

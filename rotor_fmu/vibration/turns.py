@@ -162,12 +162,7 @@ def rows_per_turn(phi: np.ndarray) -> float:
 
 
 def synchronous(
-    t: np.ndarray,
-    phi: np.ndarray,
-    z: np.ndarray,
-    *,
-    turns: int = 1,
-    per_turn: int | None = None,
+    t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, turns: int = 1, per_turn: int | None = None
 ) -> Synchronous:
     """Resample a real or complex signal, shape (n,), at equal angles.
 
@@ -235,21 +230,16 @@ def _passages(t: np.ndarray, phi: np.ndarray) -> Iterator[_Passage]:
             at = float(marks[still[0]])
             raise InputError(f"t = {at:g} s: a whole turn takes no time; times must rise")
         edges = begin + np.searchsorted(turned, angles)
-        yield _Passage(
-            rows,
-            reached,
-            time,
-            TURN * first,
-            Turns(
-                passage=np.full(count, passage),
-                sense=np.full(count, sense),
-                mark=sense * (first + np.arange(count)),
-                begin=marks[:-1],
-                end=marks[1:],
-                row=edges[:-1],
-                rows=np.diff(edges),
-            ),
+        turns = Turns(
+            passage=np.full(count, passage),
+            sense=np.full(count, sense),
+            mark=sense * (first + np.arange(count)),
+            begin=marks[:-1],
+            end=marks[1:],
+            row=edges[:-1],
+            rows=np.diff(edges),
         )
+        yield _Passage(rows, reached, time, TURN * first, turns)
 
 
 def _one_way(t: np.ndarray, phi: np.ndarray) -> Iterator[tuple[int, int, int]]:

@@ -15,7 +15,7 @@ from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
 from rotor_fmu.linear.stability_answers import StabilityLevel2
 from rotor_fmu.machine_file.loading import load_rotor
-from rotor_fmu.plotting.figure_style import COLORS
+from rotor_fmu.plotting.colors import COLORS
 from rotor_fmu.vibration.influence_coefficients import once_per_turn
 
 from ..known import EXAMPLES

@@ -52,7 +52,7 @@ def test_the_limits_that_an_fmu_declares_are_allowed(file):
     rotor = parse_rotor((example_folder(example) / name).read_text(encoding="utf-8"))
     declared, limits = {v.name: v for v in interface(rotor)}, 0
     for name, of in rotor.parameters().items():
-        for limit in (declared[name].low, declared[name].high):
+        for limit in (declared[name].least, declared[name].high):
             if limit is not None and not of.quantity.is_switch:
                 check(name, of.quantity, limit)
                 limits += 1

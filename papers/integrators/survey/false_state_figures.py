@@ -17,7 +17,8 @@ from papers.integrators.members import (
     newmark,
     wbz,
 )
-from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
+from rotor_fmu.plotting.colors import BLUE, GREEN, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure
 
 from ..false_state import bouncing, one_axis
 from ..false_state import cycles as false_state

@@ -9,7 +9,8 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
+from rotor_fmu.plotting.colors import BLUE, GREEN, GREY, ORANGE
+from rotor_fmu.plotting.figure_style import new_figure
 
 from .findings import Findings, median, title_of
 

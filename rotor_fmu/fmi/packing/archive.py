@@ -32,13 +32,8 @@ def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
     which makes FMUs without libraries. Raises `OSError` with pythonfmu's message if it fails.
     """
     command: list[str | Path] = [sys.executable, "-m", "pythonfmu", "build", *_STATES]
-    done = subprocess.run(
-        [*command, "-f", script, "-d", raw, *beside],
-        cwd=script.parent,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command += ["-f", script, "-d", raw, *beside]
+    done = subprocess.run(command, cwd=script.parent, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         reason = (done.stderr.splitlines() or [f"exit status {done.returncode}"])[-1]
         raise OSError(errno.EIO, f"pythonfmu cannot make an FMU of {script.name}: {reason}")

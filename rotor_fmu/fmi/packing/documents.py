@@ -90,6 +90,7 @@ def documents(of: Described, table: Sequence[Variable], fmi: int) -> dict[str, b
 def _index(of: Described, table: Sequence[Variable], fmi: int) -> str:
     rotor, name = of.rotor, of.identifier
     needs = _NEEDS_COMPILER if of.sources else _NEEDS_NOTHING
+    needs = _NEEDS_PYTHON if of.needs_python else needs
     page = files(__package__).joinpath("pages", "index.html").read_text(encoding="utf-8")
     head, *body = rows(table)
     cells = ["<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in head) + "</tr>"]
@@ -101,9 +102,7 @@ def _index(of: Described, table: Sequence[Variable], fmi: int) -> str:
         summary=html.escape(summary(rotor, table[0].name == "tau_drive")),
         drive=_DRIVES[table[0].name],
         fmi=fmi,
-        start=Template(_START).substitute(
-            name=name, needs=_NEEDS_PYTHON if of.needs_python else needs
-        ),
+        start=Template(_START).substitute(name=name, needs=needs),
         version=__version__,
         variables=variables,
         run_down=_RUN_DOWN if rotor == rig() else "",
@@ -115,9 +114,8 @@ def _licence(of: str) -> bytes:
     """Return the licence of an installed distribution."""
     from importlib.metadata import distribution
 
-    result = next(
-        file for file in distribution(of).files or () if file.name.upper().startswith("LICEN")
-    )
+    carried = distribution(of).files or ()
+    result = next(file for file in carried if file.name.upper().startswith("LICEN"))
     return Path(str(result.locate())).read_bytes()
 
 
