@@ -91,8 +91,8 @@ class Equations:
             structure.unbalances.dof.astype(np.int64),
             unbalance * structure.unbalance,
             ends(walls),
-            np.array([[getattr(wall, name) for name in OF_A_WALL] for wall in self.walls]),
-            np.array([[getattr(wall, name, 0.0) for name in OF_A_RACE] for wall in self.walls]),
+            _values(self.walls, OF_A_WALL),
+            _values(self.walls, OF_A_RACE),
             ends(bearings),
             speeds,
             cubics,
@@ -105,6 +105,12 @@ class Equations:
     def slope(self, t: float, state: np.ndarray, out: np.ndarray) -> None:
         """Fill `out` with the derivative of the state."""
         _slope(t, state, out, *self._given)
+
+
+def _values(walls: Sequence[Wall], names: Sequence[str]) -> np.ndarray:
+    """What the walls say of these names, 0 where they do not, shape (walls, names)."""
+    each = [[getattr(wall, name, 0.0) for name in names] for wall in walls]
+    return np.array(each, float).reshape(len(walls), len(names))
 
 
 def _tables(bearings: Sequence[LinearBearing]) -> tuple[np.ndarray, np.ndarray]:
