@@ -58,7 +58,7 @@ def test_the_kernels_ask_a_system_for_nothing_that_it_may_round_in_its_own_way(f
 def test_the_kernels_name_no_file_of_the_machine_that_made_them(fmu):
     """Else libraries of equal sources would differ with the folder that numba lies in."""
     for file in emitted():
-        assert re.findall(r'[^"]*\.py\b', file.read_text()) == [], file.stem
+        assert not re.search(r"\.py\b", file.read_text()), file.stem
 
 
 def test_the_kernels_contract_no_product_and_sum(fmu):

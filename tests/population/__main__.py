@@ -31,7 +31,7 @@ def _is_slow(seed: int) -> bool:
 # Fast journals that hop in touchdown bearings are left out: CVODE takes many minutes for each.
 MACHINES = (
     *range(17 * len(KINDS)),
-    *(seed for seed in range(FAST, FAST + 13) if not _is_slow(seed)),
+    *(seed for seed in range(FAST, FAST + 2 * len(KINDS)) if not _is_slow(seed)),
 )
 
 
