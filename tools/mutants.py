@@ -71,7 +71,7 @@ MUTANTS = (
     # the description
     Mutant(_DESCRIPTION, "        return inputs\n", "        return []\n", _DEPEND),
     Mutant(_DESCRIPTION, "in (variable.reached_by, own)", "== own", _BY_SPEED),
-    Mutant(_DESCRIPTION, '("min", variable.low)', '("min", None)', _LIMITS),
+    Mutant(_DESCRIPTION, '("min", variable.least)', '("min", None)', _LIMITS),
     Mutant(_DESCRIPTION, '("max", variable.high)', '("max", variable.low)', _LIMITS),
     Mutant(_DESCRIPTION, '["nominal"] = repr(variable.nominal)', '["nominal"] = "1.0"', _LIMITS),
     Mutant(_DESCRIPTION, "factor=repr(factor)", "factor=repr(1 / factor)", _UNITS),
