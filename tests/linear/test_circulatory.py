@@ -10,6 +10,7 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import campbell, modes, unbalance_response
+from rotor_fmu.model.linear.frequency_response import ControlLoop, sensitivity
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER, Simulation
 from rotor_fmu.model.structure.assembly import assemble
@@ -136,6 +137,15 @@ def test_runs_and_responses_say_what_they_take_hysteresis_for(eta_h):
     assert codes == (["hysteretic-as-slower", "unstable"] if eta_h else [])
     for notes in (machine_warnings(rotor), rf.response(rotor, speed=(20.0, 21.0)).notes):
         assert [*notes] == [str(HYSTERETIC_AS_SLOWER)] * (eta_h > 0)
+
+
+@pytest.mark.parametrize(("share", "is_stable"), [(0.0, True), (0.5, True), (1.5, False)])
+def test_a_control_loop_is_stable_where_hysteresis_damps_all_whirls(share, is_stable):
+    """Those faster than the rotation; the loop has no force."""
+    rotor = jeffcott(damping=1e-3 * C_INT, eta_h=0.02, rotating_damping=True)
+    loop = ControlLoop("idle", 2, 2, kp=0.0, kd=0.0, force_per_current=1.0)
+    speed = share * natural_frequency()
+    assert sensitivity(rotor, [50.0], [loop], speed=speed).is_stable == is_stable
 
 
 def test_hysteresis_does_not_touch_what_turns_with_the_shaft():
