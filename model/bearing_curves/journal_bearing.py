@@ -43,17 +43,17 @@ class BearingCurves:
     upwards, shape (n, 2) [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa],
     torque [N.m], power [W], flow [m3/s], shape (n,); around: pressure in the middle of the length
     every 3 degrees from the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape
-    (n, 2, 2), at the frequency of rotation, which pads that tilt follow; mass: that the first load
-    weighs [kg]; critical_mass [kg], whirl: frequency at that mass, which pads follow [rad/s];
-    turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest on, or loads [N]
-    at which a mass that weighs the load does, if the loads vary, shape (k,); threshold: the slowest
-    speed at which `mass` whirls [rad/s], None if it does at none or the loads vary; plane_error: of
-    the load, against a two-dimensional solution [1], nan without a load; viscosity [Pa.s],
-    temperature [degC]: of the lubricant, shape (n,), None where no heat balance gives it; pads: of
-    m pads the first and last angle, the angle of the pivot [rad], the clearance and x, y of the
-    journal from the pad's centre when it is in the bearing's, over the clearance [1], shape (m, 6);
-    tilts: of pads that tilt, how far, and how far the pivot gives, shape (n, m, 2) [m]; pad_loads:
-    what each bears, shape (n, m) [N].
+    (n, 2, 2), at the frequency of rotation, which pads that tilt follow; mass: whose weight across
+    the shaft is the first load [kg]; critical_mass [kg], whirl: frequency at that mass, which pads
+    follow [rad/s]; turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest
+    on, or loads [N] at which a mass that weighs the load does, if the loads vary, shape (k,);
+    threshold: the slowest speed at which `mass` whirls [rad/s], None if it does at none or the
+    loads vary; plane_error: of the load, against a two-dimensional solution [1], nan without a
+    load; viscosity [Pa.s], temperature [degC]: of the lubricant, shape (n,), None where no heat
+    balance gives it; pads: of m pads the first and last angle, the angle of the pivot [rad], the
+    clearance and x, y of the journal from the pad's centre when it is in the bearing's, over the
+    clearance [1], shape (m, 6); tilts: of pads that tilt, how far, and how far the pivot gives,
+    shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m) [N].
     """
 
     bearing: str
@@ -121,7 +121,7 @@ def bearing_curves(
         is_off = abs(start) > _ROUNDING * part.clearance
         rows.append(_row(alone, part, on, start if is_off else 0j))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
-    gravity = rotor.gravity or GRAVITY
+    gravity = (rotor.gravity or GRAVITY) * abs(rotor.weight_share or 1.0)
     mass = float(abs(loads[0])) / gravity
     masses = np.abs(loads) / gravity if is_over_load else np.full(len(loads), mass)
     stable = columns["critical_mass"] >= masses

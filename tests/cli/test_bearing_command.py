@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.bearing_curves import bearing_curves
-from rotor_fmu.model.linear import (
-    LinearError,
-)
+from rotor_fmu.model.linear import LinearError, campbell
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
@@ -103,6 +101,17 @@ def test_a_mass_that_whirls_between_two_loads_is_said_to():
     light = bearing_answers.bearing(in_films(), [speed], load=np.array([low + 1.0, 2000.0]))
     assert light.table().title.endswith(f"its load whirls below {light.turns[0]:.6g} N")
     assert light.turns == pytest.approx([high], rel=1e-6)
+
+
+def test_an_inclined_machine_whirls_from_the_speed_on_that_is_said():
+    """Its bearings bear half of its weight and all of its mass: a stiff rotor on two alike whirls
+    where the mass on each does."""
+    rotor = replace(in_films(), inclination=math.radians(60.0))
+    speeds = np.linspace(200.0, 1800.0, 9)
+    level, found = (bearing_curves(of, speeds) for of in (in_films(), rotor))
+    assert found.load[0, 1] == pytest.approx(0.5 * level.load[0, 1], rel=1e-6)
+    assert found.mass == pytest.approx(level.mass, rel=1e-6)
+    assert found.threshold == pytest.approx(campbell(rotor, speeds).threshold, rel=0.02)
 
 
 def test_speeds_and_loads_in_any_order_have_the_same_threshold():
