@@ -188,23 +188,19 @@ def _critical_mass(
     if not len(alone.tilts(d)) or alone.speed == 0.0 or found[0] == 0.0:
         return found
 
-    def invariants(w: float) -> tuple[complex, complex]:
+    def masses(w: float) -> np.ndarray:
+        """Return the masses [kg], by their imaginary parts, which are continuous in w."""
         _, by_d, by_v = alone.settle(d, w)
-        Z = -by_d - 1j * w * by_v
-        return complex(np.trace(Z)), complex(np.linalg.det(Z))
-
-    def excess(w: float) -> float:
-        """Return what is 0 where one of the eigenvalues is real, det.imag / trace.imag."""
-        trace, det = invariants(w)
-        size = det.imag**2 - trace.real * det.imag * trace.imag + det.real * trace.imag**2
-        return size / w**2
+        found = np.linalg.eigvals(-by_d - 1j * w * by_v) / w**2
+        return np.asarray(found[np.argsort(found.imag)])
 
     at = _WHIRLS * abs(alone.speed)
-    signs = np.sign([excess(w) for w in at])
-    whirls = [brentq(excess, at[i], at[i + 1]) for i in np.flatnonzero(signs[1:] * signs[:-1] < 0)]
-    of_whirls = [(invariants(w), w) for w in whirls]
-    masses = [(det.imag / trace.imag / w**2, w) for (trace, det), w in of_whirls]
-    return min((each for each in masses if each[0] > 0.0), default=(math.inf, 0.0))
+    signs = np.sign([masses(w).imag for w in at])
+    result = []
+    for i, which in np.argwhere(signs[1:] * signs[:-1] < 0).tolist():
+        whirl = brentq(lambda w, j: masses(w)[j].imag, at[i], at[i + 1], args=(which,))
+        result.append((float(masses(whirl)[which].real), whirl))
+    return min((each for each in result if each[0] > 0.0), default=(math.inf, 0.0))
 
 
 def _viscous(alone: BearingAlone) -> float:
