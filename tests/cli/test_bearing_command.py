@@ -296,3 +296,18 @@ def test_a_table_is_not_written_over_the_machine_nor_where_something_else_cannot
         assert str(refused.value).startswith(expected)
         assert sorted(tmp_path.iterdir()) == before
     assert machine.read_text() == OIL.read_text(encoding="utf-8")
+
+
+def test_a_bearing_of_a_vertical_machine_bears_no_load():
+    """Pads given to nine digits leave 1e-9 N of their forces, which other bearings bear."""
+    pads = (0.785398163, 2.35619449, 3.926990817, 5.497787144)
+    films = film(1, tilting=True, pads=list(pads), arc=1.3, preload=0.3, pivot_stiffness=5e8)
+    coefficients = {"kxx": 8e7, "kyy": 1.2e8, "kxy": 1.5e7, "kyx": -1.5e7, "cxx": 3e4, "cyy": 4e4}
+    others = [
+        table(f"[{kind}]", node=i, **coefficients)
+        for kind, i in (("seal", 2), ("linear_bearing", 3))
+    ]
+    rotor = parse_rotor(heavy_shaft() + films + "".join(others))
+    found = bearing_answers.bearing(replace(rotor, inclination=math.pi / 2), [200.0])
+    assert found.table().title == "journal_bearing[1]: it bears no load"
+    assert not found.load.any()
