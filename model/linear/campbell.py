@@ -12,7 +12,15 @@ from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .following import Following
 from .linear_machine import LinearError, LinearMachine, shared_machine
-from .modes import DEFAULT_COUNT, LEAST_GROWTH, Modes, Spectrum, check_count, machine_modes
+from .modes import (
+    DEFAULT_COUNT,
+    LEAST_GROWTH,
+    Modes,
+    Spectrum,
+    check_count,
+    machine_modes,
+    modes_of,
+)
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _UNLIKE = 0.3  # shapes less alike than this are not of the same mode
@@ -26,7 +34,8 @@ _LOST = complex(np.nan, np.nan)  # a frequency of 0 would be one
 class CriticalSpeed:
     """Where the frequency of a mode that answers with a peak, damping ratio below 1 / sqrt(2), is
     `harmonic` times the speed [rad/s]; mode: its place in the diagram, from 0; whirl: `forward`,
-    `backward`, `planar` or `mixed`; log_dec: its logarithmic decrement there [1]."""
+    `backward`, `planar` or `mixed`; log_dec: its logarithmic decrement there [1]; where
+    `harmonic` is 1 the shaft's hysteresis is the mean of that of slower and of faster whirls."""
 
     mode: int
     speed: float
@@ -107,6 +116,7 @@ class _Follower:
     """Follows modes of a machine from speed to speed by their shapes."""
 
     def __init__(self, machine: LinearMachine, count: int) -> None:
+        self._machine, self._count = machine, count
         self._at = cache(lambda speed: machine_modes(machine, speed, count))
         mass, _, _ = machine.rotor_matrices()
         # of every dof but ground's; those that a pin makes one unknown share its mass
@@ -121,6 +131,16 @@ class _Follower:
 
     def at(self, speed: float) -> Modes:
         return self._at(float(speed))
+
+    def with_rotation(self, modes: Modes, place: int) -> tuple[Modes, int]:
+        """Return the modes with the shaft's hysteresis as it is in the one at a place, which turns
+        with the rotation, and the place of that one."""
+        linear = self._machine.at(modes.speed)
+        if linear.strain.kappa_h == 0.0:
+            return modes, place
+        turning = linear._replace(strain=linear.strain.with_rotation)
+        result = modes_of(self._machine, turning, self._count)
+        return result, int(self.likeness(modes, result)[place].argmax())
 
     def likeness(self, a: Modes, b: Modes) -> np.ndarray:
         """Return the modal assurance criterion, weighted by mass, of all shapes of a with all of b;
@@ -224,6 +244,8 @@ def _critical(
         after = _excess(b, places[1][mode], harmonic)
         if before != 0.0 and before * after <= 0:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
+            if at >= 0 and harmonic == 1.0:
+                there, at = follow.with_rotation(there, at)
             if at >= 0 and there.has_peak[at]:
                 log_dec = float(there.log_dec[at])
                 whirl = there.whirl[at]
