@@ -3,6 +3,7 @@ the mass that they carry without whirling."""
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import get_args
 
@@ -188,6 +189,7 @@ def _critical_mass(
     if not len(alone.tilts(d)) or alone.speed == 0.0 or found[0] == 0.0:
         return found
 
+    @cache  # on the verge of bearing a pad may do so or not at the same place
     def masses(w: float) -> np.ndarray:
         """Return the masses [kg], by their imaginary parts, which are continuous in w."""
         _, by_d, by_v = alone.settle(d, w)
