@@ -4,6 +4,7 @@ speed at which the machine loses its stability."""
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
@@ -52,7 +53,8 @@ class Campbell(Spectrum):
 
     eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonics: multiples of the
     speed that excite; critical: where a mode meets it, by ascending speed; threshold: slowest speed
-    above which some mode grows [rad/s], None where none does; contacts: `open` or `pinned`.
+    above which some mode grows, or a slower whirl than the rotation, which pads that tilt follow at
+    its own frequency [rad/s], None where none does; contacts: `open` or `pinned`.
     """
 
     speeds: np.ndarray
@@ -131,6 +133,16 @@ class _Follower:
 
     def at(self, speed: float) -> Modes:
         return self._at(float(speed))
+
+    def growth(self, modes: Modes) -> float:
+        """Return by how much more than rounding a mode at a speed grows, in shares of |lambda|, or
+        a slower whirl that pads follow, negative where none does [1]."""
+        whirls = np.zeros(0)
+        if modes.speed != 0.0 and self._machine.laws.follows.any():
+            linear = self._machine.at(modes.speed)
+            own = modes_of(self._machine, linear, DEFAULT_COUNT, pads_whirl=True)
+            whirls = own.damping_ratio[own.is_sound & (own.damped < abs(modes.speed))]
+        return float(np.max(-whirls, initial=modes.growth)) - LEAST_GROWTH
 
     def with_rotation(self, modes: Modes, place: int) -> tuple[Modes, int]:
         """Return the modes with the shaft's hysteresis as it is in the one at a place, which turns
@@ -290,11 +302,10 @@ def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:
     rotation one above 0."""
     ahead = [m for m in seen if m.speed >= 0.0]
     outward = ahead if len(ahead) > 1 else seen[::-1]
-    growth = [m.growth - LEAST_GROWTH for m in outward]
-    if growth[0] > 0:
+    if follow.growth(outward[0]) > 0:
         return float(outward[0].speed)
-    for i in range(1, len(outward)):
-        if growth[i] > 0:
-            low, high = outward[i - 1].speed, outward[i].speed
-            return brentq(lambda s: follow.at(s).growth - LEAST_GROWTH, low, high, rtol=1e-12)
+    for before, there in pairwise(outward):
+        if follow.growth(there) > 0:
+            ends = before.speed, there.speed
+            return brentq(lambda s: follow.growth(follow.at(s)), *ends, rtol=1e-12)
     return None

@@ -4,7 +4,8 @@ import math
 from dataclasses import replace
 
 import pytest
-from rotor_fmu.model.linear import modes
+from rotor_fmu.model.bearing_curves import bearing_curves
+from rotor_fmu.model.linear import campbell, modes
 from rotor_fmu.model.linear.frequency_response import (
     ControlLoop,
     frequency_response,
@@ -50,6 +51,23 @@ def test_its_decrement_is_the_width_of_the_peak_of_the_frequency_response():
     assert (peak / below) ** 2 + (peak / above) ** 2 == pytest.approx(4.0, rel=0.02)
     slower = modes(rotor, SPEED).damped < SPEED
     assert whirl.synchronous == modes(rotor, SPEED).log_dec[slower].min() > 5 * whirl.log_dec
+
+
+def test_a_campbell_diagram_has_the_threshold_of_a_whirl_that_pads_follow():
+    """That of the mass on each bearing, which the load of a steep machine lets whirl from a speed
+    on to another; with synchronous coefficients it never does."""
+    text = table("material", young=2.1e11, density=7850.0)
+    text += table("shaft", nodes=[0.0, 0.1, 0.2], diameters=[0.08, 0.08])
+    text += table("[body]", node=2, mass=1100.0, I_d=3.0, I_p=2.0)
+    pads = {"pads": [math.radians(45 + 90 * i) for i in range(4)], "arc": 1.3, "preload": 0.2}
+    film = {"journal_radius": 0.04, "length": 0.03, "clearance": 8e-5, "viscosity": 0.02}
+    pads |= {"tilting": True, "pivot_stiffness": 1e8}
+    text += "".join(table("[journal_bearing]", node=node, **film, **pads) for node in (1, 3))
+    rotor, speeds = replace(parse_rotor(text), inclination=1.4591), [400.0, 500.0, 650.0, 950.0]
+    diagram, alone = campbell(rotor, speeds), bearing_curves(rotor, speeds)
+    assert (diagram.damping_ratio > 0).all()
+    assert alone.turns == pytest.approx([582.0, 782.0], rel=0.01)
+    assert diagram.threshold == pytest.approx(alone.threshold, rel=1e-4)
 
 
 @pytest.mark.parametrize(("q", "is_unstable"), [(3e5, False), (8e5, True)])
