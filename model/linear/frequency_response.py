@@ -224,10 +224,10 @@ class _Plant:
         return read @ there.factorized(s)(push.T.astype(complex))[0]
 
     def poles(self, top: float) -> np.ndarray:
-        """Return the oscillating poles up to a frequency at least [1/s]."""
+        """Return the oscillating poles up to a frequency at least [1/s], each followed by pads."""
         count = DEFAULT_COUNT
         while True:
-            found = modes_of(self.machine, self.linear, count).eigenvalues
+            found = modes_of(self.machine, self.linear, count, pads_whirl=True).eigenvalues
             if len(found) < count or abs(found[-1]) > top:
                 return found
             count *= 2
