@@ -2,7 +2,7 @@
 speed at which the machine loses its stability."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 
@@ -53,8 +53,8 @@ class Campbell(Spectrum):
 
     eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonics: multiples of the
     speed that excite; critical: where a mode meets it, by ascending speed; threshold: slowest speed
-    above which some mode grows, or a slower whirl than the rotation, which pads that tilt follow at
-    its own frequency [rad/s], None where none does; contacts: `open` or `pinned`.
+    above which some mode grows, with pads that tilt following each at its own frequency [rad/s],
+    None where none does; contacts: `open` or `pinned`.
     """
 
     speeds: np.ndarray
@@ -135,14 +135,13 @@ class _Follower:
         return self._at(float(speed))
 
     def growth(self, modes: Modes) -> float:
-        """Return by how much more than rounding a mode at a speed grows, in shares of |lambda|, or
-        a slower whirl that pads follow, negative where none does [1]."""
-        whirls = np.zeros(0)
+        """Return the largest share of growth at a speed (`Modes.growth`) that is more than
+        rounding, negative where nothing grows [1]; pads that tilt follow each whirl."""
         if modes.speed != 0.0 and self._machine.laws.follows.any():
             linear = self._machine.at(modes.speed)
-            own = modes_of(self._machine, linear, DEFAULT_COUNT, pads_whirl=True)
-            whirls = own.damping_ratio[own.is_sound & (own.damped < abs(modes.speed))]
-        return float(np.max(-whirls, initial=modes.growth)) - LEAST_GROWTH
+            own = modes_of(self._machine, linear, self._count, pads_whirl=True)
+            modes = replace(own, decays=modes.decays)
+        return modes.growth - LEAST_GROWTH
 
     def with_rotation(self, modes: Modes, place: int) -> tuple[Modes, int]:
         """Return the modes with the shaft's hysteresis as it is in the one at a place, which turns

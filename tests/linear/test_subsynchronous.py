@@ -40,16 +40,16 @@ def on_pads(q, **changes):
     return text
 
 
-def steep():
-    """A heavy, stiff rotor on pads with soft pivots, which its weight presses little."""
+def steep(mass=1100.0, inclination=1.4591, **changes):
+    """A heavy, stiff rotor on pads, on soft pivots unless changed, which it presses little."""
     text = table("material", young=2.1e11, density=7850.0)
     text += table("shaft", nodes=[0.0, 0.1, 0.2], diameters=[0.08, 0.08])
-    text += table("[body]", node=2, mass=1100.0, I_d=3.0, I_p=2.0)
+    text += table("[body]", node=2, mass=mass, I_d=mass / 365.0, I_p=mass / 550.0)
     pads = {"pads": [math.radians(45 + 90 * i) for i in range(4)], "arc": 1.3, "preload": 0.2}
     film = {"journal_radius": 0.04, "length": 0.03, "clearance": 8e-5, "viscosity": 0.02}
-    pads |= {"tilting": True, "pivot_stiffness": 1e8}
+    pads |= {"tilting": True, "pivot_stiffness": 1e8} | changes
     text += "".join(table("[journal_bearing]", node=node, **film, **pads) for node in (1, 3))
-    return replace(parse_rotor(text), inclination=1.4591)
+    return replace(parse_rotor(text), inclination=inclination)
 
 
 def test_its_decrement_is_the_width_of_the_peak_of_the_frequency_response():
@@ -74,6 +74,13 @@ def test_a_campbell_diagram_has_the_threshold_of_a_whirl_that_pads_follow():
     assert (diagram.damping_ratio > 0).all()
     assert alone.turns == pytest.approx([582.0, 782.0], rel=0.01)
     assert diagram.threshold == pytest.approx(alone.threshold, rel=1e-4)
+
+
+def test_a_whirl_that_pads_with_inertia_damp_is_stable_though_they_drive_one_with_the_rotation():
+    rotor = steep(100.0, 1.3, preload=0.0, pivot_stiffness=0.0, pad_inertia=1e-3)
+    threshold = campbell(rotor, [400.0, 600.0, 800.0]).threshold
+    assert modes(rotor, threshold - 10.0).growth > 0.01
+    assert threshold == pytest.approx(bearing_curves(rotor, [400.0, 800.0]).threshold, rel=5e-3)
 
 
 def test_a_peak_of_a_whirl_that_pads_follow_is_found_between_a_few_frequencies():
