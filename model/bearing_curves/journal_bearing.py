@@ -3,6 +3,7 @@ the mass that they carry without whirling."""
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import get_args
 
@@ -43,17 +44,17 @@ class BearingCurves:
     upwards, shape (n, 2) [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa],
     torque [N.m], power [W], flow [m3/s], shape (n,); around: pressure in the middle of the length
     every 3 degrees from the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape
-    (n, 2, 2), at the frequency of rotation, which pads that tilt follow; mass: that the first load
-    weighs [kg]; critical_mass [kg], whirl: frequency at that mass, which pads follow [rad/s];
-    turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest on, or loads [N]
-    at which a mass that weighs the load does, if the loads vary, shape (k,); threshold: the slowest
-    speed at which `mass` whirls [rad/s], None if it does at none or the loads vary; plane_error: of
-    the load, against a two-dimensional solution [1], nan without a load; viscosity [Pa.s],
-    temperature [degC]: of the lubricant, shape (n,), None where no heat balance gives it; pads: of
-    m pads the first and last angle, the angle of the pivot [rad], the clearance and x, y of the
-    journal from the pad's centre when it is in the bearing's, over the clearance [1], shape (m, 6);
-    tilts: of pads that tilt, how far, and how far the pivot gives, shape (n, m, 2) [m]; pad_loads:
-    what each bears, shape (n, m) [N].
+    (n, 2, 2), at the frequency of rotation, which pads that tilt follow; mass: whose weight across
+    the shaft is the first load [kg]; critical_mass [kg], whirl: frequency at that mass, which pads
+    follow [rad/s]; turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest
+    on, or loads [N] at which a mass that weighs the load does, if the loads vary, shape (k,);
+    threshold: the slowest speed at which `mass` whirls [rad/s], None if it does at none or the
+    loads vary; plane_error: of the load, against a two-dimensional solution [1], nan without a
+    load; viscosity [Pa.s], temperature [degC]: of the lubricant, shape (n,), None where no heat
+    balance gives it; pads: of m pads the first and last angle, the angle of the pivot [rad], the
+    clearance and x, y of the journal from the pad's centre when it is in the bearing's, over the
+    clearance [1], shape (m, 6); tilts: of pads that tilt, how far, and how far the pivot gives,
+    shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m) [N].
     """
 
     bearing: str
@@ -121,7 +122,7 @@ def bearing_curves(
         is_off = abs(start) > _ROUNDING * part.clearance
         rows.append(_row(alone, part, on, start if is_off else 0j))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
-    gravity = rotor.gravity or GRAVITY
+    gravity = (rotor.gravity or GRAVITY) * abs(rotor.weight_share or 1.0)
     mass = float(abs(loads[0])) / gravity
     masses = np.abs(loads) / gravity if is_over_load else np.full(len(loads), mass)
     stable = columns["critical_mass"] >= masses
@@ -188,23 +189,20 @@ def _critical_mass(
     if not len(alone.tilts(d)) or alone.speed == 0.0 or found[0] == 0.0:
         return found
 
-    def invariants(w: float) -> tuple[complex, complex]:
+    @cache  # on the verge of bearing a pad may do so or not at the same place
+    def masses(w: float) -> np.ndarray:
+        """Return the masses [kg], by their imaginary parts, which are continuous in w."""
         _, by_d, by_v = alone.settle(d, w)
-        Z = -by_d - 1j * w * by_v
-        return complex(np.trace(Z)), complex(np.linalg.det(Z))
-
-    def excess(w: float) -> float:
-        """Return what is 0 where one of the eigenvalues is real, det.imag / trace.imag."""
-        trace, det = invariants(w)
-        size = det.imag**2 - trace.real * det.imag * trace.imag + det.real * trace.imag**2
-        return size / w**2
+        found = np.linalg.eigvals(-by_d - 1j * w * by_v) / w**2
+        return np.asarray(found[np.argsort(found.imag)])
 
     at = _WHIRLS * abs(alone.speed)
-    signs = np.sign([excess(w) for w in at])
-    whirls = [brentq(excess, at[i], at[i + 1]) for i in np.flatnonzero(signs[1:] * signs[:-1] < 0)]
-    of_whirls = [(invariants(w), w) for w in whirls]
-    masses = [(det.imag / trace.imag / w**2, w) for (trace, det), w in of_whirls]
-    return min((each for each in masses if each[0] > 0.0), default=(math.inf, 0.0))
+    signs = np.sign([masses(w).imag for w in at])
+    result = []
+    for i, which in np.argwhere(signs[1:] * signs[:-1] < 0).tolist():
+        whirl = brentq(lambda w, j: masses(w)[j].imag, at[i], at[i + 1], args=(which,))
+        result.append((float(masses(whirl)[which].real), whirl))
+    return min((each for each in result if each[0] > 0.0), default=(math.inf, 0.0))
 
 
 def _viscous(alone: BearingAlone) -> float:

@@ -2,8 +2,9 @@
 speed at which the machine loses its stability."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
@@ -12,7 +13,15 @@ from ..arguments import numbers
 from ..machine.rotor import Rotor
 from .following import Following
 from .linear_machine import LinearError, LinearMachine, shared_machine
-from .modes import DEFAULT_COUNT, LEAST_GROWTH, Modes, Spectrum, check_count, machine_modes
+from .modes import (
+    DEFAULT_COUNT,
+    LEAST_GROWTH,
+    Modes,
+    Spectrum,
+    check_count,
+    machine_modes,
+    modes_of,
+)
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _UNLIKE = 0.3  # shapes less alike than this are not of the same mode
@@ -26,7 +35,8 @@ _LOST = complex(np.nan, np.nan)  # a frequency of 0 would be one
 class CriticalSpeed:
     """Where the frequency of a mode that answers with a peak, damping ratio below 1 / sqrt(2), is
     `harmonic` times the speed [rad/s]; mode: its place in the diagram, from 0; whirl: `forward`,
-    `backward`, `planar` or `mixed`; log_dec: its logarithmic decrement there [1]."""
+    `backward`, `planar` or `mixed`; log_dec: its logarithmic decrement there [1]; where
+    `harmonic` is 1 the shaft's hysteresis is the mean of that of slower and of faster whirls."""
 
     mode: int
     speed: float
@@ -43,7 +53,8 @@ class Campbell(Spectrum):
 
     eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonics: multiples of the
     speed that excite; critical: where a mode meets it, by ascending speed; threshold: slowest speed
-    above which some mode grows [rad/s], None where none does; contacts: `open` or `pinned`.
+    above which some mode grows, with pads that tilt following each at its own frequency [rad/s],
+    None where none does; contacts: `open` or `pinned`.
     """
 
     speeds: np.ndarray
@@ -107,6 +118,7 @@ class _Follower:
     """Follows modes of a machine from speed to speed by their shapes."""
 
     def __init__(self, machine: LinearMachine, count: int) -> None:
+        self._machine, self._count = machine, count
         self._at = cache(lambda speed: machine_modes(machine, speed, count))
         mass, _, _ = machine.rotor_matrices()
         # of every dof but ground's; those that a pin makes one unknown share its mass
@@ -121,6 +133,25 @@ class _Follower:
 
     def at(self, speed: float) -> Modes:
         return self._at(float(speed))
+
+    def growth(self, modes: Modes) -> float:
+        """Return the largest share of growth at a speed (`Modes.growth`) that is more than
+        rounding, negative where nothing grows [1]; pads that tilt follow each whirl."""
+        if modes.speed != 0.0 and self._machine.laws.follows.any():
+            linear = self._machine.at(modes.speed)
+            own = modes_of(self._machine, linear, self._count, pads_whirl=True)
+            modes = replace(own, decays=modes.decays)
+        return modes.growth - LEAST_GROWTH
+
+    def with_rotation(self, modes: Modes, place: int) -> tuple[Modes, int]:
+        """Return the modes with the shaft's hysteresis as it is in the one at a place, which turns
+        with the rotation, and the place of that one."""
+        linear = self._machine.at(modes.speed)
+        if linear.strain.kappa_h == 0.0:
+            return modes, place
+        turning = linear._replace(strain=linear.strain.with_rotation)
+        result = modes_of(self._machine, turning, self._count)
+        return result, int(self.likeness(modes, result)[place].argmax())
 
     def likeness(self, a: Modes, b: Modes) -> np.ndarray:
         """Return the modal assurance criterion, weighted by mass, of all shapes of a with all of b;
@@ -224,6 +255,8 @@ def _critical(
         after = _excess(b, places[1][mode], harmonic)
         if before != 0.0 and before * after <= 0:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
+            if at >= 0 and harmonic == 1.0:
+                there, at = follow.with_rotation(there, at)
             if at >= 0 and there.has_peak[at]:
                 log_dec = float(there.log_dec[at])
                 whirl = there.whirl[at]
@@ -268,11 +301,10 @@ def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:
     rotation one above 0."""
     ahead = [m for m in seen if m.speed >= 0.0]
     outward = ahead if len(ahead) > 1 else seen[::-1]
-    growth = [m.growth - LEAST_GROWTH for m in outward]
-    if growth[0] > 0:
+    if follow.growth(outward[0]) > 0:
         return float(outward[0].speed)
-    for i in range(1, len(outward)):
-        if growth[i] > 0:
-            low, high = outward[i - 1].speed, outward[i].speed
-            return brentq(lambda s: follow.at(s).growth - LEAST_GROWTH, low, high, rtol=1e-12)
+    for before, there in pairwise(outward):
+        if follow.growth(there) > 0:
+            ends = before.speed, there.speed
+            return brentq(lambda s: follow.growth(follow.at(s)), *ends, rtol=1e-12)
     return None

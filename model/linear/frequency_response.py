@@ -25,6 +25,7 @@ from .linear_machine import LinearError, shared_machine
 from .modes import DEFAULT_COUNT, checked_speed, modes_of
 from .places import AnyPlace, as_place
 from .static import check_node
+from .system_at_speed import Linear
 
 _PADE = 12  # order of the approximation of a delay, for poles alone, of up to 2.5 of their periods
 _UNSTABLE = 1e-6  # share of growth of a pole that is more than rounding
@@ -223,10 +224,10 @@ class _Plant:
         return read @ there.factorized(s)(push.T.astype(complex))[0]
 
     def poles(self, top: float) -> np.ndarray:
-        """Return the oscillating poles up to a frequency at least [1/s]."""
+        """Return the oscillating poles up to a frequency at least [1/s], each followed by pads."""
         count = DEFAULT_COUNT
         while True:
-            found = modes_of(self.machine, self.linear, count).eigenvalues
+            found = modes_of(self.machine, self.linear, count, pads_whirl=True).eigenvalues
             if len(found) < count or abs(found[-1]) > top:
                 return found
             count *= 2
@@ -235,11 +236,23 @@ class _Plant:
 def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
     """Return the poles of the machine with its closed loops [1/s], states of laws, such as tilts of
     pads, being unknowns beside its own, and delays approximated by Pade's rational functions."""
+    linear = plant.machine.with_own_states(plant.linear, of_all=True)
+    strain, speed = linear.strain, abs(linear.speed)
+    poles = _poles_of(plant, loops, linear, strain.by_d)
+    if strain.kappa_h == 0.0:
+        return poles
+    fast = _poles_of(plant, loops, linear, strain.by_d_if_fast)  # hysteresis is another one there
+    return np.concatenate([poles[np.abs(poles.imag) <= speed], fast[fast.imag > speed]])
+
+
+def _poles_of(
+    plant: _Plant, loops: Sequence[ControlLoop], linear: Linear, turned: np.ndarray
+) -> np.ndarray:
+    """Return `_closed_poles` with Z = turned of the shaft's strain (`Strain`)."""
     from scipy.signal import tf2ss  # which takes longer than most analyses
 
-    machine = plant.machine
-    linear = machine.with_own_states(plant.linear, of_all=True)
-    M, D, K = (matrix.toarray() for matrix in (linear.M, linear.D, linear.K))
+    strained = linear.system.matrix(linear.own_K, turned)
+    M, D, K = (matrix.toarray() for matrix in (linear.M, linear.D, strained))
     for loop in loops:
         at = plant.selection([loop.magnet])
         K = K - loop.negative_stiffness * at.T @ at

@@ -70,7 +70,7 @@ def static(
     x, y = whole[::2], whole[1::2]
     n = 2 * len(machine.nodes)
     bears = support_loads(machine, linear, machine.weight + force).real
-    bears = without_rounding(bears, _NO_LOAD * total_mass(s) * STANDARD_GRAVITY)
+    bears = without_rounding(bears, _least_load(machine))
     return Static(
         speed=speed,
         contacts=machine.contacts,
@@ -87,6 +87,11 @@ def static(
         load_x=bears[:, 0],
         load_y=bears[:, 1],
     )
+
+
+def _least_load(machine: LinearMachine) -> float:
+    """Return the load [N] up to which what a support bears is rounding."""
+    return _NO_LOAD * float(total_mass(machine.structure)) * STANDARD_GRAVITY
 
 
 def without_rounding(values: np.ndarray, least: float) -> np.ndarray:
@@ -117,7 +122,9 @@ def speeds_and_loads(
     if load is None:
         machine = shared_machine(rotor)
         place = machine.supports.interfaces.index(name)
-        return given, np.array([-machine.loaded(float(s)).laws.force[place] for s in given])
+        loads = np.array([-machine.loaded(float(s)).laws.force[place] for s in given])
+        real, imag = (without_rounding(of, _least_load(machine)) for of in (loads.real, loads.imag))
+        return given, real + 1j * imag
     loads = 0.0 + rotor.downwards * np.atleast_1d(load)
     if len(loads) > 1 < len(given):
         raise LinearError(f"{len(given)} speeds and {len(loads)} loads: only one of them may vary")

@@ -5,6 +5,7 @@ import numpy as np
 from .linear_machine import LinearMachine
 from .linearization import PINNED
 from .real_matrices import in_plane, x_and_y
+from .supports import interfaces
 from .system_at_speed import Linear
 
 
@@ -35,4 +36,7 @@ def support_loads(
         rows = machine.across[x_and_y(machine.pinned)].toarray().T[:-2]
         pins = np.linalg.lstsq(rows, left[:-2], rcond=None)[0]
         acting[machine.pinned] = pins.reshape(-1, 2)
+    # a seal bears what moves its fluid too
+    fluid = np.array([getattr(e.source, "added_mass", 0.0) for e in interfaces(machine.rotor)])
+    acting -= omega**2 * fluid[:, None] * (machine.across @ whole).reshape(-1, 2)
     return np.concatenate([springs, acting])

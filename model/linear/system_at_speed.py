@@ -43,6 +43,11 @@ class Strain(NamedTuple):
         """Z by displacement of motions faster than the rotation, exp(i w t) with w > 0."""
         return self.by_d + self.kappa_h * (np.sign(self.speed) * TURN + 1j * np.eye(2))
 
+    @property
+    def with_rotation(self) -> "Strain":
+        """That of motions with the rotation: the mean of slower and faster ones."""
+        return self._replace(by_d=(self.by_d + self.by_d_if_fast) / 2, kappa_h=0.0)
+
     def at(self, root: complex) -> np.ndarray:
         """Return Z of a motion exp(root t); of one with the rotation the mean of a slower and a
         faster one."""

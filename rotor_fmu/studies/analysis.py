@@ -1,4 +1,4 @@
-"""Evaluation of a study: quantiles, how often a limit is passed, sensitivity to each parameter."""
+"""Evaluation of a study: quantiles, how often limits are exceeded, sensitivities to parameters."""
 
 import math
 from pathlib import Path
@@ -23,8 +23,8 @@ def analyse(folder: Path) -> dict[str, Any]:
     """Return the figures of the rows there are, as JSON can say them.
 
     columns: of every metric, count, least and largest, and, unless the design is morris, whose
-    points are placed to be compared, mean, std and quantiles; limits: how many runs pass each, and
-    the share, in which a run that failed counts as one that passes; of runs drawn independently
+    points are placed to be compared, mean, std and quantiles; limits: how many runs exceed each,
+    and the share, in which a run that failed counts as one that does; of runs drawn independently
     with its interval of Clopper and Pearson; says: notes on how to read them; sensitivity: indices
     of Sobol or Morris with their confidence intervals, where the design is one of theirs.
     """
@@ -142,7 +142,7 @@ def statistics(values: np.ndarray) -> dict[str, Any]:
 
 def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, Any]:
     """Return how many of the values that there are lie above a limit, and the share of these
-    together with the failed runs, which may have passed it too."""
+    together with the failed runs, which may have exceeded it too."""
     from scipy.stats import binomtest
 
     above, count = int((values > limit).sum()), int((~np.isnan(values)).sum()) + failed

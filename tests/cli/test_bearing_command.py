@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.bearing_curves import bearing_curves
-from rotor_fmu.model.linear import (
-    LinearError,
-)
+from rotor_fmu.model.linear import LinearError, campbell
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
@@ -103,6 +101,17 @@ def test_a_mass_that_whirls_between_two_loads_is_said_to():
     light = bearing_answers.bearing(in_films(), [speed], load=np.array([low + 1.0, 2000.0]))
     assert light.table().title.endswith(f"its load whirls below {light.turns[0]:.6g} N")
     assert light.turns == pytest.approx([high], rel=1e-6)
+
+
+def test_an_inclined_machine_whirls_from_the_speed_on_that_is_said():
+    """Its bearings bear half of its weight and all of its mass: a stiff rotor on two alike whirls
+    where the mass on each does."""
+    rotor = replace(in_films(), inclination=math.radians(60.0))
+    speeds = np.linspace(200.0, 1800.0, 9)
+    level, found = (bearing_curves(of, speeds) for of in (in_films(), rotor))
+    assert found.load[0, 1] == pytest.approx(0.5 * level.load[0, 1], rel=1e-6)
+    assert found.mass == pytest.approx(level.mass, rel=1e-6)
+    assert found.threshold == pytest.approx(campbell(rotor, speeds).threshold, rel=0.02)
 
 
 def test_speeds_and_loads_in_any_order_have_the_same_threshold():
@@ -287,3 +296,18 @@ def test_a_table_is_not_written_over_the_machine_nor_where_something_else_cannot
         assert str(refused.value).startswith(expected)
         assert sorted(tmp_path.iterdir()) == before
     assert machine.read_text() == OIL.read_text(encoding="utf-8")
+
+
+def test_a_bearing_of_a_vertical_machine_bears_no_load():
+    """Pads given to nine digits leave 1e-9 N of their forces, which other bearings bear."""
+    pads = (0.785398163, 2.35619449, 3.926990817, 5.497787144)
+    films = film(1, tilting=True, pads=list(pads), arc=1.3, preload=0.3, pivot_stiffness=5e8)
+    coefficients = {"kxx": 8e7, "kyy": 1.2e8, "kxy": 1.5e7, "kyx": -1.5e7, "cxx": 3e4, "cyy": 4e4}
+    others = [
+        table(f"[{kind}]", node=i, **coefficients)
+        for kind, i in (("seal", 2), ("linear_bearing", 3))
+    ]
+    rotor = parse_rotor(heavy_shaft() + films + "".join(others))
+    found = bearing_answers.bearing(replace(rotor, inclination=math.pi / 2), [200.0])
+    assert found.table().title == "journal_bearing[1]: it bears no load"
+    assert not found.load.any()

@@ -6,10 +6,13 @@ Genta, Dynamics of Rotating Systems, 2005).
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import campbell, modes, unbalance_response
+from rotor_fmu.model.linear.frequency_response import ControlLoop, sensitivity
+from rotor_fmu.model.linear.unbalance_check import critical_peaks
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import HYSTERETIC_AS_SLOWER, Simulation
 from rotor_fmu.model.structure.assembly import assemble
@@ -136,6 +139,30 @@ def test_runs_and_responses_say_what_they_take_hysteresis_for(eta_h):
     assert codes == (["hysteretic-as-slower", "unstable"] if eta_h else [])
     for notes in (machine_warnings(rotor), rf.response(rotor, speed=(20.0, 21.0)).notes):
         assert [*notes] == [str(HYSTERETIC_AS_SLOWER)] * (eta_h > 0)
+
+
+@pytest.mark.parametrize(("share", "is_stable"), [(0.0, True), (0.5, True), (1.5, False)])
+def test_a_control_loop_is_stable_where_hysteresis_damps_all_whirls(share, is_stable):
+    """Those faster than the rotation; the loop has no force."""
+    rotor = jeffcott(damping=1e-3 * C_INT, eta_h=0.02, rotating_damping=True)
+    loop = ControlLoop("idle", 2, 2, kp=0.0, kd=0.0, force_per_current=1.0)
+    speed = share * natural_frequency()
+    assert sensitivity(rotor, [50.0], [loop], speed=speed).is_stable == is_stable
+
+
+@pytest.mark.parametrize("eta_h", [0.01, 0.05])
+def test_a_critical_speed_is_as_sharp_as_the_response_to_unbalance_is(eta_h):
+    """Hysteresis, which damps the whirl below its critical speed and drives it above, does not move
+    it there; a backward whirl it damps."""
+    rotor = jeffcott(damping=C_INT, e=1e-5, eta_h=eta_h, rotating_damping=True)
+    speeds = natural_frequency() * np.linspace(0.6, 1.4, 5)
+    backward, forward = campbell(rotor, speeds, count=2).critical
+    plain = campbell(replace(rotor, eta_h=0.0), speeds, count=2).critical[1]
+    assert (backward.whirl, forward.whirl) == ("backward", "forward")
+    assert forward.log_dec == pytest.approx(plain.log_dec, rel=eta_h)
+    assert backward.log_dec == pytest.approx(plain.log_dec + math.pi * eta_h, rel=2 * eta_h)
+    peak = critical_peaks(rotor, speeds[-1], [2])[0].peak
+    assert peak.amplification == pytest.approx(math.pi / forward.log_dec, rel=0.01)
 
 
 def test_hysteresis_does_not_touch_what_turns_with_the_shaft():

@@ -3,8 +3,10 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from rotor_fmu.model.linear import modes
+from rotor_fmu.model.bearing_curves import bearing_curves
+from rotor_fmu.model.linear import campbell, modes
 from rotor_fmu.model.linear.frequency_response import (
     ControlLoop,
     frequency_response,
@@ -38,6 +40,18 @@ def on_pads(q, **changes):
     return text
 
 
+def steep(mass=1100.0, inclination=1.4591, **changes):
+    """A heavy, stiff rotor on pads, on soft pivots unless changed, which it presses little."""
+    text = table("material", young=2.1e11, density=7850.0)
+    text += table("shaft", nodes=[0.0, 0.1, 0.2], diameters=[0.08, 0.08])
+    text += table("[body]", node=2, mass=mass, I_d=mass / 365.0, I_p=mass / 550.0)
+    pads = {"pads": [math.radians(45 + 90 * i) for i in range(4)], "arc": 1.3, "preload": 0.2}
+    film = {"journal_radius": 0.04, "length": 0.03, "clearance": 8e-5, "viscosity": 0.02}
+    pads |= {"tilting": True, "pivot_stiffness": 1e8} | changes
+    text += "".join(table("[journal_bearing]", node=node, **film, **pads) for node in (1, 3))
+    return replace(parse_rotor(text), inclination=inclination)
+
+
 def test_its_decrement_is_the_width_of_the_peak_of_the_frequency_response():
     """In which pads follow the force: it is several times as narrow as with pads that follow the
     rotation."""
@@ -50,6 +64,36 @@ def test_its_decrement_is_the_width_of_the_peak_of_the_frequency_response():
     assert (peak / below) ** 2 + (peak / above) ** 2 == pytest.approx(4.0, rel=0.02)
     slower = modes(rotor, SPEED).damped < SPEED
     assert whirl.synchronous == modes(rotor, SPEED).log_dec[slower].min() > 5 * whirl.log_dec
+
+
+def test_a_campbell_diagram_has_the_threshold_of_a_whirl_that_pads_follow():
+    """That of the mass on each bearing, which the load of a steep machine lets whirl from a speed
+    on to another; with synchronous coefficients it never does."""
+    rotor, speeds = steep(), [400.0, 500.0, 650.0, 950.0]
+    diagram, alone = campbell(rotor, speeds), bearing_curves(rotor, speeds)
+    assert (diagram.damping_ratio > 0).all()
+    assert alone.turns == pytest.approx([582.0, 782.0], rel=0.01)
+    assert diagram.threshold == pytest.approx(alone.threshold, rel=1e-4)
+
+
+def test_a_whirl_that_pads_with_inertia_damp_is_stable_though_they_drive_one_with_the_rotation():
+    rotor = steep(100.0, 1.3, preload=0.0, pivot_stiffness=0.0, pad_inertia=1e-3)
+    threshold = campbell(rotor, [400.0, 600.0, 800.0]).threshold
+    assert modes(rotor, threshold - 10.0).growth > 0.01
+    assert threshold == pytest.approx(bearing_curves(rotor, [400.0, 800.0]).threshold, rel=5e-3)
+
+
+def test_a_peak_of_a_whirl_that_pads_follow_is_found_between_a_few_frequencies():
+    """It lies beside the poles with pads that follow the rotation, and is much sharper."""
+    rotor = steep()
+    found, expected = (
+        frequency_response(rotor, at, 1, [1], speed=800.0, peaks=peaks)
+        for at, peaks in (([20.0, 2000.0], True), (np.linspace(211.0, 211.3, 301), False))
+    )
+    size = abs(found.receptance[:, 0, 0, 0])
+    assert size.max() == pytest.approx(abs(expected.receptance[:, 0, 0, 0]).max(), rel=1e-3)
+    whirl = subsynchronous_whirl(rotor, 800.0)
+    assert found.frequencies[size.argmax()] == pytest.approx(whirl.frequency, rel=1e-5)
 
 
 @pytest.mark.parametrize(("q", "is_unstable"), [(3e5, False), (8e5, True)])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import level_2, modes, static
+from rotor_fmu.model.linear import level_2, modes, static, unbalance_response
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
@@ -40,6 +40,16 @@ def test_it_has_no_weight():
     result = static(sealed(gravity=9.81))
     np.testing.assert_allclose(result.y[1], -9.81 * BODY / K, rtol=1e-5)
     assert result.load_y.sum() == pytest.approx(-9.81 * BODY, rel=1e-9)
+
+
+def test_a_seal_bears_the_inertia_of_its_fluid():
+    """So that all loads are the unbalance's pull and that of the body."""
+    speed, amount = 1.3 * OMEGA, 1e-4
+    found = unbalance_response(sealed(), [speed], unbalances=[(2, amount, 0.0)])
+    pull = speed**2 * (amount + BODY * found.x[0, 1])
+    assert found.load_x.sum() == pytest.approx(pull, rel=1e-5)
+    seal = found.supports.index("seal[1]")
+    assert found.load_x[0, seal] == pytest.approx(-ADDED * speed**2 * found.x[0, 1], rel=1e-9)
 
 
 def test_a_base_that_starts_to_accelerate_takes_it_along():

@@ -145,6 +145,21 @@ def test_what_leaves_at_the_sides_of_pads_against_a_grid(shape, rupture, length,
     assert found == pytest.approx(flow * 0.05 * 1e-4 * 100.0 / (2 * _PI) * length, rel=0.04)
 
 
+@pytest.mark.parametrize("shape", ["plain", "axial grooves", "four lobes"])
+def test_a_short_film_leaves_at_the_sides_by_what_its_pads_narrow(shape):
+    """Speed R L / 2 times how much thinner it becomes along each of them, to its edges."""
+    part, speed, d = _bearing(short=True, **_SHAPES[shape]), 100.0, 0.4e-4 * np.exp(-0.8j)
+    narrowed = 0.0
+    for middle in part.pads or (0.0,):
+        theta = middle + part.arc * np.linspace(-0.5, 0.5, 10001)
+        clearance = part.clearance / (1.0 - part.preload)
+        centre = -(clearance - part.clearance) * np.exp(1j * middle)
+        h = clearance - ((d - centre) * np.exp(-1j * theta)).real
+        narrowed += np.maximum(-np.diff(h), 0.0).sum()
+    flow = speed * part.journal_radius * part.length / 2 * narrowed
+    assert BearingAlone(part, speed).outputs(d)["flow"] == pytest.approx(flow, rel=1e-6)
+
+
 # shape, length, e at 0.8 rad below the right: largest pressure over mu w (R / c)^2 of a grid of 241
 # x 49, and how much it is exceeded
 _PRESSURES = [
