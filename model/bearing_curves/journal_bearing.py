@@ -186,7 +186,7 @@ def _critical_mass(
     eigenvalue of K + i w C there, and the smallest such mass is the critical one.
     """
     found = critical_mass(K, C)
-    if not len(alone.tilts(d)) or alone.speed == 0.0:
+    if not len(alone.tilts(d)) or alone.speed == 0.0 or found[0] == 0.0:
         return found
 
     @cache  # on the verge of bearing a pad may do so or not at the same place
@@ -197,9 +197,6 @@ def _critical_mass(
         return np.asarray(found[np.argsort(found.imag)])
 
     at = _WHIRLS * abs(alone.speed)
-    slow, fast = masses(at[0]), masses(at[-1])
-    if found[0] == 0.0 and min(*slow.real, *fast.imag) <= 0.0:  # so is a light journal
-        return found
     signs = np.sign([masses(w).imag for w in at])
     result = []
     for i, which in np.argwhere(signs[1:] * signs[:-1] < 0).tolist():

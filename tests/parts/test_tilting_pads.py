@@ -258,26 +258,3 @@ def test_the_critical_mass_is_that_of_pads_that_follow_the_whirl(film, speed, lo
         seen = subsynchronous_whirl(machine(share * critical), speed)
         assert seen.is_growing == (share > 1.0)
         assert seen.frequency == pytest.approx(whirl, rel=0.01)
-
-
-def test_pads_that_follow_a_whirl_may_carry_what_no_synchronous_ones_would():
-    """The machine's own modes decay, those with the coefficients at the frequency of rotation
-    grow with any mass."""
-    pads = """
-[[journal_bearing]]
-node = 2
-journal_radius = 0.04
-length = 0.03
-clearance = 8e-5
-viscosity = 0.02
-tilting = true
-pads = [4.71238898, 5.96902604, 7.2256631, 8.48230016, 9.73893723]
-arc = 1.0
-preload = 0.1
-pad_inertia = 1e-3
-"""
-    rotor = parse_rotor(rigid(mass=50.0, gravity=9.81, parts=pads + bearings(10.0, 1.0)))
-    found = bearing_curves(rotor, [1000.0])
-    assert critical_mass(found.K[0], found.C[0])[0] == 0.0
-    assert found.critical_mass[0] > 50.0
-    assert not subsynchronous_whirl(rotor, 1000.0).is_growing
