@@ -50,9 +50,10 @@ def summary(
     c = run.columns
     last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
     steps = last["solver.steps"]
-    losses = sum(last[name] for name in last if name.endswith("_loss"))
+    # a negative one feeds the motion, and takes nothing from what others dissipate
+    losses = sum(max(last[name], 0.0) for name in last if name.endswith("_loss"))
     stored = max((abs(last[n]) for n in last if n.startswith("energy.")), default=0.0)
-    residual = last["energy.residual"] / losses if abs(losses) > _NO_LOSS * stored else None
+    residual = last["energy.residual"] / losses if losses > _NO_LOSS * stored else None
     overdamped_at = last["solver.overdamped_at"]
     return {
         **(figures := _peaks(run, place)),

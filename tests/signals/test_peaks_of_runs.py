@@ -160,6 +160,17 @@ def test_rounding_is_no_energy_error_of_a_rotor_that_stands():
     assert summary(run)["energy_residual"] is None
 
 
+def test_what_feeds_a_whirl_is_not_taken_from_the_energy_dissipated():
+    """Cross coupling that feeds a whirl with as much as dampers take."""
+    last = {"w": 300.0, "solver.steps": 10.0, "energy.kinetic": 5e3, "energy.residual": -0.005}
+    last |= {"energy.bearings_loss": 15.4, "energy.circulation_loss": -15.38}
+    names = ("rejected", "newton", "h_min_used", "h_max_used", "h_last", "trapped", "overdamped_at")
+    columns = {name: np.full(2, value) for name, value in last.items()}
+    columns |= {f"solver.{name}": np.zeros(2) for name in names}
+    run = Run(np.array([0.0, 1.0]), columns, OK, (), 0.0)
+    assert summary(run)["energy_residual"] == pytest.approx(-0.005 / 15.4)
+
+
 def test_how_far_a_place_moved_is_told_of_the_way_that_it_went_farthest():
     """On the rig at 200 rad/s 649 um, though at most 589 um along either axis."""
     run, recording = execute_recorded(prepare(None, None, ["speed=200"], None, 2.0, None), "")
