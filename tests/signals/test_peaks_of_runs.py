@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -169,6 +170,16 @@ def test_what_feeds_a_whirl_is_not_taken_from_the_energy_dissipated():
     columns |= {f"solver.{name}": np.zeros(2) for name in names}
     run = Run(np.array([0.0, 1.0]), columns, OK, (), 0.0)
     assert summary(run)["energy_residual"] == pytest.approx(-0.005 / 15.4)
+
+
+def test_shares_of_sinks_are_of_what_is_dissipated():
+    """Friction takes 2 W, structure 0.5 W, and cross coupling feeds the whirl with 2.4 W."""
+    run = recorded()
+    fed = {"energy.circulation_loss": -2.4 * run.t}
+    text = tables(replace(run, columns=run.columns | fed), {})
+    named = re.findall(r"<td[^>]*>(friction|structure|circulation)</td>(.*?)</tr>", text)
+    shares = {sink: float(re.findall(r">([^<]+)</td>", row)[-1]) for sink, row in named}
+    assert shares == {"friction": 80.0, "structure": 20.0, "circulation": -96.0}
 
 
 def test_how_far_a_place_moved_is_told_of_the_way_that_it_went_farthest():
