@@ -29,11 +29,11 @@ from ..quantities import quantities
 from ..structure.assembly import assemble
 from ..structure.structure import total_mass
 from .linear_machine import LinearMachine, shared_machine
-from .modes import BACKWARD, FORWARD, Modes, modes_of
+from .modes import BACKWARD, FORWARD, Modes, modes_of, modes_up_to
 from .system_at_speed import Linear, LinearError
 
 SPAN = 10.0  # of the cross coupling that is expected: as far as a growing mode is looked for
-_COUNT = 12  # modes looked at: those that are heavily damped are among the lowest
+_COUNT = 12  # modes looked at, at least: those that are heavily damped are among the lowest
 _HEAVY = 0.5  # damping ratio from which a mode is not the first forward one while there are others
 _HIGHEST = 2.0  # of the speed: modes above are not driven by what turns more slowly than the rotor
 _HALVINGS = 6
@@ -112,7 +112,8 @@ class FirstForward:
         it."""
         self._rotor, self._speed, self._shares = rotor, speed, shares
         self._machine, alone = machine, machine.at(speed)
-        first = modes_of(machine, alone, _COUNT)
+        first = modes_up_to(machine, alone, _HIGHEST * abs(speed), _COUNT)
+        self._count = max(_COUNT, len(first.eigenvalues))
         at = _place(first)
         self._is_double = bool(first.is_degenerate[at])
         self.scale = total_mass(assemble(rotor)) * float(first.natural[at]) ** 2
@@ -146,7 +147,7 @@ class FirstForward:
 
     def _modes(self, machine: LinearMachine, linear: Linear, q: float) -> Modes:
         added = machine.cross_coupling({node: q * share for node, share in self._shares})
-        return modes_of(machine, linear._replace(own_K=linear.own_K + added), _COUNT)
+        return modes_of(machine, linear._replace(own_K=linear.own_K + added), self._count)
 
     def _threshold(self, expected: float) -> tuple[_Followed, float | None]:
         """Return the first mode that grows over the cross coupling, and from where on."""

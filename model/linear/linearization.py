@@ -57,7 +57,7 @@ class Linearization:
 
     contacts: `open` or `pinned`; None: open where the machine is held without its contacts, else
     pinned. Raises `LinearError` for another word. full: matrices of every dof; system: where those
-    of its unknowns have numbers, with the shaft's strain.
+    of its unknowns have numbers, with the shaft's strain; elastic: Z of that without damping.
     """
 
     def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
@@ -67,7 +67,7 @@ class Linearization:
         # to read them of a record takes longer than all that is done with them at a speed
         numbers = self.structure.numbers[0]
         self._kappa_v, self._kappa_h = float(numbers.kappa_v), float(numbers.kappa_h)
-        self._elastic = interpreted(elastic_share)(numbers.eta_h) * np.eye(2)
+        self.elastic = interpreted(elastic_share)(numbers.eta_h) * np.eye(2)
         self._viscous = numbers.eta_v * np.eye(2)
         self._soft = float(_SOFT * numbers.lowest_omega**2)  # what of the masses is no stiffness
         self.supports = supports(rotor)
@@ -220,7 +220,7 @@ class Linearization:
             laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in result))
             K, D = K - self._between(laws.by_d), D - self._between(laws.by_v)
         kappa = self._kappa_v * speed + self._kappa_h * math.copysign(speed != 0, speed)
-        strain = Strain(self._elastic - kappa * TURN, self._viscous, self._kappa_h, speed)
+        strain = Strain(self.elastic - kappa * TURN, self._viscous, self._kappa_h, speed)
         none, own = np.zeros(self.system.B.shape[0]), self.laws.states.copy()
         return Linear(speed, self.system, self._M, D, K, strain, at, none, laws, own)
 

@@ -231,6 +231,33 @@ def modes_of(
     )
 
 
+def modes_up_to(
+    machine: LinearMachine,
+    linear: Linear,
+    frequency: float,
+    least: int = DEFAULT_COUNT,
+    *,
+    pads_whirl: bool = False,
+) -> Modes:
+    """Return `modes_of` with all modes up to a natural frequency [rad/s], at least the `least`
+    lowest where there are so many: of a long shaft there may be any number."""
+    count = least
+    while True:
+        found = modes_of(machine, linear, count, pads_whirl=pads_whirl)
+        whirls = found.eigenvalues.real <= found.eigenvalues.imag  # what grows faster is added
+        if len(whirls) < count or found.natural[whirls].max(initial=0.0) > frequency:
+            return found
+        count *= 2
+
+
+def count_up_to(rotor: Rotor, speed: float, least: int, contacts: str | None = None) -> int:
+    """Return how many modes at a speed [rad/s] have a natural frequency up to that of rotation, or
+    `least`: among them are those that meet it up to there."""
+    machine = shared_machine(rotor, contacts)
+    found = modes_up_to(machine, machine.at(speed), abs(speed), least)
+    return max(least, int(np.sum(found.natural <= abs(speed))))
+
+
 def checked_speed(speed: float, name: str = "speed") -> float:
     """Return a speed [rad/s] that may be of any type of number; `LinearError` unless it is finite,
     and of a size with which one can calculate."""

@@ -13,7 +13,7 @@ import numpy as np
 from ..machine.rotor import Rotor
 from .amplification import DAMPED
 from .linear_machine import shared_machine
-from .modes import DEFAULT_COUNT, LEAST_GROWTH, modes_of
+from .modes import LEAST_GROWTH, modes_up_to
 
 # The logarithmic decrement at an amplification factor 1 / (2 zeta) of 2.5, below which API 684
 # calls a mode critically damped. Larger ones, which have no limit, say nothing more.
@@ -52,8 +52,8 @@ def subsynchronous_whirl(
     contacts: str | None = None,
     coupling: tuple[tuple[int, float], ...] = (),
 ) -> SubsynchronousWhirl | None:
-    """Return the least damped whirl slower than a speed [rad/s], of the lowest modes, which pads
-    follow; None at standstill, where no pads tilt, or where there is no such whirl.
+    """Return the least damped whirl slower than a speed [rad/s], which pads follow; None at
+    standstill, where no pads tilt, or where there is no such whirl.
 
     contacts: `open` or `pinned`; None: open where the machine is held without them; coupling: nodes
     (from 1), each with a cross-coupled stiffness [N/m], about the equilibrium without it. Raises
@@ -66,8 +66,8 @@ def subsynchronous_whirl(
     if not machine.laws.follows.any():
         return None
     linear = linear._replace(own_K=linear.own_K + added)
-    own = modes_of(machine, linear, DEFAULT_COUNT, pads_whirl=True)
-    synchronous = modes_of(machine, linear, DEFAULT_COUNT)
+    own = modes_up_to(machine, linear, abs(speed), pads_whirl=True)
+    synchronous = modes_up_to(machine, linear, abs(speed))
     of_own, of_synchronous = (found.damped < abs(speed) for found in (own, synchronous))
     if not of_own.any():
         return None

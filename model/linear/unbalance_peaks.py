@@ -13,12 +13,13 @@ from ..machine.rotor import Rotor
 from .amplification import at_pole, tops, with_modes, with_poles
 from .campbell import campbell
 from .linear_machine import LinearMachine
+from .modes import count_up_to
 from .orbit import semi_axes
 from .places import PlacedAmount
 from .static import check_node, lowest_speed
 from .unbalance import SteadyWhirl, UnbalanceResponse, steady_whirl
 
-_MODES = 12
+_MODES = 12  # at least
 _POINTS = 13  # of the Campbell diagram
 _AMPLITUDES = ("x", "y", "housing_x", "housing_y", "load_x", "load_y")  # of a response
 _BEYOND = 1.2  # times the highest speed, that a critical speed whose flank lies below is found
@@ -63,7 +64,8 @@ def _criticals(
     """Return speed [rad/s] and damping ratio of each critical speed between two speeds, and of
     those whose flank reaches there."""
     diagram = np.linspace(min(low, _BEYOND * low), max(high, _BEYOND * high), _POINTS)
-    found = campbell(rotor, diagram, count=_MODES, contacts=contacts).critical
+    count = count_up_to(rotor, max(diagram, key=abs), _MODES, contacts)
+    found = campbell(rotor, diagram, count=count, contacts=contacts).critical
     return [(c.speed, c.log_dec / (2 * math.pi)) for c in found]
 
 

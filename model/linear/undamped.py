@@ -104,6 +104,7 @@ class UndampedMachine:
         places = self._between.places
         self.mass, self._gyroscopic = M, gyroscopic
         self._K = places.numbers(K.row, K.col, K.data)
+        self._elastic = machine.elastic
         self._system = StrainedMatrices(places, machine.system.B[:, :n], machine.system.stiffness)
 
     @property
@@ -227,7 +228,7 @@ class UndampedMachine:
         `LinearError` where nothing holds the machine."""
         each = np.broadcast_to(stiffness, len(self.bearings))[:, None, None] * np.eye(2)
         try:
-            return self._system.factorized(self._K + self._between(each), np.eye(2))
+            return self._system.factorized(self._K + self._between(each), self._elastic)
         except RuntimeError as error:
             raise LinearError("the machine is not held by its bearings") from error
 

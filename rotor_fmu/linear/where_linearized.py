@@ -9,7 +9,7 @@ import numpy as np
 from ..display import speed_with_unit
 from ..model.laws_at_rest.oil import machine_with_oil
 from ..model.linear.linear_machine import shared_machine
-from ..model.linear.modes import LEAST_GROWTH, modes
+from ..model.linear.modes import LEAST_GROWTH, modes, modes_up_to
 from ..model.linear.orbit import semi_axes
 from ..model.linear.subsynchronous import CRITICALLY_DAMPED, subsynchronous_whirl
 from ..model.linear.unbalance import UnbalanceResponse
@@ -88,7 +88,9 @@ def where_not_reached(
     result = []
     for speed in speeds:
         why = "`rotor-fmu campbell` has the threshold"
-        if modes(machine, speed, contacts=contacts).growth <= LEAST_GROWTH:
+        linear = shared_machine(machine, contacts)
+        found = modes_up_to(linear, linear.at(speed), abs(speed))
+        if found.growth <= LEAST_GROWTH:
             whirl = subsynchronous_whirl(machine, speed, contacts, ())
             if not (whirl and whirl.is_growing):
                 continue

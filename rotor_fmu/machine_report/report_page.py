@@ -18,6 +18,7 @@ from ..linear.linear_tables import clean_damping, numbers
 from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
 from ..linear.where_linearized import where_films_are_left, where_linearized
 from ..model.linear import lowest_speed, placed_unbalances
+from ..model.linear.modes import DEFAULT_COUNT, count_up_to
 from ..model.linear.places import Place, PlacedAmount, as_place
 from ..model.linear.subsynchronous import SubsynchronousWhirl, subsynchronous_whirl
 from ..model.linear.unbalance import steady_whirl
@@ -87,7 +88,8 @@ def machine_report(
         placed = placed_unbalances(rotor, mode, high)
         unbalances = [p.acting for p in placed]
     at_speed = answers.modes(rotor, high, count=_MODES)
-    diagram = answers.campbell(rotor, speeds)
+    count = count_up_to(rotor, top, DEFAULT_COUNT)
+    diagram = answers.campbell(rotor, speeds, count=count)
     over_stiffness = acceptance.critical_map(rotor)
     curve = np.linspace(first, top, SPEEDS)
     nodes = options.probes or ()

@@ -8,6 +8,7 @@ from ..display import current
 from ..model.linear.campbell import campbell
 from ..model.linear.linear_machine import LinearError, shared_machine
 from ..model.linear.linearization import OPEN, PINNED
+from ..model.linear.modes import count_up_to
 from ..model.linear.static import lowest_speed
 from ..model.machine.rotor import Rotor
 from ..runs.recording import Recording
@@ -77,7 +78,7 @@ def _within(rotor: Rotor, lowest: float, highest: float) -> list[float]:
     """Return the critical speeds between two speeds of one sense of rotation [rad/s]."""
     top = 1.05 * highest
     at = np.sort(np.linspace(lowest_speed(rotor, top), top, _SPEEDS))
-    critical = campbell(rotor, at, count=_MODES).critical
+    critical = campbell(rotor, at, count=count_up_to(rotor, top, _MODES)).critical
     return [c.speed for c in critical if abs(lowest) <= abs(c.speed) <= abs(highest)]
 
 

@@ -14,7 +14,7 @@ from ..display import current, shown_speed
 from ..run_status import FAILED, OK, has_failed
 from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
-from ..runs.summary import touching
+from ..runs.summary import dissipated, touching
 from ..runs.verify_run import table_of
 from ..vibration import TooFewTurns
 
@@ -161,7 +161,7 @@ def _contacts(run: Recording, of: str) -> str:
 
 def _sinks(run: Recording, of: str) -> str:
     losses = {name: float(column[-1]) for name, column in run.losses.items() if len(column)}
-    whole = sum(losses.values())
+    whole = dissipated(losses.values())
     if not whole:
         return ""
     rows = [[name, lost, 100 * lost / whole] for name, lost in losses.items()]

@@ -1,7 +1,7 @@
 """The figures of a run, peaks and the solver's work, and what it came to in three sentences."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -50,9 +50,9 @@ def summary(
     c = run.columns
     last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
     steps = last["solver.steps"]
-    losses = sum(last[name] for name in last if name.endswith("_loss"))
+    losses = dissipated(last[name] for name in last if name.endswith("_loss"))
     stored = max((abs(last[n]) for n in last if n.startswith("energy.")), default=0.0)
-    residual = last["energy.residual"] / losses if abs(losses) > _NO_LOSS * stored else None
+    residual = last["energy.residual"] / losses if losses > _NO_LOSS * stored else None
     overdamped_at = last["solver.overdamped_at"]
     return {
         **(figures := _peaks(run, place)),
@@ -72,6 +72,12 @@ def summary(
         "status": run.status,
         **messages_and_codes(run.messages),
     }
+
+
+def dissipated(losses: Iterable[float]) -> float:
+    """Return the energy dissipated by sinks [J]; a negative one, as of cross coupling, feeds the
+    motion, and takes nothing from what others dissipate."""
+    return sum(max(loss, 0.0) for loss in losses)
 
 
 def last_contact(columns: Mapping[str, np.ndarray]) -> str | None:

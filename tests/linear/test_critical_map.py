@@ -50,6 +50,18 @@ def test_on_the_stiffness_of_its_bearings_the_map_has_the_undamped_critical_spee
     assert all(c.stiffness == pytest.approx(3e6) for c in crossings)
 
 
+@pytest.mark.parametrize("eta_h", [0.02, 0.1])
+def test_the_map_of_a_hysteretic_shaft_is_as_stiff_as_the_shaft(eta_h):
+    """An unbalance whirls with the shaft, whose strain stays: hysteresis has no part in it but that
+    it stiffens the shaft (Zorzi and Nelson 1977)."""
+    rotor = parse_rotor(SHAFT + support(1, 1e7, 10.0) + support(7, 1e7, 10.0))
+    rotor = replace(rotor, eta_v=0.0, eta_h=eta_h, rotating_damping=True)
+    found = critical_map(rotor, [1e7, 2e7], count=1)
+    unbalances = [(5, 1e-5, 0.0)]
+    x, *_ = critical_peaks(rotor, 1.2 * found.speeds[0, 0], [4], unbalances=unbalances)
+    assert found.speeds[0, 0] == pytest.approx(x.peak.speed, rel=1e-6)
+
+
 @pytest.mark.parametrize("stiffness", [(3e6, 1e7), (1e6, 3e6)])
 def test_a_stiffness_at_either_end_of_the_map_meets_its_lines(stiffness):
     rotor = parse_rotor(SHAFT + support(1, 3e6, 10.0) + support(7, 3e6, 10.0))

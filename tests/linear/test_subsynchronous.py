@@ -114,6 +114,18 @@ def test_answers_say_what_it_is_and_where_it_grows(q, is_unstable):
     assert all("Hz grows, which its pads follow" in sentence for sentence in said)
 
 
+def test_lower_modes_of_housings_alone_hide_no_whirl():
+    """Five housings that nothing couples with the rotor, with two better damped modes each."""
+    housings = ""
+    for i in range(5):
+        k, c = 1e3 * (1 + i), 30.0 * math.sqrt(1 + i)
+        housings += table("[housing]", name=f"h{i}", mass=1.0, kx=k, ky=k, cx=c, cy=c)
+    alone = subsynchronous_whirl(parse_rotor(on_pads(8e5)), SPEED)
+    found = subsynchronous_whirl(parse_rotor(on_pads(8e5) + housings), SPEED)
+    assert alone.is_growing
+    assert tuple(found) == pytest.approx(tuple(alone), rel=1e-6)
+
+
 @pytest.mark.parametrize(("speed", "is_said"), [(1500.0, True), (1000.0, False), (200.0, False)])
 def test_what_is_critically_damped_has_no_number(speed, is_said):
     """By API 684 with an amplification factor below 2.5, a damping ratio above 0.2. Here whirls

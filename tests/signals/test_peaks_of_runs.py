@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -158,6 +159,27 @@ def test_rounding_is_no_energy_error_of_a_rotor_that_stands():
     run, _ = execute_recorded(prepare(None, None, ["speed=0"], None, 0.5, None), "")
     assert 0 < run.columns["energy.structure_loss"][-1] < 1e-15
     assert summary(run)["energy_residual"] is None
+
+
+def test_what_feeds_a_whirl_is_not_taken_from_the_energy_dissipated():
+    """Cross coupling that feeds a whirl with as much as dampers take."""
+    last = {"w": 300.0, "solver.steps": 10.0, "energy.kinetic": 5e3, "energy.residual": -0.005}
+    last |= {"energy.bearings_loss": 15.4, "energy.circulation_loss": -15.38}
+    names = ("rejected", "newton", "h_min_used", "h_max_used", "h_last", "trapped", "overdamped_at")
+    columns = {name: np.full(2, value) for name, value in last.items()}
+    columns |= {f"solver.{name}": np.zeros(2) for name in names}
+    run = Run(np.array([0.0, 1.0]), columns, OK, (), 0.0)
+    assert summary(run)["energy_residual"] == pytest.approx(-0.005 / 15.4)
+
+
+def test_shares_of_sinks_are_of_what_is_dissipated():
+    """Friction takes 2 W, structure 0.5 W, and cross coupling feeds the whirl with 2.4 W."""
+    run = recorded()
+    fed = {"energy.circulation_loss": -2.4 * run.t}
+    text = tables(replace(run, columns=run.columns | fed), {})
+    named = re.findall(r"<td[^>]*>(friction|structure|circulation)</td>(.*?)</tr>", text)
+    shares = {sink: float(re.findall(r">([^<]+)</td>", row)[-1]) for sink, row in named}
+    assert shares == {"friction": 80.0, "structure": 20.0, "circulation": -96.0}
 
 
 def test_how_far_a_place_moved_is_told_of_the_way_that_it_went_farthest():
