@@ -21,6 +21,7 @@ from .modes import (
     check_count,
     machine_modes,
     modes_of,
+    modes_up_to,
 )
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
@@ -136,10 +137,13 @@ class _Follower:
 
     def growth(self, modes: Modes) -> float:
         """Return the largest share of growth at a speed (`Modes.growth`) that is more than
-        rounding, negative where nothing grows [1]; pads that tilt follow each whirl."""
-        if modes.speed != 0.0 and self._machine.laws.follows.any():
+        rounding, negative where nothing grows [1], of all modes up to the speed; pads that tilt
+        follow each whirl."""
+        tilt = modes.speed != 0.0 and bool(self._machine.laws.follows.any())
+        top = abs(modes.speed)
+        if tilt or modes.natural.max(initial=0.0) < top:
             linear = self._machine.at(modes.speed)
-            own = modes_of(self._machine, linear, self._count, pads_whirl=True)
+            own = modes_up_to(self._machine, linear, top, self._count, pads_whirl=tilt)
             modes = replace(own, decays=modes.decays)
         return modes.growth - LEAST_GROWTH
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import critical_peaks, level_1, level_2, modes
+from rotor_fmu.model.linear import campbell, critical_peaks, level_1, level_2, modes
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear.where_linearized import where_not_reached
@@ -65,6 +65,14 @@ def test_the_picture_of_a_run_marks_critical_speeds_above_the_lowest_modes():
     found = np.array(criticals_of(run).hz) * 2 * np.pi
     for w in FREQUENCIES[9:11]:
         assert np.abs(found / w - 1).min() < 0.03
+
+
+def test_a_diagram_of_few_modes_has_the_threshold_of_all():
+    """The ninth mode's, above the eight that are shown."""
+    damped = f"eta_v = 5e-6\nrotating_damping = true\nmass_damping = {OUTER}"
+    rotor = parse_rotor(SHAFT.replace("DAMPED", damped))
+    found = campbell(rotor, np.linspace(1400.0, SPEED, 5), count=2).threshold
+    assert found == pytest.approx(np.min(FREQUENCIES + OUTER / (5e-6 * FREQUENCIES)), rel=0.02)
 
 
 def test_the_report_of_a_long_shaft_has_the_speed_above_which_its_first_mode_grows():
