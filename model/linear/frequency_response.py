@@ -22,7 +22,7 @@ from ..machine.rotor import Rotor
 from ..quantities import NOT_NEGATIVE, quantity
 from .amplification import with_peaks
 from .linear_machine import LinearError, shared_machine
-from .modes import DEFAULT_COUNT, checked_speed, modes_of
+from .modes import checked_speed, modes_up_to
 from .places import AnyPlace, as_place
 from .static import check_node
 from .system_at_speed import Linear
@@ -225,12 +225,7 @@ class _Plant:
 
     def poles(self, top: float) -> np.ndarray:
         """Return the oscillating poles up to a frequency at least [1/s], each followed by pads."""
-        count = DEFAULT_COUNT
-        while True:
-            found = modes_of(self.machine, self.linear, count, pads_whirl=True).eigenvalues
-            if len(found) < count or abs(found[-1]) > top:
-                return found
-            count *= 2
+        return modes_up_to(self.machine, self.linear, top, pads_whirl=True).eigenvalues
 
 
 def _closed_poles(plant: _Plant, loops: Sequence[ControlLoop]) -> np.ndarray:
