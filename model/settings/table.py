@@ -22,7 +22,12 @@ METHODS = {
     "radau5": (),
 }
 IN_STAGES = "radau5"  # the method that is no member of the family
-MODES = {"fixed": FIXED, "adaptive": ADAPTIVE, "controlled": CONTROLLED, "realtime": REALTIME}
+MODES = {
+    "fixed": FIXED,
+    "adaptive": ADAPTIVE,
+    "controlled": CONTROLLED,
+    "realtime": REALTIME,
+}
 # name: (indicator, whether with the constant that is right for generalized-alpha)
 INDICATORS = {
     "zienkiewicz-xie": (ZIENKIEWICZ_XIE, False),
