@@ -3,7 +3,6 @@ the mass that they carry without whirling."""
 
 import math
 from dataclasses import dataclass
-from functools import cache
 from itertools import pairwise
 from typing import get_args
 
@@ -14,6 +13,7 @@ from ..arguments import check_one_of
 from ..film.bearing_film import PAD
 from ..laws_at_rest.oil import oil_of_both, with_oil
 from ..linear.bearing_equilibrium import BearingAlone, critical_mass
+from ..linear.modes import LEAST_GROWTH
 from ..linear.static import Values, speeds_and_loads, without_rounding
 from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
@@ -30,9 +30,8 @@ _HALVINGS = 30
 # of a force of the film's size, of the clearance, and of the largest coefficient
 _ROUNDING = 1e-12
 _ALONG = 1e-9  # rad: the attitude of a journal that moves along its load
-# Of the speed: between these a whirl that pads follow is looked for. A slower one would need a mass
-# far above any load's, and may be made of rounding.
-_WHIRLS = np.geomspace(0.01, 3.0, 96)
+# Of stiffness over speed squared: of these a whirl that pads follow is looked for.
+_MASSES = np.geomspace(1e-6, 1e6, 145)
 ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
 
@@ -182,27 +181,23 @@ def _critical_mass(
 ) -> tuple[float, float]:
     """Return `critical_mass` of a journal at rest at d [m]; K, C: at the frequency of rotation.
 
-    Pads that tilt follow a whirl at its own frequency w: on the verge of it w^2 m is a real
-    eigenvalue of K + i w C there, and the smallest such mass is the critical one.
+    Pads that tilt follow a whirl at its own frequency: looked for is the smallest mass of which a
+    motion grows.
     """
-    found = critical_mass(K, C)
-    if not len(alone.tilts(d)) or alone.speed == 0.0 or found[0] == 0.0:
-        return found
+    size = np.abs(K).max()
+    if not len(alone.tilts(d)) or alone.speed == 0.0 or size == 0.0:
+        return critical_mass(K, C)
+    root = alone.root_of_mass(d)
 
-    @cache  # on the verge of bearing a pad may do so or not at the same place
-    def masses(w: float) -> np.ndarray:
-        """Return the masses [kg], by their imaginary parts, which are continuous in w."""
-        _, by_d, by_v = alone.settle(d, w)
-        found = np.linalg.eigvals(-by_d - 1j * w * by_v) / w**2
-        return np.asarray(found[np.argsort(found.imag)])
+    def growth(mass: float) -> float:
+        return root(mass).real - LEAST_GROWTH * abs(alone.speed)
 
-    at = _WHIRLS * abs(alone.speed)
-    signs = np.sign([masses(w).imag for w in at])
-    result = []
-    for i, which in np.argwhere(signs[1:] * signs[:-1] < 0).tolist():
-        whirl = brentq(lambda w, j: masses(w)[j].imag, at[i], at[i + 1], args=(which,))
-        result.append((float(masses(whirl)[which].real), whirl))
-    return min((each for each in result if each[0] > 0.0), default=(math.inf, 0.0))
+    masses = size / alone.speed**2 * _MASSES
+    first = next((i for i, mass in enumerate(masses) if growth(mass) > 0.0), None)
+    if not first:
+        return (math.inf if first is None else 0.0), 0.0
+    mass = brentq(growth, masses[first - 1], masses[first])
+    return mass, abs(root(mass).imag)
 
 
 def _viscous(alone: BearingAlone) -> float:

@@ -3,7 +3,7 @@ that it carries without whirling."""
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -186,6 +186,22 @@ class BearingAlone(_LoadedFilm):
         return np.array(
             [abs(balance(self._bearing, tables, moving, i).force) for i in range(count)]
         )
+
+    def root_of_mass(self, d: complex) -> Callable[[float], complex]:
+        """Return what gives for a mass [kg] the fastest growing root [1/s] of the journal with that
+        mass, about its rest at a displacement [m], on pads that follow it."""
+        self._settle_at(d, 0j)
+        place, which = np.array([d], complex), np.array([True])
+        at, of = self._laws.linearized(place, self.speed, self._states, which)
+        force = np.hstack([at.by_d[0], at.by_v[0], of.force])
+        rates = np.hstack([of.by_d, of.by_v, of.by_states])
+        velocity = np.eye(2, force.shape[1], 2)
+
+        def root(mass: float) -> complex:
+            roots = np.linalg.eigvals(np.vstack([velocity, force / mass, rates]))
+            return complex(roots[roots.real.argmax()])
+
+        return root
 
     def no_equilibrium(self, load: complex) -> LinearError:
         """Return the error of a load [N] that is not carried: with the load and what is."""

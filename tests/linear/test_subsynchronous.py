@@ -21,6 +21,8 @@ from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.machine_report import report_page
 
 from ..known import EXAMPLES
+from ..parts.films import film, in_films
+from ..parts.machines import shaft
 from ..toml_text import table
 
 SPEED = 1000.0
@@ -190,3 +192,21 @@ def test_control_loops_are_as_stable_as_whirls_which_pads_follow(q):
 def test_control_loops_are_as_stable_as_the_whirls_of_floating_rings(speed):
     rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")[1]
     assert is_stable(rotor, speed) == (modes(rotor, speed).growth < 0.0)
+
+
+def test_the_critical_mass_is_that_at_which_a_machine_of_it_begins_to_whirl():
+    """Where pads that follow the rotation would leave each mass unstable, as a pad that bears
+    little, pivoted behind its middle, is negatively stiff to fast motions."""
+    pads = {"pads": (5.178, 0.989, 3.084), "arc": 1.644, "offset": 0.745, "tilting": True}
+    found = bearing_curves(in_films(**pads), [-400.0], load=2.0)
+    assert np.linalg.det(found.K[0]) > 0.0 > np.trace(found.K[0])
+    for share, grows in ((0.999, False), (1.001, True)):
+        mass = share * found.critical_mass[0]
+        body = table("[body]", node=2, mass=2 * mass, I_d=4e-3 * mass, I_p=1e-6 * mass)
+        light = shaft(0.0, 0.1, 0.2, material=table("material", young=2.1e13, density=1e-4))
+        rotor = parse_rotor(
+            f"gravity = {2.0 / mass}\n{light}{body}{film(1, **pads)}{film(3, **pads)}"
+        )
+        whirl = subsynchronous_whirl(rotor, -400.0)
+        assert whirl.is_growing == grows
+        assert whirl.frequency == pytest.approx(found.whirl[0], rel=1e-3)
