@@ -209,7 +209,7 @@ def table(results: list[Result]) -> str:
         failed = f["status"].startswith("failed")
         psi, circle = f["psi_at_x_peak_deg"], f["circulation_hz"]
         cells += [
-            "-" if failed else f"{psi[0]:.0f} to {psi[1]:.0f}",
+            "-" if failed or psi is None else f"{psi[0]:.0f} to {psi[1]:.0f}",
             "-" if failed else "never" if circle is None else f"{circle[0]:.1f} to {circle[1]:.1f}",
             _steps(result),
             f"{f['newton_per_step']:.1f}" if f["newton_per_step"] else "-",

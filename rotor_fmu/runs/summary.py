@@ -35,10 +35,10 @@ def summary(
     r_largest_um: the largest after the start-up, peak or not, in x, in y, in any direction;
     y_static_um: where the place begins in y.
 
-    psi_at_x_peak_deg: between which contact angles the last bearing that touches is at the peak in
-    x; circulation_hz: lowest and highest speed at which that bearing's journal goes all round: it
-    lies a quarter of a turn, or up to a radian more, ahead of where it rests. This and y_static_um
-    are None of a machine that begins in the air.
+    psi_at_x_peak_deg: between which contact angles the last bearing that touches does so at the
+    peak in x, None if it does not there; circulation_hz: lowest and highest speed at which that
+    bearing's journal goes all round: it lies a quarter of a turn, or up to a radian more, ahead of
+    where it rests. This and y_static_um are None of a machine that begins in the air.
 
     steps, rejected: steps that the solver took, and took again more finely; newton_per_step: its
     iterations; h_min, h_max, h_last: shortest, longest and last step [s]; solver_s: time of the run
@@ -120,8 +120,9 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
 
 
 def _angles(run: Run | Recording, peak_hz: float | None) -> dict[str, Any]:
-    """Return psi of the last bearing that touches, from and to [deg], the latter above 360 where 0
-    is passed, at the speed of a peak, and between which speeds the journal circulates [Hz]."""
+    """Return psi of the last bearing that touches, while it does, from and to [deg], the latter
+    above 360 where 0 is passed, at the speed of a peak, and between which speeds the journal
+    circulates [Hz]."""
     figures: dict[str, Any] = {"psi_at_x_peak_deg": None, "circulation_hz": None}
     t, c, contact = run.t, run.columns, last_contact(run.columns)
     late = np.flatnonzero(t > start_up(t, c["w"]))
@@ -130,6 +131,8 @@ def _angles(run: Run | Recording, peak_hz: float | None) -> dict[str, Any]:
     psi, hz = c[f"{contact}.psi"], c["w"] / TURN
     if peak_hz is not None:
         near = late[np.abs(hz[late] - peak_hz) <= _NEAR_PEAK * abs(peak_hz)]
+        if f"{contact}.fn" in c:  # a journal in the air has no contact
+            near = near[c[f"{contact}.fn"][near] > 0.0]
         if len(near):
             figures["psi_at_x_peak_deg"] = np.degrees(_range(psi[near])).tolist()
     ahead = np.sign(c["w"]) * (psi - psi[0]) - 0.5 * math.pi  # with the shaft

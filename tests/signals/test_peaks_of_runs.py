@@ -274,6 +274,22 @@ def test_the_range_of_a_contact_angle_is_that_of_all_rows_even_across_0(middle):
     )
 
 
+def test_the_range_of_a_contact_angle_is_of_rows_with_a_contact():
+    """A journal goes all round its bearing, and touches it between 4 and 5 rad; or not at the
+    peak."""
+    t = np.arange(0.0, 40.0, 1e-4)
+    w = 400 - 10 * t
+    psi = (500 * t) % TURN
+    touches = (psi >= 4.0) & (psi <= 5.0)
+    columns = {"phi": 400 * t - 5 * t**2, "w": w, "wall.psi": psi}
+    columns |= {f"disc.{axis}_amp": np.exp(-(((w - 200) / 20) ** 2)) for axis in "xyr"}
+    columns |= {"disc.x": 0 * t, "disc.y": 0 * t}
+    figures = summary_of_signals(t, columns | {"wall.fn": 1.0 * touches})
+    assert np.radians(figures["psi_at_x_peak_deg"]) == pytest.approx([4.0, 5.0], abs=0.05)
+    figures = summary_of_signals(t, columns | {"wall.fn": 1.0 * (touches & (w < 100))})
+    assert figures["psi_at_x_peak_deg"] is None
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_the_figures_of_a_run_scale_with_its_speed(scale):
     def figures(scale):
