@@ -48,7 +48,7 @@ class HeatedQuantities(ContactQuantities, BowQuantities):
 OUTPUTS = (
     *CONTACT_OUTPUTS,
     Output("heat", "W", "heat of friction", nominal=10.0, reached_by=SPEED),
-    Output("bow", "m", "bow of the shaft by heat, at the contact", True, 1e-5),
+    Output("bow", "m", "bow of the shaft by the heat of this contact, at its node", True, 1e-5),
     Output("bow_angle", "rad", "angle of the bow from the mark of the shaft", True, 1.0),
 )
 _OUT = places(OUTPUTS)
