@@ -14,7 +14,7 @@ from ..display import speed_with_unit
 from ..errors import InputError, RunFailed, check_positive, listed, numbers
 from ..linear.answers import modes
 from ..linear.displayed import of_machine
-from ..model.linear.modes import LEAST_GROWTH
+from ..model.linear.modes import DEFAULT_COUNT, LEAST_GROWTH, count_up_to
 from ..model.linear.residual_unbalance import balance_quality_grade, tolerance_planes
 from ..model.linear.static import check_node
 from ..model.linear.subsynchronous import subsynchronous_whirl
@@ -193,7 +193,8 @@ class _Bench:
 
 def _settling(rotor: Rotor, speed: float) -> float:
     """Return in how many turns a machine settles at a speed [rad/s], infinite without damping."""
-    found, in_pads = modes(rotor, speed), subsynchronous_whirl(rotor, speed)
+    count = count_up_to(rotor, speed, DEFAULT_COUNT)
+    found, in_pads = modes(rotor, speed, count=count), subsynchronous_whirl(rotor, speed)
     of_pads = [in_pads.growth] if in_pads else []
     roots = [*found.eigenvalues.real, *found.decays, *of_pads, *([] if found.is_held else [0.0])]
     growth = float(np.max(roots, initial=-math.inf))
