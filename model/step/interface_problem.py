@@ -18,22 +18,20 @@ from ..parts.law import Kinematics
 from .laws import law_gap, law_tangent
 
 EXPECTED, OPEN, WALL = 0, 1, 2
-# Attempts, one after another: where Newton starts, its relaxation, its iterations. The first does
-# in all but one of some hundred steps; the damped ones do not cycle between open and closed.
-ATTEMPTS = (
-    (EXPECTED, 1.0, 20),
-    (OPEN, 1.0, 20),
-    (WALL, 1.0, 20),
-    (OPEN, 0.5, 600),
-    (WALL, 0.3, 800),
-    (EXPECTED, 0.1, 1500),
-)
+# Where Newton starts, one attempt after another; the iterations of each, and how many of them apply
+# the whole correction. The later ones apply less of it where it turns, so that they do not cycle
+# between open and closed, or between sliding forward and backward.
+STARTS = (EXPECTED, OPEN, WALL)
+ITERATIONS, UNDAMPED = 600, 20
+# Factors of the share that is applied where a correction points against the last one, and where it
+# does not; factor of the largest share at each such turn, which ends cycles of a regained share.
+DAMPING, RECOVERY, FALL = 0.5, 1.5, 0.9
 # Share of an interface's length that bounds Newton's last correction of a displacement. The forces
 # are corrected with it, so their error is of second order in it.
 TOLERANCE = 1e-8
 # Instead of a limit of the iterations, for a step towards rest, which a shorter one may replace:
-# only the attempts without damping, and no correction moves a film or a rolling bearing by more
-# than its length.
+# only iterations without damping, and no correction moves a film or a rolling bearing by more than
+# its length.
 TOWARDS_REST = -1
 
 
@@ -43,7 +41,7 @@ class InterfaceProblem(NamedTuple):
     states of the laws, predicted and solved; residual: largest difference between a force and its
     law where the iterations are limited [N], shape (1,); flexibility W [1/kg], shape (2 m, 2 m), of
     (x, y) pairs; jacobian, closed: the columns of Newton's matrix that differ from the identity,
-    and their indices; correction: scratch."""
+    and their indices; correction, last_correction: scratch."""
 
     d0: Annotated[np.ndarray, complex, "interfaces"]
     d0_dot: Annotated[np.ndarray, complex, "interfaces"]
@@ -59,6 +57,7 @@ class InterfaceProblem(NamedTuple):
     flexibility: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     jacobian: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     correction: Annotated[np.ndarray, float, "2 * interfaces"]
+    last_correction: Annotated[np.ndarray, float, "2 * interfaces"]
     closed: Annotated[np.ndarray, np.int64, "2 * interfaces"]
 
 
@@ -162,10 +161,24 @@ def _start(problem, laws, interfaces, place, b_d):
                 wall = free * (1.0 + gap / modulus(free))
                 w = (wall - problem.d0[j]) * (1.0 / b_d)
         problem.w[j] = w
+        problem.last_correction[2 * j] = 0.0
+        problem.last_correction[2 * j + 1] = 0.0
+
+
+@jit
+def _relaxation(problem, share, largest):
+    """Return the share of Newton's correction to apply, and the largest one, given the last two."""
+    along = 0.0
+    for i in range(len(problem.correction)):
+        along += problem.correction[i] * problem.last_correction[i]
+        problem.last_correction[i] = problem.correction[i]
+    if along < 0.0:
+        return DAMPING * share, FALL * largest
+    return min(largest, RECOVERY * share), largest
 
 
 @jit_inlined
-def _correct(problem, interfaces, relax, b_d, is_bounded):
+def _correct(problem, interfaces, share, b_d, is_bounded):
     """Apply a share of Newton's correction, all of the last one, so that motion and forces are
     consistent; is_bounded: see `TOWARDS_REST`. Return whether it was the last."""
     is_converged = True
@@ -177,7 +190,7 @@ def _correct(problem, interfaces, relax, b_d, is_bounded):
             is_converged = False
         if is_bounded and interfaces[j].has_wall == 0:
             longest = max(longest, moved / interfaces[j].length)
-    share = 1.0 if is_converged else relax / longest
+    share = 1.0 if is_converged else share / longest
     for j in range(len(interfaces)):
         change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
         problem.w[j] += scaled(share, change)
@@ -242,21 +255,21 @@ def solve_interfaces(problem, laws, interfaces, spin, weights, limit=0):
     iterations).
 
     interfaces: records, shape (m,); weights: b_d, b_v and b_rate; limit: of the iterations, whose
-    result is then accepted; 0 for none, or `TOWARDS_REST`. Plain Newton from the expected sliding
-    cycles between open and closed in some coarse steps; `ATTEMPTS` lists the further attempts.
-    `iterations` counts those of all attempts.
+    result is then accepted; 0 for none, or `TOWARDS_REST`. `iterations` counts those of all
+    attempts.
     """
     if limit > 0:
         return True, _solve_within(problem, laws, interfaces, spin, weights, limit)
     iterations, b_d, is_bounded = 0, weights.displacement, limit == TOWARDS_REST
-    for place, relax, most in ATTEMPTS:
-        if is_bounded and relax < 1.0:
-            break
+    for place in STARTS:
         _start(problem, laws, interfaces, place, b_d)
-        for _ in range(most):
+        share, largest = 1.0, 1.0
+        for iteration in range(UNDAMPED if is_bounded else ITERATIONS):
             iterations += 1
             if not _linearize(problem, laws, interfaces, spin, weights):
                 break
-            if _correct(problem, interfaces, relax, b_d, is_bounded):
+            if iteration >= UNDAMPED - 1:
+                share, largest = _relaxation(problem, share, largest)
+            if _correct(problem, interfaces, share, b_d, is_bounded):
                 return True, iterations
     return False, iterations

@@ -148,6 +148,26 @@ def test_every_coarse_step_is_solved_to_tolerance(h, scheme, solve, draws):
     assert touched > 1.5 * draws  # of three times as many
 
 
+@pytest.mark.parametrize("h", [0.004, 0.01])
+def test_newton_does_not_cycle_far_within_the_walls(h):
+    """Where a step may reverse the sliding, or leave the wall, and more so in a coarse one."""
+    rng = np.random.default_rng(3)
+    problem = new_problem()
+    iterations = []
+    for scheme in SCHEMES:
+        b_d, b_v = scheme.beta * h * h, scheme.gamma * h
+        for omega in (20.0, 180.0, 400.0):
+            problem.flexibility[:] = step_flexibility(scheme, h, omega)
+            for _ in range(30):
+                draw(rng, problem, omega, b_d)
+                for given in (problem.d0, problem.d0_dot, problem.w_free):
+                    given[:] *= 30.0
+                is_solved, needed = solved(problem, omega, b_d, b_v)
+                assert is_solved
+                iterations.append(needed)
+    assert np.mean(iterations) < 150
+
+
 def test_without_contact_the_free_accelerations_are_the_solution():
     problem = new_problem()
     problem.flexibility[:] = step_flexibility(newmark(), 1e-3, 100.0)
