@@ -25,7 +25,7 @@ def outcome(rotor, settings, stop, interval=0.005):
 
 SLOW = {
     "a stiff wall": ({"k": 1e20}, {}),
-    "friction that locks": ({"mu": 5.0}, {"max_iterations": 10**6}),
+    "friction that locks": ({"mu": 5.0}, {"max_iterations": 10**5}),
 }
 MENDED = {
     "preset robust": ("friction that locks", {}, {"preset": "robust"}),

@@ -19,8 +19,8 @@ def rubbing(**bearing):
     return RIG.with_parts(Bearing, *(replace(b, **bearing) for b in RIG.bearings))
 
 
-@pytest.mark.parametrize("most", [10**6, pytest.param(None, marks=pytest.mark.slow)])
-def test_friction_that_no_step_resolves_ends_the_run_with_what_to_try(most):
+@pytest.mark.parametrize("most", [10**5, pytest.param(None, marks=pytest.mark.slow)])
+def test_friction_that_takes_too_much_work_ends_the_run_with_what_to_try(most):
     """By default after ten million iterations."""
     settings = choose(**({"max_iterations": most} if most else {}))
     sim = Simulation(rubbing(mu=5.0), settings, speed=400.0, rate=-10.0, warn=lambda message: None)
@@ -28,9 +28,9 @@ def test_friction_that_no_step_resolves_ends_the_run_with_what_to_try(most):
     with pytest.raises(
         StepFailure, match=rf"stopped after {most} iterations .* allow more of them.* less friction"
     ):
-        sim.advance(0.01, 400.0)
-    assert 0 < sim.time < 0.01
-    assert sim.read("solver.newton") > most
+        sim.advance(0.2, 400.0)
+    assert 0 < sim.time < 0.2
+    assert sim.read("solver.newton") >= most
 
 
 @pytest.mark.slow
