@@ -4,12 +4,15 @@ import shutil
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
+from ctypes import byref
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
 import fmpy
+from fmpy import fmi2, fmi3
+from fmpy.logging import addLoggerProxy
 
 from ..errors import InputError, RunFailed, known_name, number, shown_value
 from ..files import named
@@ -38,7 +41,8 @@ class Member:
     which its library is loaded costs a process half a megabyte that is never freed. parameters:
     values by name; messages: those of all FMUs, since FMPy hands them to the logger made last;
     stop, tolerance: end of the run [s] and relative tolerance [1] that it gets, if any; name: what
-    the system calls it, which messages begin with, since several of its FMUs may be of one file.
+    the system calls it, which is its instance's name and which messages begin with, since several
+    of its FMUs may be of one file.
     Raises `RunFailed` with the FMU's own message when a call fails, and, before anything of the FMU
     is loaded, `InputError` for what is no FMU for co-simulation, for a parameter that it does not
     have, and for a value that is none of the parameter's type.
@@ -56,6 +60,7 @@ class Member:
         self.messages = messages
         self._file = fmu
         self._name = f"{name}: {fmu.name}" if name else fmu.name
+        self._instance_name = name or None
         self._is_extracted = fmu.is_dir()
         try:
             description = fmpy.read_model_description(str(fmu))
@@ -92,14 +97,11 @@ class Member:
     def _instantiate(self) -> None:
         self._folder = str(self._file) if self._is_extracted else mkdtemp()
         search_path = list(sys.path)
-        options = {"debug_logging": True, "logger": self._log}
         try:
             if not self._is_extracted:
                 self._extract()
             check_plain_path(Path(self._folder))
-            self._fmu = self._call(
-                fmpy.instantiate_fmu, self._folder, self._description, "CoSimulation", **options
-            )
+            self._fmu = self._call(self._instance)
         except BaseException:
             self._remove_extracted()
             raise
@@ -107,6 +109,27 @@ class Member:
             # without the folder of the FMU's scripts: a process that is started later would import
             # the FMU's copy of pythonfmu instead of the installed one
             sys.path[:] = search_path
+
+    def _instance(self) -> Any:
+        """Return an instance as FMPy's `instantiate_fmu` makes it, which lets none have a name."""
+        given = {
+            "guid": self._description.guid,
+            "unzipDirectory": self._folder,
+            "modelIdentifier": self._description.coSimulation.modelIdentifier,
+            "instanceName": self._instance_name,
+        }
+        if self._is_fmi3:
+            fmu = fmi3.FMU3Slave(**given)
+            fmu.instantiate(loggingOn=True, logMessage=self._log)
+            return fmu
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
+        callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+        callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        addLoggerProxy(byref(callbacks))
+        fmu = fmi2.FMU2Slave(**given)
+        fmu.instantiate(callbacks=callbacks, loggingOn=True)
+        return fmu
 
     def __exit__(self, error: object, *_: object) -> None:
         try:
@@ -159,7 +182,7 @@ class Member:
         try:
             done = self._call(self._fmu.doStep, t, h)
         except RunFailed as error:
-            if getattr(error.__cause__, "status", None) == fmpy.fmi2.fmi2Discard:
+            if getattr(error.__cause__, "status", None) == fmi2.fmi2Discard:
                 raise EndedEarly(str(error)) from error
             raise
         # of FMI 3.0, between whether there are events and an early end, which it is not allowed
@@ -204,6 +227,10 @@ class Member:
             said = self.messages[heard:]
             reason = said[-1] if said else " ".join(str(error).split())
             raise RunFailed(f"{self._name}: {reason}") from error
+        finally:
+            self.messages[heard:] = [
+                Message(f"{self._name}: {said}", said.code) for said in self.messages[heard:]
+            ]
 
     def _extract(self) -> None:
         try:
@@ -224,5 +251,5 @@ class Member:
 
     def _log(self, *arguments: Any) -> None:
         status, _, text = arguments[-3:]  # FMI 2.0 has the instance's name before
-        if status != fmpy.fmi2.fmi2OK:
+        if status != fmi2.fmi2OK:
             self.messages.append(read_message(text))

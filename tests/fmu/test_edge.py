@@ -234,7 +234,8 @@ def test_an_fmu_in_python_is_not_loaded_from_a_path_from_which_it_would_end_the_
     folder = tmp_path / name
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    monkeypatch.setattr(fmpy, "instantiate_fmu", lambda *_, **__: pytest.fail("was loaded"))
+    for of, call in ((fmpy, "instantiate_fmu"), (fmpy.fmi2.FMU2Slave, "__init__")):
+        monkeypatch.setattr(of, call, lambda *_, **__: pytest.fail("was loaded"))
     said = re.escape(str(folder)) + ".*: an FMU in Python is run from a path of plain letters"
     with pytest.raises(InputError, match=said):
         Member(fmu, {}, []).__enter__()
