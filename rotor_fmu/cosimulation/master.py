@@ -1,6 +1,7 @@
 """A Jacobi master: at each communication point every FMU gets the others' last outputs, then all
 step."""
 
+import re
 import reprlib
 from array import array
 from collections import Counter
@@ -13,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import MOST_ROWS, InputError, check_positive, known_name
+from ..errors import MOST_ROWS, InputError, check_positive, known_name, listed, mapped, path_of
 from ..files import unfinished
 from ..fmi.variables import are_alike
 from ..interrupts import interrupts_noted
@@ -154,22 +155,28 @@ def coupled(
 ) -> Iterator[CoupledFmus]:
     """Yield FMUs in the initialization mode, with their initial values exchanged.
 
-    fmus: files of FMUs, or the folders into which they were extracted, by name; connections: pairs
-    (output, input), each `FMU.VARIABLE`, passed on at every communication point; initial: pairs
-    passed on one after another now; parameters: of each FMU by name, set before the initialization;
-    recorded: variables of each FMU to read beside those that are passed on; tables: how messages
-    call the two lists of pairs; stop: end of the run [s]; tolerance: relative, of the run [1], by
-    default each FMU's own. Raises `RunFailed` where a call of one of the FMUs fails, and, before
-    any of them is loaded, `InputError` for an unknown name, a pair that connects other units, an
-    input that has its value from another pair, and a stop or tolerance that is not positive and
-    finite.
+    fmus: files of FMUs, or the folders into which they were extracted, by name, a word without a
+    dot; connections: pairs (output, input), each `FMU.VARIABLE`, passed on at every communication
+    point; initial: pairs passed on one after another now; parameters: of each FMU by name, set
+    before the initialization; recorded: variables of each FMU to read beside those that are passed
+    on; tables: how messages call the two lists of pairs; stop: end of the run [s]; tolerance:
+    relative, of the run [1], by default each FMU's own. Raises `RunFailed` where a call of one of
+    the FMUs fails, and, before any of them is loaded, `InputError` for an unknown name, a pair that
+    connects other units, an input that has its value from another pair, and a stop or tolerance
+    that is not positive and finite.
     """
     check_positive("stop", stop, "s")
     if tolerance is not None:
         check_positive("tolerance", tolerance)
+    fmus = {
+        _word(name): path_of(f"fmus: {name}", fmu) for name, fmu in mapped("fmus", fmus).items()
+    }
+    parameters, recorded = mapped("parameters", parameters), mapped("recorded", recorded)
     for what, given in (("parameters:", parameters), ("recorded:", recorded)):
         for name in given:
             known_name(what, name, fmus)
+    parameters = {name: mapped(f"parameters: {name}", of) for name, of in parameters.items()}
+    recorded = {name: listed(f"recorded: {name}", of, "names") for name, of in recorded.items()}
     always, first = (
         [_connection(table, row, fmus) for row in check_rows(table, rows, "output", "input")]
         for table, rows in zip(tables, (connections, initial), strict=True)
@@ -200,6 +207,14 @@ def coupled(
             members[c.receiver].set({c.input: members[c.sender].get([c.output])[c.output]})
         seen = {name: tuple(names) for name, names in read.items()}
         yield CoupledFmus(members, always, seen, messages, stop)
+
+
+def _word(name: Any) -> str:
+    """Return the name of an FMU; `InputError` for one that could not be told from a variable's in
+    `FMU.VARIABLE`, or in a saved run, which has a space between the two."""
+    if not (isinstance(name, str) and name.isprintable() and re.fullmatch(r"[^\s.]+", name)):
+        raise InputError(f"fmus: {reprlib.repr(name)}: must be a word without a dot")
+    return name
 
 
 def check_rows(table: str, rows: Any, *columns: str) -> list[Any]:

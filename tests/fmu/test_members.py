@@ -276,28 +276,6 @@ def test_each_fmu_is_told_the_end_and_the_tolerance_of_the_run(motor, fmu, nativ
     assert min(steps[1]) > 2 * max(steps[0])
 
 
-def test_of_two_fmus_of_one_file_a_message_says_which(motor, native_3):
-    fmus, pairs = {"motor": motor, "left": native_3, "right": native_3}, []
-    given = {"right": {"bearing[1].k": -1.0}}
-    expected = r"^right: RotorBearingNative\.fmu: bearing\[1\]\.k = -1 N/m: must be > 0"
-    with (
-        pytest.raises(RunFailed, match=expected),
-        coupled(fmus, pairs, parameters=given, stop=1.0) as opened,
-    ):
-        opened.run(0.5)
-
-
-def test_of_two_fmus_of_one_file_a_warning_says_which(fmu, native_fmu, native_3, capfd):
-    given = {"solver.preset": 3, "solver.tolerance": 1e-4}  # fixed steps have no tolerance
-    for file in (fmu, native_fmu, native_3):
-        two = dict.fromkeys(("left", "right"), file)
-        with coupled(two, [], parameters={"left": given}, stop=1.0) as opened:
-            opened.run(0.5)
-        (said,) = (m for m in opened.messages if m.code == "idle-setting")
-        assert said.startswith(f"left: {file.name}: solver.tolerance = 0.0001: has no effect")
-        assert "left: warning: solver.tolerance = 0.0001: has no effect" in capfd.readouterr().err
-
-
 def test_a_name_that_no_fmu_has_is_refused_before_any_is_loaded(motor, native_3, monkeypatch):
     def loads(*arguments):
         raise AssertionError
