@@ -242,15 +242,18 @@ def _check(
 ) -> None:
     """Raise `InputError` for a connection whose units differ, or that ends where nothing can be
     set."""
-    output, taken = members[c.sender].readable(c.output), members[c.receiver].readable(c.input)
+    sender, receiver = members[c.sender], members[c.receiver]
+    output, taken = sender.readable(c.output), receiver.readable(c.input)
     is_tunable = (taken.causality, taken.variability) == ("parameter", "tunable")
     if taken.causality not in settable and not is_tunable:
         raise InputError(
             f"{table}: {c.receiver}.{c.input}: is of causality {taken.causality}; must be "
             f"{' or '.join(settable)}"
         )
-    if output.unit and taken.unit and not are_alike(output.unit, taken.unit):
+    (one, is_one), (other, is_other) = sender.unit(output), receiver.unit(taken)
+    is_same = are_alike(one, other) or (is_one is not None and is_one == is_other)
+    if one and other and not is_same:
         raise InputError(
-            f"{table}: {c.sender}.{c.output} [{output.unit}], {c.receiver}.{c.input} "
-            f"[{taken.unit}]: must have the same unit"
+            f"{table}: {c.sender}.{c.output} [{one}], {c.receiver}.{c.input} "
+            f"[{other}]: must have the same unit"
         )

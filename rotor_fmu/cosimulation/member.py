@@ -27,6 +27,8 @@ _REALS = ("Real", "Float64", "Float32")
 _LEAST = {"Integer": -(2**31)} | {f"Int{n}": -(2 ** (n - 1)) for n in (8, 16, 32, 64)}
 _MOST = {name: -least - 1 for name, least in _LEAST.items()}
 _MOST |= {f"UInt{n}": 2**n - 1 for n in (8, 16, 32, 64)}
+# What FMI says of a unit: exponents of the SI base units, factor and offset.
+_OF_UNIT = ("kg", "m", "s", "A", "K", "mol", "cd", "rad", "factor", "offset")
 
 
 class EndedEarly(RunFailed):
@@ -74,6 +76,11 @@ class Member:
             raise InputError(f"{fmu}: must be an FMU for co-simulation")
         self._description = description
         self._variables = {v.name: v for v in description.modelVariables}
+        self._units = {
+            of.name: tuple(float(getattr(of.baseUnit, name)) for name in _OF_UNIT)
+            for of in description.unitDefinitions
+            if of.baseUnit is not None
+        }
         self._grouped = cache(self._in_groups)
         for name, value in parameters.items():
             self._typed(name, value)
@@ -154,6 +161,12 @@ class Member:
         if variable.type in _NO_NUMBERS:
             raise InputError(f"{self._name}: {name}: is a {variable.type}; must be a number")
         return variable
+
+    def unit(self, variable: Any) -> tuple[str, tuple[float, ...] | None]:
+        """Return the unit of a variable, its own or its type's: the name, empty if it has none, and
+        what the FMU says that it is, if it does."""
+        unit = variable.unit or getattr(variable.declaredType, "unit", None) or ""
+        return unit, self._units.get(unit)
 
     def begin(self) -> None:
         """Leave the initialization mode."""
