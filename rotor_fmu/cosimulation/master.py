@@ -93,10 +93,16 @@ class CoupledFmus:
         """Yield the communication points, `step` [s] apart, the last after what is left of a step;
         all FMUs leave the initialization mode at the first. Raises `RunFailed`, which is
         `EndedEarly` where an FMU has not failed but ends the run, and `InputError` for a step that
-        is not positive and finite, or so short that there are more than `most`."""
+        is not positive and finite, or so short that there are more than `most`, or that leaves a
+        shorter one at the end to an FMU that takes equal steps only."""
         check_positive("step", step, "s")
         stop = self.stop
         check_steps(f"step = {step:g} s", f"stop = {stop:g} s", stop / step, most)
+        is_whole = step >= stop or abs(stop - round(stop / step) * step) <= _WHOLE * step
+        for name, member in self.members.items():
+            if not (is_whole or member.takes_any_step):
+                reason = f"{name} takes equal steps only"
+                raise InputError(f"step = {step:g} s: must divide stop = {stop:g} s: {reason}")
         inputs = {to: [c for c in self.connections if c.receiver == to] for to in self.members}
         for member in self.members.values():
             member.begin()
@@ -161,9 +167,9 @@ def coupled(
     before the initialization; recorded: variables of each FMU to read beside those that are passed
     on; tables: how messages call the two lists of pairs; stop: end of the run [s]; tolerance:
     relative, of the run [1], by default each FMU's own. Raises `RunFailed` where a call of one of
-    the FMUs fails, and, before any of them is loaded, `InputError` for an unknown name, a pair that
-    connects other units, an input that has its value from another pair, and a stop or tolerance
-    that is not positive and finite.
+    the FMUs fails, and, before any of them is loaded, `InputError` for an unknown name, several of
+    an FMU of which there can be one, a pair that connects other units, an input that has its value
+    from another pair, and a stop or tolerance that is not positive and finite.
     """
     check_positive("stop", stop, "s")
     if tolerance is not None:
@@ -197,6 +203,10 @@ def coupled(
             raise InputError(
                 f"{tables[0]}: {'.'.join(taken)}: has {outputs} outputs; must have one"
             )
+    for single, instances in Counter(m.single for m in members.values() if m.single).items():
+        if instances > 1:
+            names = ", ".join(name for name, m in members.items() if m.single == single)
+            raise InputError(f"fmus: {names}: are of one FMU, which can be there only once")
     read = {name: dict.fromkeys(c.output for c in always if c.sender == name) for name in fmus}
     for name, names in recorded.items():
         read[name] |= {members[name].readable(variable).name: None for variable in names}

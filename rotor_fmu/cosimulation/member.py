@@ -75,6 +75,9 @@ class Member:
         if description.coSimulation is None:
             raise InputError(f"{fmu}: must be an FMU for co-simulation")
         self._description = description
+        self.takes_any_step = description.coSimulation.canHandleVariableCommunicationStepSize
+        is_single = description.coSimulation.canBeInstantiatedOnlyOncePerProcess
+        self.single = description.guid if is_single else None  # of which there may be one instance
         self._variables = {v.name: v for v in description.modelVariables}
         self._units = {
             of.name: tuple(float(getattr(of.baseUnit, name)) for name in _OF_UNIT)
