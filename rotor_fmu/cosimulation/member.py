@@ -3,7 +3,7 @@
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, chdir
 from ctypes import byref
 from functools import cache
 from pathlib import Path
@@ -105,13 +105,14 @@ class Member:
         return self
 
     def _instantiate(self) -> None:
-        self._folder = str(self._file) if self._is_extracted else mkdtemp()
+        self._folder = str(self._file.absolute()) if self._is_extracted else mkdtemp()
         search_path = list(sys.path)
         try:
             if not self._is_extracted:
                 self._extract()
             check_plain_path(Path(self._folder))
-            self._fmu = self._call(self._instance)
+            with chdir("."):  # FMPy stays at a library that cannot be loaded
+                self._fmu = self._call(self._instance)
         except BaseException:
             self._remove_extracted()
             raise

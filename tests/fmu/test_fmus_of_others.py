@@ -1,6 +1,7 @@
 """FMUs that others built: units of types and of other names, and what an FMU says it cannot do."""
 
 import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -71,6 +72,17 @@ def test_a_unit_of_another_name_is_what_the_fmu_says_that_it_is(partner, fmu, tm
     other = with_unit(partner, tmp_path, "radians per second", 's="-1" rad="1"', of_type)
     with coupled({"motor": other, "rotor": fmu}, PAIR, stop=0.01) as opened:
         assert opened.run(0.01)["motor"]["w"][0] == 100.0
+
+
+def test_an_extracted_fmu_may_be_named_from_where_the_process_is(
+    fmu, native_fmu, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    for file, folder in ((fmu, "python"), (native_fmu, "native")):
+        with zipfile.ZipFile(file) as archive:
+            archive.extractall(folder)
+    with coupled({"one": Path("python"), "other": Path("native")}, [], stop=0.01) as opened:
+        assert opened.run(0.01).status == "ok"
 
 
 def test_an_fmu_that_can_be_there_only_once_is_not_there_twice(partner, fmu, tmp_path):
