@@ -3,7 +3,7 @@
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack, chdir
+from contextlib import ExitStack, chdir, suppress
 from ctypes import byref
 from functools import cache
 from pathlib import Path
@@ -14,7 +14,7 @@ import fmpy
 from fmpy import fmi2, fmi3
 from fmpy.logging import addLoggerProxy
 
-from ..errors import InputError, RunFailed, known_name, number, shown_value
+from ..errors import InputError, RunFailed, is_one_of, known_name, number, shown_value
 from ..files import named
 from ..fmi.log import read_message
 from ..fmi.plain_path import check_plain_path
@@ -29,6 +29,8 @@ _MOST = {name: -least - 1 for name, least in _LEAST.items()}
 _MOST |= {f"UInt{n}": 2**n - 1 for n in (8, 16, 32, 64)}
 # What FMI says of a unit: exponents of the SI base units, factor and offset.
 _OF_UNIT = ("kg", "m", "s", "A", "K", "mol", "cd", "rad", "factor", "offset")
+
+_BOOLEAN = {0: "false", 1: "true"}
 
 
 class EndedEarly(RunFailed):
@@ -224,15 +226,24 @@ class Member:
 
     def _typed(self, name: str, value: Any) -> Any:
         """Return the value of a variable as FMPy takes it; `InputError` for one of another type."""
-        kind, where = self._kind(self.variable(name)), f"{self._name}: {name}"
+        variable = self.variable(name)
+        kind, where = self._kind(variable), f"{self._name}: {name}"
+        if kind in _REALS:
+            return number(where, value)
         if kind in _NO_NUMBERS:
             if not isinstance(value, str) or kind != "String":
                 raise InputError(f"{shown_value(where, value)}: {kind}; must be a text")
             return value
-        given = number(where, int(value) if kind == "Boolean" and value in (0, 1) else value)
-        if kind in _REALS:
-            return given
-        if not given.is_integer() or not _LEAST.get(kind, 0) <= given <= _MOST.get(kind, 1):
+        choices = _BOOLEAN if kind == "Boolean" else _choices(variable)
+        if choices:
+            is_bool = kind == "Boolean" and is_one_of(value, choices)  # which is no number
+            with suppress(InputError):
+                if (given := number(where, int(value) if is_bool else value)) in choices:
+                    return int(given)
+            allowed = ", ".join(f"{of} {called}" for of, called in choices.items())
+            raise InputError(f"{shown_value(where, value)}: must be one of {allowed}")
+        given = number(where, value)
+        if not given.is_integer() or not _LEAST.get(kind, 0) <= given <= _MOST[kind]:
             raise InputError(f"{where} = {given:g}: must be an integer of type {kind}")
         return int(given)
 
@@ -270,3 +281,8 @@ class Member:
         status, _, text = arguments[-3:]  # FMI 2.0 has the instance's name before
         if status != fmi2.fmi2OK:
             self.messages.append(read_message(text))
+
+
+def _choices(variable: Any) -> dict[int, str]:
+    """Return the values of an Enumeration with their names; none of another variable."""
+    return {int(of.value): of.name for of in getattr(variable.declaredType, "items", ())}
