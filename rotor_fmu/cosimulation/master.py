@@ -205,8 +205,8 @@ def coupled(
             )
     for single, instances in Counter(m.single for m in members.values() if m.single).items():
         if instances > 1:
-            names = ", ".join(name for name, m in members.items() if m.single == single)
-            raise InputError(f"fmus: {names}: are of one FMU, which can be there only once")
+            of_one = ", ".join(name for name, m in members.items() if m.single == single)
+            raise InputError(f"fmus: {of_one}: are of one FMU, which can be there only once")
     read = {name: dict.fromkeys(c.output for c in always if c.sender == name) for name in fmus}
     for name, names in recorded.items():
         read[name] |= {members[name].readable(variable).name: None for variable in names}
