@@ -132,7 +132,9 @@ def ssp(
     speeds = operating_speeds(machine.rotor)
     speed = speeds.rated if target is None else one_speed(target, "--target")
     if not abs(speed) <= 1e6:
-        raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
+        given = target or f"= {speed:g} rad/s, the machine's rated speed"
+        raise InputError(f"--target {given}: must be at most 1e+06 rad/s in size")
+    whose = "" if stop else ", one and a half times the run-up at the machine's rate"
     if stop is None:  # of a machine that is kept at rest: any
         stop = f"{1.5 * abs(speed) / speeds.run_up_rate or 1.0:.3g}"
     interval, end = in_si("--step", step, "s"), in_si("--stop", stop, "s")
@@ -142,13 +144,13 @@ def ssp(
     for given, value, most, unit in (
         (f"--tau-max {tau_max}", values.get("tau_max", 1.0), 1e6, "N.m"),
         (f"--step {step}", interval, 1.0, "s"),
-        (f"--stop {stop}", end, 1e6, "s"),
+        (f"--stop {stop}{whose}", end, 1e6, "s"),
     ):
         if not 0 < value <= most:
             raise InputError(f"{given}: must be > 0 and at most {most:g} {unit}")
     if interval > end:
-        raise InputError(f"--step {interval:g} s: must be at most --stop = {end:g} s")
-    check_steps(f"--step {step}", f"--stop = {end:g} s", end / interval)
+        raise InputError(f"--step {interval:g} s: must be at most --stop = {end:g} s{whose}")
+    check_steps(f"--step {step}", f"--stop = {end:g} s{whose}", end / interval)
     check_one_of(f"--algorithm {algorithm}", algorithm, ALGORITHMS)
     platform = here()
     if is_native and platform is None:

@@ -170,3 +170,6 @@ def _check_variable(where: str, v: Variable) -> None:
     for name, value in (("start", v.start), ("minimum", v.low)):
         if value is not None and not math.isfinite(number(f"{where}: {name}", value)):
             raise InputError(f"{where}: {name} = {value:g}: must be a finite number")
+    start = v.start or 0.0  # as of a slave's attribute that has none
+    if v.causality in ("input", "parameter") and v.low is not None and start < v.low:
+        raise InputError(f"{where}: start = {start:g}: must be >= its minimum, {v.low:g}")

@@ -1,6 +1,7 @@
 """A Jacobi master: at each communication point every FMU gets the others' last outputs, then all
 step."""
 
+import re
 import reprlib
 from array import array
 from collections import Counter
@@ -13,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import MOST_ROWS, InputError, check_positive, known_name
+from ..errors import MOST_ROWS, InputError, check_positive, known_name, listed, mapped, path_of
 from ..files import unfinished
 from ..fmi.variables import are_alike
 from ..interrupts import interrupts_noted
@@ -92,10 +93,16 @@ class CoupledFmus:
         """Yield the communication points, `step` [s] apart, the last after what is left of a step;
         all FMUs leave the initialization mode at the first. Raises `RunFailed`, which is
         `EndedEarly` where an FMU has not failed but ends the run, and `InputError` for a step that
-        is not positive and finite, or so short that there are more than `most`."""
+        is not positive and finite, or so short that there are more than `most`, or that leaves a
+        shorter one at the end to an FMU that takes equal steps only."""
         check_positive("step", step, "s")
         stop = self.stop
         check_steps(f"step = {step:g} s", f"stop = {stop:g} s", stop / step, most)
+        is_whole = step >= stop or abs(stop - round(stop / step) * step) <= _WHOLE * step
+        for name, member in self.members.items():
+            if not (is_whole or member.takes_any_step):
+                reason = f"{name} takes equal steps only"
+                raise InputError(f"step = {step:g} s: must divide stop = {stop:g} s: {reason}")
         inputs = {to: [c for c in self.connections if c.receiver == to] for to in self.members}
         for member in self.members.values():
             member.begin()
@@ -154,22 +161,28 @@ def coupled(
 ) -> Iterator[CoupledFmus]:
     """Yield FMUs in the initialization mode, with their initial values exchanged.
 
-    fmus: files of FMUs, or the folders into which they were extracted, by name; connections: pairs
-    (output, input), each `FMU.VARIABLE`, passed on at every communication point; initial: pairs
-    passed on one after another now; parameters: of each FMU by name, set before the initialization;
-    recorded: variables of each FMU to read beside those that are passed on; tables: how messages
-    call the two lists of pairs; stop: end of the run [s]; tolerance: relative, of the run [1], by
-    default each FMU's own. Raises `RunFailed` where a call of one of the FMUs fails, and, before
-    any of them is loaded, `InputError` for an unknown name, a pair that connects other units, an
-    input that has its value from another pair, and a stop or tolerance that is not positive and
-    finite.
+    fmus: files of FMUs, or the folders into which they were extracted, by name, a word without a
+    dot; connections: pairs (output, input), each `FMU.VARIABLE`, passed on at every communication
+    point; initial: pairs passed on one after another now; parameters: of each FMU by name, set
+    before the initialization; recorded: variables of each FMU to read beside those that are passed
+    on; tables: how messages call the two lists of pairs; stop: end of the run [s]; tolerance:
+    relative, of the run [1], by default each FMU's own. Raises `RunFailed` where a call of one of
+    the FMUs fails, and, before any of them is loaded, `InputError` for an unknown name, several of
+    an FMU of which there can be one, a pair that connects other units, an input that has its value
+    from another pair, and a stop or tolerance that is not positive and finite.
     """
     check_positive("stop", stop, "s")
     if tolerance is not None:
         check_positive("tolerance", tolerance)
+    fmus = {
+        _word(name): path_of(f"fmus: {name}", fmu) for name, fmu in mapped("fmus", fmus).items()
+    }
+    parameters, recorded = mapped("parameters", parameters), mapped("recorded", recorded)
     for what, given in (("parameters:", parameters), ("recorded:", recorded)):
         for name in given:
             known_name(what, name, fmus)
+    parameters = {name: mapped(f"parameters: {name}", of) for name, of in parameters.items()}
+    recorded = {name: listed(f"recorded: {name}", of, "names") for name, of in recorded.items()}
     always, first = (
         [_connection(table, row, fmus) for row in check_rows(table, rows, "output", "input")]
         for table, rows in zip(tables, (connections, initial), strict=True)
@@ -190,6 +203,10 @@ def coupled(
             raise InputError(
                 f"{tables[0]}: {'.'.join(taken)}: has {outputs} outputs; must have one"
             )
+    for single, instances in Counter(m.single for m in members.values() if m.single).items():
+        if instances > 1:
+            of_one = ", ".join(name for name, m in members.items() if m.single == single)
+            raise InputError(f"fmus: {of_one}: are of one FMU, which can be there only once")
     read = {name: dict.fromkeys(c.output for c in always if c.sender == name) for name in fmus}
     for name, names in recorded.items():
         read[name] |= {members[name].readable(variable).name: None for variable in names}
@@ -200,6 +217,14 @@ def coupled(
             members[c.receiver].set({c.input: members[c.sender].get([c.output])[c.output]})
         seen = {name: tuple(names) for name, names in read.items()}
         yield CoupledFmus(members, always, seen, messages, stop)
+
+
+def _word(name: Any) -> str:
+    """Return the name of an FMU; `InputError` for one that could not be told from a variable's in
+    `FMU.VARIABLE`, or in a saved run, which has a space between the two."""
+    if not (isinstance(name, str) and name.isprintable() and re.fullmatch(r"[^\s.]+", name)):
+        raise InputError(f"fmus: {reprlib.repr(name)}: must be a word without a dot")
+    return name
 
 
 def check_rows(table: str, rows: Any, *columns: str) -> list[Any]:
@@ -227,15 +252,18 @@ def _check(
 ) -> None:
     """Raise `InputError` for a connection whose units differ, or that ends where nothing can be
     set."""
-    output, taken = members[c.sender].readable(c.output), members[c.receiver].readable(c.input)
+    sender, receiver = members[c.sender], members[c.receiver]
+    output, taken = sender.readable(c.output), receiver.readable(c.input)
     is_tunable = (taken.causality, taken.variability) == ("parameter", "tunable")
     if taken.causality not in settable and not is_tunable:
         raise InputError(
             f"{table}: {c.receiver}.{c.input}: is of causality {taken.causality}; must be "
             f"{' or '.join(settable)}"
         )
-    if output.unit and taken.unit and not are_alike(output.unit, taken.unit):
+    (one, is_one), (other, is_other) = sender.unit(output), receiver.unit(taken)
+    is_same = are_alike(one, other) or (is_one is not None and is_one == is_other)
+    if one and other and not is_same:
         raise InputError(
-            f"{table}: {c.sender}.{c.output} [{output.unit}], {c.receiver}.{c.input} "
-            f"[{taken.unit}]: must have the same unit"
+            f"{table}: {c.sender}.{c.output} [{one}], {c.receiver}.{c.input} "
+            f"[{other}]: must have the same unit"
         )

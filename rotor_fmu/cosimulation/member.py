@@ -3,15 +3,18 @@
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, chdir, suppress
+from ctypes import byref
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
 import fmpy
+from fmpy import fmi2, fmi3
+from fmpy.logging import addLoggerProxy
 
-from ..errors import InputError, RunFailed, known_name, number, shown_value
+from ..errors import InputError, RunFailed, is_one_of, known_name, number, shown_value
 from ..files import named
 from ..fmi.log import read_message
 from ..fmi.plain_path import check_plain_path
@@ -24,6 +27,10 @@ _REALS = ("Real", "Float64", "Float32")
 _LEAST = {"Integer": -(2**31)} | {f"Int{n}": -(2 ** (n - 1)) for n in (8, 16, 32, 64)}
 _MOST = {name: -least - 1 for name, least in _LEAST.items()}
 _MOST |= {f"UInt{n}": 2**n - 1 for n in (8, 16, 32, 64)}
+# What FMI says of a unit: exponents of the SI base units, factor and offset.
+_OF_UNIT = ("kg", "m", "s", "A", "K", "mol", "cd", "rad", "factor", "offset")
+
+_BOOLEAN = {0: "false", 1: "true"}
 
 
 class EndedEarly(RunFailed):
@@ -38,7 +45,8 @@ class Member:
     which its library is loaded costs a process half a megabyte that is never freed. parameters:
     values by name; messages: those of all FMUs, since FMPy hands them to the logger made last;
     stop, tolerance: end of the run [s] and relative tolerance [1] that it gets, if any; name: what
-    the system calls it, which messages begin with, since several of its FMUs may be of one file.
+    the system calls it, which is its instance's name and which messages begin with, since several
+    of its FMUs may be of one file.
     Raises `RunFailed` with the FMU's own message when a call fails, and, before anything of the FMU
     is loaded, `InputError` for what is no FMU for co-simulation, for a parameter that it does not
     have, and for a value that is none of the parameter's type.
@@ -56,6 +64,7 @@ class Member:
         self.messages = messages
         self._file = fmu
         self._name = f"{name}: {fmu.name}" if name else fmu.name
+        self._instance_name = name or None
         self._is_extracted = fmu.is_dir()
         try:
             description = fmpy.read_model_description(str(fmu))
@@ -68,7 +77,15 @@ class Member:
         if description.coSimulation is None:
             raise InputError(f"{fmu}: must be an FMU for co-simulation")
         self._description = description
+        self.takes_any_step = description.coSimulation.canHandleVariableCommunicationStepSize
+        is_single = description.coSimulation.canBeInstantiatedOnlyOncePerProcess
+        self.single = description.guid if is_single else None  # of which there may be one instance
         self._variables = {v.name: v for v in description.modelVariables}
+        self._units = {
+            of.name: tuple(float(getattr(of.baseUnit, name)) for name in _OF_UNIT)
+            for of in description.unitDefinitions
+            if of.baseUnit is not None
+        }
         self._grouped = cache(self._in_groups)
         for name, value in parameters.items():
             self._typed(name, value)
@@ -90,16 +107,14 @@ class Member:
         return self
 
     def _instantiate(self) -> None:
-        self._folder = str(self._file) if self._is_extracted else mkdtemp()
+        self._folder = str(self._file.absolute()) if self._is_extracted else mkdtemp()
         search_path = list(sys.path)
-        options = {"debug_logging": True, "logger": self._log}
         try:
             if not self._is_extracted:
                 self._extract()
             check_plain_path(Path(self._folder))
-            self._fmu = self._call(
-                fmpy.instantiate_fmu, self._folder, self._description, "CoSimulation", **options
-            )
+            with chdir("."):  # FMPy stays at a library that cannot be loaded
+                self._fmu = self._call(self._instance)
         except BaseException:
             self._remove_extracted()
             raise
@@ -107,6 +122,27 @@ class Member:
             # without the folder of the FMU's scripts: a process that is started later would import
             # the FMU's copy of pythonfmu instead of the installed one
             sys.path[:] = search_path
+
+    def _instance(self) -> Any:
+        """Return an instance as FMPy's `instantiate_fmu` makes it, which lets none have a name."""
+        given = {
+            "guid": self._description.guid,
+            "unzipDirectory": self._folder,
+            "modelIdentifier": self._description.coSimulation.modelIdentifier,
+            "instanceName": self._instance_name,
+        }
+        if self._is_fmi3:
+            fmu = fmi3.FMU3Slave(**given)
+            fmu.instantiate(loggingOn=True, logMessage=self._log)
+            return fmu
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
+        callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+        callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        addLoggerProxy(byref(callbacks))
+        fmu = fmi2.FMU2Slave(**given)
+        fmu.instantiate(callbacks=callbacks, loggingOn=True)
+        return fmu
 
     def __exit__(self, error: object, *_: object) -> None:
         try:
@@ -131,6 +167,12 @@ class Member:
         if variable.type in _NO_NUMBERS:
             raise InputError(f"{self._name}: {name}: is a {variable.type}; must be a number")
         return variable
+
+    def unit(self, variable: Any) -> tuple[str, tuple[float, ...] | None]:
+        """Return the unit of a variable, its own or its type's: the name, empty if it has none, and
+        what the FMU says that it is, if it does."""
+        unit = variable.unit or getattr(variable.declaredType, "unit", None) or ""
+        return unit, self._units.get(unit)
 
     def begin(self) -> None:
         """Leave the initialization mode."""
@@ -159,7 +201,7 @@ class Member:
         try:
             done = self._call(self._fmu.doStep, t, h)
         except RunFailed as error:
-            if getattr(error.__cause__, "status", None) == fmpy.fmi2.fmi2Discard:
+            if getattr(error.__cause__, "status", None) == fmi2.fmi2Discard:
                 raise EndedEarly(str(error)) from error
             raise
         # of FMI 3.0, between whether there are events and an early end, which it is not allowed
@@ -184,15 +226,24 @@ class Member:
 
     def _typed(self, name: str, value: Any) -> Any:
         """Return the value of a variable as FMPy takes it; `InputError` for one of another type."""
-        kind, where = self._kind(self.variable(name)), f"{self._name}: {name}"
+        variable = self.variable(name)
+        kind, where = self._kind(variable), f"{self._name}: {name}"
+        if kind in _REALS:
+            return number(where, value)
         if kind in _NO_NUMBERS:
             if not isinstance(value, str) or kind != "String":
                 raise InputError(f"{shown_value(where, value)}: {kind}; must be a text")
             return value
-        given = number(where, int(value) if kind == "Boolean" and value in (0, 1) else value)
-        if kind in _REALS:
-            return given
-        if not given.is_integer() or not _LEAST.get(kind, 0) <= given <= _MOST.get(kind, 1):
+        choices = _BOOLEAN if kind == "Boolean" else _choices(variable)
+        if choices:
+            is_bool = kind == "Boolean" and is_one_of(value, choices)  # which is no number
+            with suppress(InputError):
+                if (given := number(where, int(value) if is_bool else value)) in choices:
+                    return int(given)
+            allowed = ", ".join(f"{of} {called}" for of, called in choices.items())
+            raise InputError(f"{shown_value(where, value)}: must be one of {allowed}")
+        given = number(where, value)
+        if not given.is_integer() or not _LEAST.get(kind, 0) <= given <= _MOST[kind]:
             raise InputError(f"{where} = {given:g}: must be an integer of type {kind}")
         return int(given)
 
@@ -204,6 +255,10 @@ class Member:
             said = self.messages[heard:]
             reason = said[-1] if said else " ".join(str(error).split())
             raise RunFailed(f"{self._name}: {reason}") from error
+        finally:
+            self.messages[heard:] = [
+                Message(f"{self._name}: {said}", said.code) for said in self.messages[heard:]
+            ]
 
     def _extract(self) -> None:
         try:
@@ -224,5 +279,10 @@ class Member:
 
     def _log(self, *arguments: Any) -> None:
         status, _, text = arguments[-3:]  # FMI 2.0 has the instance's name before
-        if status != fmpy.fmi2.fmi2OK:
+        if status != fmi2.fmi2OK:
             self.messages.append(read_message(text))
+
+
+def _choices(variable: Any) -> dict[int, str]:
+    """Return the values of an Enumeration with their names; none of another variable."""
+    return {int(of.value): of.name for of in getattr(variable.declaredType, "items", ())}

@@ -282,16 +282,17 @@ def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
 def _model_structure(table: Sequence[Variable]) -> Element:
     """Return the outputs with what they depend on at once, and the initial unknowns."""
     structure = Element("ModelStructure")
+    places = [i for i, variable in enumerate(table) if variable.causality == "output"]
+    if not places:  # a list of none is not valid
+        return structure
     outputs = SubElement(structure, "Outputs")
-    for index, variable in enumerate(table, 1):
-        if variable.causality == "output":
-            depends = " ".join(str(1 + place) for place in reached_by(table, variable))
-            SubElement(outputs, "Unknown", index=str(index), dependencies=depends)
+    for i in places:
+        depends = " ".join(str(1 + place) for place in reached_by(table, table[i]))
+        SubElement(outputs, "Unknown", index=str(1 + i), dependencies=depends)
     unknowns = SubElement(structure, "InitialUnknowns")
     known = " ".join(str(1 + place) for place in given_at_start(table))
-    for index, variable in enumerate(table, 1):
-        if variable.causality == "output":
-            SubElement(unknowns, "Unknown", index=str(index), dependencies=known)
+    for i in places:
+        SubElement(unknowns, "Unknown", index=str(1 + i), dependencies=known)
     return structure
 
 

@@ -18,7 +18,7 @@ class Unit:
     display: tuple[str, float] | None = None
 
 
-_BASE = {"kg": {"kg": 1}, "m": {"m": 1}, "s": {"s": 1}, "rad": {"rad": 1}, "A": {"A": 1}, "1": {}}
+_BASE = {of: {of: 1} for of in ("kg", "m", "s", "rad", "A", "K", "mol", "cd")} | {"1": {}}
 _DERIVED = {
     "N": {"kg": 1, "m": 1, "s": -2},
     "Pa": {"kg": 1, "m": -1, "s": -2},

@@ -5,6 +5,7 @@ import shutil
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import chdir
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -168,7 +169,8 @@ def _instantiate(fmu: Path, folder: str, description: Any, log: Callable[..., No
     check_plain_path(Path(folder))
     try:
         options = {"debug_logging": True, "logger": log}
-        return fmpy.instantiate_fmu(folder, description, "CoSimulation", **options)
+        with chdir("."):  # FMPy stays at a library that cannot be loaded
+            return fmpy.instantiate_fmu(folder, description, "CoSimulation", **options)
     except Exception as error:  # FMPy raises nothing more specific
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 

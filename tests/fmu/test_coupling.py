@@ -193,6 +193,7 @@ def test_a_connection_of_other_units_or_of_two_outputs_is_refused(
         ("Hz", "rad/s", False),
         ("degC", "degC", True),
         ("degC", "K", False),
+        ("W/(m2.K)", "kg/(s3.K)", True),
         ("N/m^1.5", "N/m^1.5", True),
         ("N/m^1.5", "N/m^2.5", False),
     ],
@@ -229,6 +230,12 @@ def test_a_parameter_that_is_no_number_is_refused_by_its_name(coupling, fmu, tmp
             "100.0, -1e999",
             "VARIABLES: w_start: minimum = -inf: must be a finite numb",
         ),
+        (
+            "100.0, 0.0",
+            "100.0, 101",
+            "VARIABLES: w_start: start = 100: must be >= its minimum, 101$",
+        ),
+        ("100.0, 0.0", "None, 1.5", "VARIABLES: w_start: start = 0: must be >= its minimum, 1.5$"),
         ('"work")', "3)", "VARIABLES: work: 'J', 3: unit and description must be texts$"),
         ('"J"', "None", "VARIABLES: work: None, 'work': unit and description must be texts$"),
         (

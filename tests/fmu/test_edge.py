@@ -7,6 +7,7 @@ import re
 import subprocess
 import tempfile
 import zipfile
+from pathlib import Path
 
 import fmpy
 import pytest
@@ -15,7 +16,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
 from rotor_fmu.cosimulation.member import Member
-from rotor_fmu.errors import InputError
+from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
@@ -234,7 +235,8 @@ def test_an_fmu_in_python_is_not_loaded_from_a_path_from_which_it_would_end_the_
     folder = tmp_path / name
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    monkeypatch.setattr(fmpy, "instantiate_fmu", lambda *_, **__: pytest.fail("was loaded"))
+    for of, call in ((fmpy, "instantiate_fmu"), (fmpy.fmi2.FMU2Slave, "__init__")):
+        monkeypatch.setattr(of, call, lambda *_, **__: pytest.fail("was loaded"))
     said = re.escape(str(folder)) + ".*: an FMU in Python is run from a path of plain letters"
     with pytest.raises(InputError, match=said):
         Member(fmu, {}, []).__enter__()
@@ -255,3 +257,19 @@ def test_an_archive_that_is_damaged_is_said_and_leaves_no_folder(tmp_path, nativ
     with pytest.raises(InputError, match=said):
         Member(damaged, {}, []).__enter__()
     assert list(tmp_path.iterdir()) == [damaged]
+
+
+def test_a_library_that_cannot_be_loaded_leaves_the_process_where_it_was(tmp_path, native_fmu):
+    """FMPy stayed in the folder, which is gone: no path of the user's was found any more."""
+    damaged = tmp_path / "Damaged.fmu"
+    with zipfile.ZipFile(native_fmu) as whole, zipfile.ZipFile(damaged, "w") as archive:
+        for entry in whole.infolist():
+            is_library = entry.filename.startswith("binaries/")
+            archive.writestr(entry, b"no library" if is_library else whole.read(entry))
+    before = Path.cwd()
+    with pytest.raises(RunFailed, match="Failed to load shared library"):
+        Member(damaged, {}, []).__enter__()
+    assert Path.cwd() == before
+    with pytest.raises(RunFailed, match="Failed to load shared library"):
+        run_fmu(damaged, prepare(None, None, (), None, 0.01, None))
+    assert Path.cwd() == before

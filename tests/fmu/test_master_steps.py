@@ -13,6 +13,8 @@ from rotor_fmu.errors import InputError
 class Counted:
     """An FMU that notes its steps."""
 
+    takes_any_step = True
+
     def __init__(self):
         self.steps = []
 
@@ -57,6 +59,20 @@ def test_whole_steps_are_kept_to_where_they_miss_the_end_by_a_millionth_of_one()
     one = Counted()
     list(CoupledFmus({"one": one}, (), {}, (), 0.3 - 5e-8).points(0.1))
     assert [h for _, h in one.steps] == [0.1, 0.1, 0.1]
+
+
+def test_an_fmu_that_takes_equal_steps_only_gets_no_others():
+    one = Counted()
+    one.takes_any_step = False
+    fmus = CoupledFmus({"other": Counted(), "one": one}, (), {}, (), 1.0)
+    expected = "^step = 0.3 s: must divide stop = 1 s: one takes equal steps only$"
+    with pytest.raises(InputError, match=expected):
+        list(fmus.points(0.3))
+    assert not one.steps
+    list(fmus.points(0.25))
+    assert [h for _, h in one.steps] == [0.25] * 4
+    list(fmus.points(3.0))
+    assert one.steps[4:] == [(0.0, 1.0)]
 
 
 @pytest.mark.parametrize(

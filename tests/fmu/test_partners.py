@@ -16,6 +16,8 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import build
 
+from .test_coupling import SOURCE
+
 
 @dataclass(frozen=True)
 class Partner:
@@ -73,6 +75,13 @@ def test_the_description_is_valid_and_says_what_the_table_does(partner, built):
         description.modelVariables, partner.coupling.variables, strict=True
     ):
         assert (variable.name, variable.unit) == (listed.name, listed.unit)
+
+
+def test_an_fmu_without_outputs_is_valid_too(tmp_path):
+    """As of one that only looks on."""
+    source = tmp_path / "looks_on.py"
+    source.write_text(SOURCE.replace('"output"', '"local"'))
+    assert validate_fmu(str(Coupling(source).build(tmp_path))) == []
 
 
 def test_a_unit_is_written_as_in_modelica(partner):

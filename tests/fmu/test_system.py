@@ -295,3 +295,29 @@ def test_what_cannot_be_is_refused(tmp_path, given, sentence):
     with pytest.raises(InputError, match=re.escape(sentence)):
         ssp.__wrapped__(out=tmp_path / "x", **given)
     assert not (tmp_path / "x").exists()
+
+
+@pytest.mark.parametrize(
+    ("operation", "sentence"),
+    [
+        (
+            "rated_speed = 2e6",
+            "--target = 2e+06 rad/s, the machine's rated speed: must be at most 1e+06 rad/s",
+        ),
+        (
+            "rated_speed = 100.0\nrun_up_rate = 1e-5",
+            "--stop 1.5e+07, one and a half times the run-up at the machine's rate: must be > 0",
+        ),
+        (
+            "rated_speed = 100.0\nrun_up_rate = 1e6",
+            "--step 0.002 s: must be at most --stop = 0.00015 s, one and a half times the run-up",
+        ),
+    ],
+)
+def test_what_follows_from_the_machine_and_cannot_be_is_not_laid_to_an_option(
+    tmp_path, operation, sentence
+):
+    machine = tmp_path / "machine.toml"
+    machine.write_text(MACHINE.read_text().replace("rated_speed = 1000.0", operation))
+    with pytest.raises(InputError, match=re.escape(sentence)):
+        ssp.__wrapped__(rotor=machine, out=tmp_path / "x")
