@@ -105,12 +105,9 @@ def multipliers(machine: CondensedMachine, orbit: Orbit, steps: int = 0) -> Mult
     if machine.laws.count == 0:
         modes = modal_basis(machine, path.frequencies, np.zeros((0, 0)))
         return Multipliers(*_sorted(np.exp(modes.roots * period), modes.shapes))
-    part = tangents_along(machine, path, np.linspace(0.0, period, steps + 1))
+    (part,) = tangents_along(machine, path, [np.linspace(0.0, period, steps + 1)])
     modes, mean = modes_along(machine, path, [part])
     values, vectors = np.linalg.eig(transition_matrix(modes, mean, part))
-    for _ in range(_idle_states(machine, part)):
-        own = np.argmin(np.abs(values - 1.0))
-        values, vectors = np.delete(values, own), np.delete(vectors, own, axis=1)
     return Multipliers(*_sorted(values, modes.shapes @ vectors))
 
 
@@ -122,19 +119,26 @@ class PathSegment(NamedTuple):
     tangent: np.ndarray
 
 
-def _idle_states(machine: CondensedMachine, part: PathSegment) -> int:
-    """Return the number of states that stay what they are, or act on nothing, such as the
-    elongation of a spring that a part does without, or the tilt of a pad that bears nothing: each
-    has a multiplier of exactly 1."""
+def tangents_along(
+    machine: CondensedMachine, path: MotionPath, cuts: Sequence[np.ndarray]
+) -> list[PathSegment]:
+    """Return the tangents along segments of a path, each between times [s]; steps end at these
+    times and where a contact opens or closes. States are left out that stay what they are, or act
+    on nothing, such as the elongation of a spring that a part does without, or the tilt of a pad
+    that bears nothing: a difference in one neither grows nor decays."""
+    parts = [_tangents_between(machine, path, times) for times in cuts]
     b = machine.b
-    rates, by_states = part.tangent[:, :, b:], part.tangent[..., 2 * b :]
-    acts = rates.any(axis=(0, 1, 3)) & by_states.any(axis=(0, 1, 2))
-    return int(np.count_nonzero(~acts))
+    moves = np.any([part.tangent[:, :, b:].any(axis=(0, 1, 3)) for part in parts], axis=0)
+    acts = np.any([part.tangent[..., 2 * b :].any(axis=(0, 1, 2)) for part in parts], axis=0)
+    if (moves & acts).all():
+        return parts
+    rows, columns = (np.append(np.full(n, True), moves & acts) for n in (b, 2 * b))
+    return [part._replace(tangent=part.tangent[:, :, rows][..., columns]) for part in parts]
 
 
-def tangents_along(machine: CondensedMachine, path: MotionPath, times: np.ndarray) -> PathSegment:
-    """Return the tangents along a path between times [s]; steps end at these times and where a
-    contact opens or closes."""
+def _tangents_between(
+    machine: CondensedMachine, path: MotionPath, times: np.ndarray
+) -> PathSegment:
     ends = _step_ends(machine, path, times)
     h = np.diff(ends)
     # at its last point a step takes its side of a contact that opens or closes there
@@ -206,7 +210,8 @@ def modal_basis(
 ) -> ModalBasis:
     """Return the modal basis of the machine linearized with mean tangents."""
     M, D, K = machine.matrices(frequencies.speed)
-    N, b, s = machine.size, machine.b, machine.laws.states
+    N, b = machine.size, machine.b
+    s = max(0, len(mean) - b)  # states
     K, D = K.copy(), D.copy()
     if len(mean):
         K[:b, :b] -= mean[:b, :b]

@@ -69,7 +69,7 @@ def largest_exponent(rotor: Rotor, samples: InterfaceSamples, speed: float, per_
     machine = CondensedMachine(rotor)
     path = _path(machine, samples, speed)
     cuts = [samples.t[k * per_turn : (k + 1) * per_turn + 1] for k in range(turns)]
-    parts = [tangents_along(machine, path, times) for times in cuts]
+    parts = tangents_along(machine, path, cuts)
     modes, mean = modes_along(machine, path, parts)
     state = np.random.default_rng(0).standard_normal(len(modes.roots)) + 0j
     state /= np.linalg.norm(state)

@@ -130,7 +130,7 @@ class MachineRuns:
             columns = {name: value.tolist() for name, value in how.signals.values.items()}
             signals = [how.signals.t.tolist(), columns]
         kick = None if how.kick is None else vars(how.kick)
-        metrics = [[k.name, k.kind.name, k.of, k.options, k.radius] for k in self.metrics]
+        metrics = [[k.name, k.kind.name, k.of, k.options] for k in self.metrics]
         identity = [self.toml, dict(self.values), how.kind.name, dict(how.numbers), signals, kick]
         identity += [metrics, VERIFICATION] if self.is_verified else [metrics]
         return json.dumps(identity, sort_keys=True)

@@ -15,6 +15,7 @@ from ..errors import InputError, check_integer, check_one_of, known_name
 from ..fmi.binding import load_names
 from ..fmi.solver_parameters import OTHER_NAMES, PREFIX, settings_of
 from ..machine_file.loading import load_rotor, warn_of_changes
+from ..model.contact.wall import ContactQuantities
 from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..model.settings import SettingsError
@@ -225,8 +226,9 @@ def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
         raise InputError(f"{where}: of = {of!r}: must be the name of an output")
     unit = runs.how.abscissa_unit
     checked = {key: _option(where, key, value, unit) for key, value in options.items()}
-    radius = _radius(runs.machine, of) if kind.name == "dissipated" else 0.0
-    metric = Metric(name, kind, of, tuple(checked.items()), radius)
+    part = dict(runs.machine.rotor.named_parts()).get(of) if kind.name == "dissipated" else None
+    contact = part if isinstance(part, ContactQuantities) else None
+    metric = Metric(name, kind, of, tuple(checked.items()), contact)
     runs.check_metric(metric, runs.how)
     return metric
 
@@ -248,14 +250,6 @@ def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
         return {"from": low, "to": high, "count": value["count"]}
     units = {"speed": abscissa_unit, "at": abscissa_unit, "after": "s"}
     return number(f"{where}: {key}", value, units.get(key, ""))
-
-
-def _radius(machine: MachineModel, part: str) -> float:
-    """Return the radius of a part's journal [m], 0 where it has none."""
-    for where, candidate in machine.rotor.named_parts():
-        if where == part and hasattr(candidate, "journal_radius"):
-            return float(candidate.journal_radius)
-    return 0.0
 
 
 def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from ..model.contact.wall import ContactQuantities
 from ..studies.study import Column
 from .run_excitation import Excitation
 
@@ -89,14 +90,14 @@ def declared(kinds: dict[str, MetricKind], text: str, *needed: str, **fields: An
 class Metric:
     """A cell of a row: the column's name, the kind, the quantity or part, and the kind's options.
 
-    radius: of the journal, which the work of friction needs [m].
+    contact: the contact whose work of friction it is.
     """
 
     name: str
     kind: MetricKind
     of: str
     options: tuple[tuple[str, Any], ...] = ()
-    radius: float = 0.0
+    contact: ContactQuantities | None = None
 
     def option(self, name: str) -> Any:
         """Return an option, its default where it was not given, None where it has none."""

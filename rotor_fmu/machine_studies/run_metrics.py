@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from ..model.contact.wall import ContactQuantities
 from ..studies.study import Cell
 from ..vibration import TooFewTurns, order_track
 from . import held_metrics
@@ -229,13 +230,25 @@ def _contact(metric: Metric, window: Window) -> float:
 )
 def _dissipated(metric: Metric, window: Window) -> float:
     """Return friction times the sliding distance: that of the journal's surface, R dphi, and of its
-    centre along the wall, (x dy - y dx) / r."""
+    centre along the wall."""
     force, x, y = (window.steps.columns[f"{metric.of}.{name}"] for name in ("ft", "x", "y"))
-    mid_x, mid_y = 0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])
-    r = np.hypot(mid_x, mid_y)
-    along = (mid_x * np.diff(y) - mid_y * np.diff(x)) / np.where(r > 0, r, 1.0)
-    slid = metric.radius * np.diff(window.steps.columns["phi"]) + along
+    z, contact = x + 1j * y, metric.contact
+    assert contact is not None  # since it has friction
+    outward = _outward(contact, 0.5 * (z[1:] + z[:-1]))
+    along = (outward.conj() * np.diff(z)).imag
+    slid = contact.journal_radius * np.diff(window.steps.columns["phi"]) + along
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * slid))
+
+
+def _outward(contact: ContactQuantities, z: np.ndarray) -> np.ndarray:
+    """Return the unit normal of the wall where a journal displaced by z points, 0 at its centre:
+    that of grad(|z| - clearance), which a worn clearance turns away from z."""
+    r = np.abs(z)
+    half = 0.5 * (np.angle(z) - contact.wear_angle)
+    steep = contact.wear_power * (np.cos(half) ** 2) ** (contact.wear_power - 1)
+    by_angle = -contact.wear * steep * np.cos(half) * np.sin(half)
+    gradient = z * (r - 1j * by_angle)
+    return gradient / np.where(r > 0, np.abs(gradient), 1.0)
 
 
 @_kind("work of friction at a contact of {of}", unit="J", outputs=("ft", "sliding"), is_fine=True)

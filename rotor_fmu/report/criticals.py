@@ -15,6 +15,7 @@ from ..runs.recording import Recording
 from ..vibration import TURN
 
 _SPEEDS, _MODES, _MOST = 15, 8, 6
+_ONE = 1e-6  # of a speed: critical speeds that lie closer are one
 _LEAST = 0.02  # of the highest speed: below lie rigid-body motions
 
 
@@ -69,6 +70,8 @@ def criticals_of(run: Recording) -> Criticals:
         machine = shared_machine(rotor)
     except (LinearError, np.linalg.LinAlgError):
         return NO_CRITICALS
+    # forward and backward whirl without gyroscopic moments have one
+    found = [a for i, a in enumerate(found) if not np.isclose(a, found[:i], rtol=_ONE).any()]
     nearest = sorted(found, key=abs)[:_MOST]
     hz = tuple(sorted(speed / TURN for speed in nearest))
     return Criticals(hz, machine.contacts if machine.has_contacts else "", len(found))

@@ -54,13 +54,15 @@ def runs_page(runs: Sequence[Recording], summaries: Sequence[Mapping[str, Any]])
     """Return the page of one or two runs as HTML."""
     found = [criticals_of(run) for run in runs]  # by linear analyses, which take a while
     data = [run_data(*both) for both in zip(runs, found, strict=True)]
-    criticals = found[0].sentence
+    criticals = found[0].sentence  # those that are drawn
+    if criticals and any(of_run != found[0] for of_run in found):
+        criticals = f"{runs[0].name}: {criticals}"
     body = template("run.html").substitute(
         notices="\n".join(
             notices(run, d["why"], len(d["places"])) for run, d in zip(runs, data, strict=True)
         ),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
-        machine="" if runs[0].rotor is None else machine_html(runs[0].rotor),
+        machine=_machines(runs),
         criticals=f'<p class="about">{escape(criticals)}</p>\n' if criticals else "",
         **{word: " selected" * is_shown for word, is_shown in _chosen().items()},
         hidden=" hidden" if all(d["why"] for d in data) else "",
@@ -75,6 +77,14 @@ def runs_page(runs: Sequence[Recording], summaries: Sequence[Mapping[str, Any]])
         signals=[{"name": run.name, **signal_data(run, room)} for run in runs],
         scripts=_OF_RUNS,
     )
+
+
+def _machines(runs: Sequence[Recording]) -> str:
+    """Return the pictures of the machines that ran as HTML, one for runs of the same machine."""
+    if len({run.about.get("toml") for run in runs}) == 1:
+        return "" if runs[0].rotor is None else machine_html(runs[0].rotor)
+    pictures = [machine_html(run.rotor, f"{run.name}: ") for run in runs if run.rotor is not None]
+    return "\n".join(pictures)
 
 
 def _chosen() -> dict[str, bool]:
@@ -143,13 +153,13 @@ def json_in_script(data: object) -> str:
     return text.replace("<", "\\u003c")
 
 
-def machine_html(rotor: Rotor) -> str:
-    """Return the machine's picture as HTML."""
+def machine_html(rotor: Rotor, of: str = "") -> str:
+    """Return the machine's picture as HTML; of: the words before its caption."""
     from ..plotting.machine_drawing import machine_figure
 
     parts = ", ".join(name for name, part in rotor.named_parts() if hasattr(part, "node"))
     alt = f"{rotor.name} along its shaft of {rotor.length:.4g} m: {parts}"
-    return figure_html(machine_figure(rotor), "The machine to scale", alt)
+    return figure_html(machine_figure(rotor), f"{of}The machine to scale", alt)
 
 
 def figure_html(figure: "Figure", caption: str, alt: str = "") -> str:

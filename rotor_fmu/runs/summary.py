@@ -36,9 +36,9 @@ def summary(
     y_static_um: where the place begins in y.
 
     psi_at_x_peak_deg: between which contact angles the last bearing that touches does so at the
-    peak in x, None if it does not there; circulation_hz: lowest and highest speed at which that
-    bearing's journal goes all round: it lies a quarter of a turn, or up to a radian more, ahead of
-    where it rests. This and y_static_um are None of a machine that begins in the air.
+    peak in x, None if it does not there; circulation_hz: lowest and highest speed after the
+    start-up at which that bearing's journal goes all round, passing the side opposite to where it
+    rests. This and y_static_um are None of a machine that begins in the air.
 
     steps, rejected: steps that the solver took, and took again more finely; newton_per_step: its
     iterations; h_min, h_max, h_last: shortest, longest and last step [s]; solver_s: time of the run
@@ -135,8 +135,8 @@ def _angles(run: Run | Recording, peak_hz: float | None) -> dict[str, Any]:
             near = near[c[f"{contact}.fn"][near] > 0.0]
         if len(near):
             figures["psi_at_x_peak_deg"] = np.degrees(_range(psi[near])).tolist()
-    ahead = np.sign(c["w"]) * (psi - psi[0]) - 0.5 * math.pi  # with the shaft
-    round_trip = late[ahead[late] % TURN < 1.0]
+    laps = np.rint((np.unwrap(psi) - psi[0]) / TURN)  # one that rocks, however far, has none
+    round_trip = late[laps[late] != laps[late - 1]]
     if len(round_trip):
         figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
     return figures

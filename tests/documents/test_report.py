@@ -6,7 +6,7 @@ import json
 import math
 import re
 import zlib
-from html import escape, unescape
+from html import escape
 
 import numpy as np
 import pytest
@@ -17,7 +17,6 @@ from typer.testing import CliRunner
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.plotting.thinning import extremes
-from rotor_fmu.report.criticals import criticals_of
 from rotor_fmu.report.packed import COARSE, FINE, packed
 from rotor_fmu.report.report_tables import table
 from rotor_fmu.report.run_page import runs_page, write_report
@@ -314,28 +313,3 @@ def test_a_page_of_a_million_samples_stays_below_eight_megabytes(tmp_path):
     assert [signal["every"] for signal in signals[:1]] == [1]
     assert signals[0]["v"]["n"] == 1_000_000
     assert len(text) < 8e6
-
-
-def test_the_linear_critical_speeds_of_the_rig_are_said_beside_its_run():
-    """Paper A gives 29.4 and 32.5 Hz at rest, contacts closed."""
-    given = recorded(speed=400.0, rate=-60.0, toml=rig_toml(), parameters={})
-    found = criticals_of(given.named("rig"))
-    assert found.hz == pytest.approx([29.4, 32.5], rel=0.02)
-    assert found.sentence.startswith("Linear critical speeds with contacts pinned, dotted: ")
-    assert "a journal that leaves its wall is held less" in found.sentence
-    page = runs_page([given.named("rig")], [{}])
-    assert found.sentence in unescape(page)
-    stiffer = {"bearing[1].kx": 1e9, "bearing[1].ky": 1e9}
-    changed = recorded(speed=400.0, rate=-60.0, toml=rig_toml(), parameters=stiffer)
-    assert criticals_of(changed.named("rig")).hz[0] > found.hz[0]
-
-
-def test_critical_speeds_of_a_shaft_that_turned_backward_stand_at_its_speeds():
-    """Of one that was braked through rest they are those of both ways."""
-    braked = recorded(speed=-400.0, rate=133.0, toml=rig_toml()).named("rig")
-    assert criticals_of(braked).hz == pytest.approx([-32.5, -29.4, 29.4, 32.5], rel=0.02)
-
-
-def test_a_run_without_its_machine_has_no_critical_speeds():
-    assert criticals_of(recorded().named("one")).hz == ()
-    assert criticals_of(recorded(rate=0.0, toml=rig_toml()).named("one")).hz == ()

@@ -14,8 +14,10 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.runner import run_study
 
+from ..parts.machines import bearings, rigid
 from ..periodic.machines import OMEGA, growth, rub
-from .functions import here, quiet
+from ..periodic.test_equations import KINDS, MORE
+from .functions import conducted, here, quiet
 
 WIDE, HEAVY = 300e-6, 80e-6  # of the rig's bearings, and the eccentricities of its discs [m]
 CHANGED = {f"bearing[{i}].clearance": WIDE for i in (1, 2)}
@@ -54,6 +56,23 @@ def test_exponents_of_held_speeds_are_those_of_the_closed_form(tmp_path):
     sections = data.x.values.reshape(2, 64)
     assert np.ptp(sections, axis=1) == pytest.approx([0, 0], abs=1e-7)
     assert abs(sections[0, 0] - sections[1, 0]) > 1e-4
+
+
+def test_the_spring_of_a_race_that_never_sticks_has_no_exponent(tmp_path):
+    """Its elongation stays what it is, an exponent of 0; the largest one is that of the race."""
+    race = KINDS["race"] + MORE
+    text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + race)
+    (tmp_path / "race.toml").write_text(text, encoding="utf-8")
+    _, _, data = conducted(
+        "machine = 'race.toml'\n[run]\nkind = 'constant'\nspeed = 120\nsettle = 3\nturns = 128\n"
+        "[vary]\n'touchdown_bearing[1].mu' = { values = [0.2] }\n"
+        "[keep]\nl = { lyapunov = 'largest' }\nf = { mean = 'touchdown_bearing[1].fn' }\n",
+        tmp_path,
+    )
+    (motion,) = rf.response(rf.parse(text), speed=(119.0, 121.0)).at(120.0)
+    expected = math.log(abs(motion.multipliers[0])) * 120.0 / math.tau
+    assert data.f.values > 1.0
+    assert data.l.values == pytest.approx(expected, rel=3e-3)
 
 
 def parting(speed, turns, settle=60):

@@ -19,6 +19,7 @@ from rotor_fmu.studies.runner import run_study
 
 from .functions import conducted, here, quiet
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 RIG = """
 [run]
 kind = "run-down"
@@ -87,6 +88,25 @@ def test_friction_at_turning_races_adds_up_to_the_ledger(tmp_path):
     )
     assert data.loss.values > 1
     assert (data.one + data.other).values == pytest.approx(data.loss.values, rel=1e-2)
+
+
+def test_friction_at_a_worn_wall_adds_up_to_the_ledger(tmp_path):
+    # along a wall that recedes from the circle a journal slides by much of its radial motion
+    whip = (EXAMPLES / "studies" / "whip.toml").read_text(encoding="utf-8")
+    worn = whip.replace("v_s = 1e-4", "v_s = 1e-4\nwear = 1e-3\nwear_power = 4.0")
+    (tmp_path / "worn.toml").write_text(worn, encoding="utf-8")
+    (tmp_path / "push.csv").write_text(
+        "time,speed,disc.fx,disc.fy\n0,10,0,-150\n0.05,10,150,0\n0.1,10,0,0\n1,10,0,0\n",
+        encoding="utf-8",
+    )
+    _, _, data = conducted(
+        'machine = "worn.toml"\n[run]\nkind = "signals"\nfile = "push.csv"\nstop = 1\n'
+        'step = 2e-3\n[vary]\n"contact[1].mu" = { values = [0.2] }\n[keep]\n'
+        'one = { dissipated = "contact[1]" }\nloss = { last = "energy.friction_loss" }\n',
+        tmp_path,
+    )
+    assert data.loss.values > 0.5
+    assert data.one.values == pytest.approx(data.loss.values, rel=1e-3)
 
 
 def test_kept_amplitudes_agree_with_one_another(rig):
