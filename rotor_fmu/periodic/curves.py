@@ -163,9 +163,10 @@ class ResponseCurves:
         """x and y of a place over a period of a motion, from the keyphasor's mark on, each of shape
         (samples,) [m]."""
         X = self._amplitudes(point, name)
-        k = np.arange(len(X))
-        angle = 2 * math.pi * np.arange(samples) / samples
-        result = (np.exp(1j * np.outer(angle, k)) @ X).real
+        # harmonics that the samples cannot tell apart are added first
+        alike = np.zeros((math.ceil(len(X) / samples), samples, 2), complex)
+        alike.reshape(-1, 2)[: len(X)] = X
+        result = samples * np.fft.ifft(alike.sum(axis=0), axis=0).real
         return result[:, 0], result[:, 1]
 
     def _amplitudes(self, point: Solution | Bifurcation, name: str) -> np.ndarray:
