@@ -15,7 +15,10 @@ from .coupling_parameters import coupling_variables
 from .solver_parameters import solver_parameters
 from .variables import Variable
 
-_HELD = "held until the next communication point, or continued by its derivative"
+_HELD = (
+    "held until the next communication point, or continued by its derivative in an FMI 2.0 FMU "
+    "without Python"
+)
 _TORQUE = "tau_drive"  # the input that drives a free rotor
 _DIRECTIONS = (("x", "to the right (+x)"), ("y", "upwards (+y)"))
 
