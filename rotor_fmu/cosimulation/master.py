@@ -70,8 +70,8 @@ class CoupledRun:
             for name, column in recorded.items()
         }
         with unfinished(path) as part:
-            said = {"status": self.status, "messages": np.array(self.messages, dtype=str)}
-            np.savez_compressed(part, t=self.t, **said, **columns)
+            said = np.array(self.messages, dtype=str)
+            np.savez_compressed(part, t=self.t, status=self.status, messages=said, **columns)
 
     @classmethod
     def load(cls, path: Path) -> "CoupledRun":
@@ -238,14 +238,14 @@ def coupled(
     with ExitStack() as open_members:
         for member in members.values():
             open_members.enter_context(member)
-        given = {(c.receiver, c.input) for c in first}
-        given |= {(name, of) for name, values in parameters.items() for of in values}
+        has_value = {(c.receiver, c.input) for c in first}
+        has_value |= {(name, of) for name, values in parameters.items() for of in values}
         of_all = [
             c
             for c in always
             # of what else may be asked for in the initialization FMI 2.0 says nothing
             if members[c.sender].variable(c.output).causality == "output"
-            and (c.receiver, c.input) not in given
+            and (c.receiver, c.input) not in has_value
         ]
         _exchange_initially(members, [*first, *of_all])
         seen = {name: tuple(names) for name, names in read.items()}
