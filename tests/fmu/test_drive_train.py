@@ -18,6 +18,8 @@ from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.master import CoupledRun
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError, RunFailed
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..processes import interrupted
 from .coupled import last_row, through_libcosim
@@ -306,3 +308,14 @@ def test_ctrl_c_ends_the_script_in_one_line(tmp_path):
     assert status == 130
     assert errors.strip().splitlines()[-1].startswith("rotor-fmu: stopped")
     assert not list(tmp_path.rglob("*.part*"))
+
+
+def test_a_rotor_says_nothing_of_a_speed_at_which_the_drive_does_not_start_it(drive_fmu, tmp_path):
+    """It was asked for its inertia before it had the drive's speed, and said that it is unstable at
+    its own start value, 740 rad/s."""
+    machine = machine_of((FOLDER.parent / "oil_film" / "rotor.toml").read_text())
+    fmus = {"partner": drive_fmu, "rotor": build_native(tmp_path, machine, platforms=["linux64"])}
+    for speed, said in ((300.0, []), (740.0, ["unstable"])):
+        with COUPLING.open(fmus, 0.01, {"partner": {"w_start": speed}}) as opened:
+            opened.run(0.002)
+        assert [message.code for message in opened.messages] == said
