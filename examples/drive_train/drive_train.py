@@ -63,8 +63,8 @@ VARIABLES: tuple[Listed, ...] = (
 # (output, input): what a master passes on at each communication point; INITIAL before, in turn
 CONNECTIONS = (("partner.w", "rotor.speed"), ("rotor.tau_load", "partner.tau_load"))
 INITIAL = (
+    ("partner.w_start", "rotor.speed"),  # before the rotor is asked for anything
     ("rotor.J", "partner.J_rotor"),
-    ("partner.w_start", "rotor.speed"),
     ("rotor.tau_load", "partner.tau_load"),
 )
 # What is integrated, in this order.

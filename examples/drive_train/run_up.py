@@ -42,7 +42,6 @@ STUDIED, STUDY_STOP = (0.008, 0.004, 0.002, 0.001), 1.0
 CONTINUATIONS = ("held", "linear")
 RESULTS = ("summary.json", "run_up.png", "power.png")
 _MEAN_OVER = 0.5  # window of the mean load torque [s]
-_BESIDE = {"textcoords": "offset points", "ha": "right", "color": "#555555", "fontsize": 9}
 _console = Console(stderr=True)
 
 
@@ -222,40 +221,30 @@ def _in_words(report: dict[str, Any], out: Path) -> str:
 def run_up_figure(runs: dict[str, CoupledRun], ample: float, small: float) -> Figure:
     """Speed over time of both run-ups; below, why: the load torque against the torque limit."""
     figure, (top, low) = new_panels(6.4, 6.4, 2)
-    end, peak = runs["small"].t[-1], peak_hz(runs["ample"], "x")
-    for name, color, limit, at in (
-        ("ample", BLUE, ample, (44, 55)),
-        ("small", ORANGE, small, (150, 12)),
-    ):
-        run = runs[name]
-        top.plot(run.t[::50], hz_of(run)[::50], color=color, lw=1.6)
-        top.annotate(f"motor with {1e3 * limit:g} N mm", at, color=color)
-    top.axhline(peak, color=GREY, lw=1.0, ls="--")
-    top.annotate("horizontal resonance", (end, peak), xytext=(-2, 4), **_BESIDE)
+    end, peak = max(run.t[-1] for run in runs.values()), peak_hz(runs["ample"], "x")
+    for name, color, limit in (("ample", BLUE, ample), ("small", ORANGE, small)):
+        label = f"motor with {1e3 * limit:g} N mm"
+        top.plot(runs[name].t[::50], hz_of(runs[name])[::50], color=color, lw=1.6, label=label)
+    for line in (top.axhline, low.axvline):
+        line(peak, color=GREY, lw=1.0, ls="--", label=f"widest horizontally: {peak:.1f} Hz")
     top.set_xlim(0, end)
     top.set_ylim(bottom=0)
     top.set_xlabel("Time [s]")
     top.set_ylabel("Rotational speed n [Hz]")
-    top.set_title("Ample torque passes the resonances; too little hangs", loc="left", fontsize=10)
+    top.set_title("Run-up by two motors", loc="left", fontsize=10)
+    top.legend(frameon=False)
 
     hz, torque = mean_load(runs["ample"])
-    low.plot(hz, 1e3 * torque, color=BLUE, lw=1.6)
-    low.annotate("load: friction and whirl", (42, 1e3 * torque[-1] - 3), color=BLUE)
-    low.axhline(1e3 * small, color=ORANGE, lw=1.6)
-    low.annotate("limit of the small motor", (max(hz), 1e3 * small), xytext=(-2, 4), **_BESIDE)
-    hanging = hz_of(runs["small"])[-1]
-    low.plot(hanging, 1e3 * small, "o", color=ORANGE, ms=8, mec="white")
-    low.annotate(
-        f"hangs at {hanging:.1f} Hz",
-        (hanging, 1e3 * small),
-        xytext=(-8, 7),
-        **_BESIDE | {"color": ORANGE},
-    )
-    low.axvline(peak, color=GREY, lw=1.0, ls="--")
-    low.set_xlim(0, max(hz))
+    low.plot(hz, 1e3 * torque, color=BLUE, lw=1.6, label="load: friction and whirl")
+    low.axhline(1e3 * small, color=ORANGE, lw=1.6, label="limit of the small motor")
+    last = hz_of(runs["small"])[-1]
+    label = f"where it is after {runs['small'].t[-1]:g} s: {last:.1f} Hz"
+    low.plot(last, 1e3 * small, "o", color=ORANGE, ms=8, mec="white", label=label, clip_on=False)
+    low.set_xlim(0, max(*hz, last))
     low.set_ylim(0, 1.25e3 * max(torque.max(), small))
     low.set_xlabel("Rotational speed n [Hz]")
     low.set_ylabel("Torque [N mm]")
+    low.legend(frameon=False)
     return figure
 
 

@@ -7,15 +7,20 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
-import fmpy
 import numpy as np
+from fmpy.fmi1 import FMICallException
+
+from rotor_fmu.cosimulation.member import Member
 
 START, TORQUE = 60.0, 0.4  # speed [rad/s] and torque of the motor [N.m]
 J_MOTOR, STIFFNESS, DAMPING = 1e-3, 400.0, 0.03  # [kg.m2], [N.m/rad], [N.m.s/rad]
 REFERENCE, FINE = 2e-5, 1e-3  # step of the monolithic run, and how often its speed is noted [s]
 ITERATIONS, CONVERGED = 20, 1e-9
 LINE_INERTIA = 0.1  # largest inertia of a line, of the motor's
+READ = ("phi", "w", "step_work", "dphi_ddrive", "dw_ddrive")  # of the rotor
 TERMS = 8  # of the motor's series: the line takes a tenth of its speed at most in a step
 WILD = 1e3  # a torque or a speed that says that the coupling has diverged [N.m, rad/s]
 
@@ -40,20 +45,11 @@ class Motor:
 class Rotor:
     """The rotor's FMU, driven by a torque."""
 
-    def __init__(self, folder: str, **parameters: float) -> None:
-        self.description = fmpy.read_model_description(folder)
-        self.refs = {v.name: v.valueReference for v in self.description.modelVariables}
-        self.fmu = fmpy.instantiate_fmu(folder, self.description, "CoSimulation")
-        self.fmu.setupExperiment(startTime=0.0)
-        self.fmu.setReal([self.refs["w_start"]], [START])
-        for name, value in parameters.items():
-            if name == "sensitivities":
-                self.fmu.setBoolean([self.refs["solver.sensitivities"]], [bool(value)])
-            else:
-                self.fmu.setReal([self.refs[name]], [value])
-        self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
-        self.n, self.advances = 0, 0
+    def __init__(self, member: Member) -> None:
+        member.begin()
+        self.fmu = member.instance
+        self.refs = {name: member.variable(name).valueReference for name in (*READ, "tau_drive")}
+        self.advances = 0
 
     def read(self, *names: str) -> list[float]:
         """Return values of Reals."""
@@ -258,35 +254,34 @@ def couple(
     speed is noted, a multiple of h."""
     step = METHODS[method] if isinstance(method, str) else method
     is_line = step is line
-    parameters = {}
+    parameters: dict[str, Any] = {"w_start": START}
     if step in _WITH_SENSITIVITIES:
-        parameters["sensitivities"] = 1.0
+        parameters["solver.sensitivities"] = True
     if is_line:
         parameters["tau_impedance"] = _impedance(h)
-    rotor = Rotor(folder, **parameters)
     at, speeds = Point(Motor()), []
     if is_line:
         at = replace(at, tau=_impedance(h) * START, back=-_impedance(h) * START)
     stored = _stored(at, 0.0, h, is_line)
     steps = round(every / h)
-    begin = time.process_time()
-    for i in range(round(stop / h)):
-        try:
-            at = step(rotor, i * h, h, at)
-        except fmpy.fmi1.FMICallException:
-            at = replace(at, motor=Motor(math.nan, math.nan))
-        if not (abs(at.motor.w) < WILD and abs(at.tau) < WILD):
-            break
-        if (i + 1) % steps == 0:
-            speeds += rotor.read("w")
-    seconds = time.process_time() - begin
-    is_whole = len(speeds) == round(stop / every)
-    (phi,) = rotor.read("phi")
+    with Member(Path(folder), parameters, [], name="rotor") as member:
+        rotor = Rotor(member)
+        begin = time.process_time()
+        for i in range(round(stop / h)):
+            try:
+                at = step(rotor, i * h, h, at)
+            except FMICallException:
+                at = replace(at, motor=Motor(math.nan, math.nan))
+            if not (abs(at.motor.w) < WILD and abs(at.tau) < WILD):
+                break
+            if (i + 1) % steps == 0:
+                speeds += rotor.read("w")
+        seconds = time.process_time() - begin
+        (phi,) = rotor.read("phi")
+    short = round(stop / every) - len(speeds)
     kept = _stored(at, phi, h, is_line) - stored
     lost = abs(at.out - at.entered - at.damped - kept) / max(abs(at.entered), 1e-12)
-    rotor.fmu.freeInstance()
-    short = round(stop / every) - len(speeds)
-    lost = lost if is_whole else math.inf
+    lost = math.inf if short else lost
     return Result(np.array(speeds + [math.nan] * short), lost, rotor.advances, seconds)
 
 

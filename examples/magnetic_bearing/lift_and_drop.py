@@ -139,7 +139,7 @@ def summary(run: CoupledRun, off: float) -> dict[str, Any]:
     radius = np.hypot(rotor["touchdown_bearing[1].x"], rotor["touchdown_bearing[1].y"])
     return {
         "lifted_um": _um(rotor["left_magnet.y"][up][-1] - rotor["left_magnet.y"][0]),
-        "critical_speed_rad_per_s": float(rotor["w"][peak]),
+        "peak_rad_per_s": float(rotor["w"][peak]),
         "peak_um": _um(rotor["body[1].x_amp"][peak]),
         "speed_at_switch_off_rad_per_s": at_off["w"],
         "first_contact_s": float(t[touch][0] - off) if touch.any() else None,
@@ -162,8 +162,8 @@ def _in_words(f: dict[str, Any], out: Path) -> str:
     contact = f["first_contact_s"]
     fell = "not within the run" if contact is None else f"after {1e3 * contact:.2f} ms"
     return (
-        f"lifted by {f['lifted_um']:.0f} um; critical speed passed at "
-        f"{f['critical_speed_rad_per_s']:.0f} rad/s with {f['peak_um']:.0f} um\n"
+        f"lifted by {f['lifted_um']:.0f} um; the first impeller swings widest at "
+        f"{f['peak_rad_per_s']:.0f} rad/s, by {f['peak_um']:.0f} um\n"
         f"switched off at {f['speed_at_switch_off_rad_per_s']:.0f} rad/s: first contact {fell}, "
         f"at most {f['largest_force_N']:.0f} N\n"
         f"in the end the race turns at {f['race_speed_rad_per_s']:.0f} rad/s, the rotor at "
@@ -176,7 +176,7 @@ def _in_words(f: dict[str, Any], out: Path) -> str:
 
 
 def run_up_figure(run: CoupledRun, off: float) -> Figure:
-    """The lift with the coils' currents; displacements over speed, through the critical speed."""
+    """The lift with the coils' currents; amplitudes over the speed."""
     figure, (lift, currents, swing) = new_panels(6.4, 7.6, 3)
     first = run.t < _LIFTED
     t = 1e3 * run.t[first]
@@ -194,7 +194,7 @@ def run_up_figure(run: CoupledRun, off: float) -> Figure:
     ):
         swing.plot(run["rotor"]["w"][up], 1e6 * run["rotor"][name][up], color=colour, label=label)
     swing.set(xlabel="Speed [rad/s]", ylabel="Amplitude X [µm]", xlim=(0, None), ylim=(0, None))
-    swing.set_title("Through the critical speed", loc="left", fontsize=10)
+    swing.set_title("Run-up", loc="left", fontsize=10)
     swing.legend(frameon=False, loc="upper left")
     return figure
 

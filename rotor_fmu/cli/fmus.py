@@ -16,11 +16,11 @@ from ..model.settings.table import BY_NAME, Number
 from ..output_options import with_output_options
 from ..units import in_si
 from .shared import Free, RotorFile, warned
-from .speeds import one_speed
 
 if TYPE_CHECKING:
     from ..fmi.packing.machine_files import Machine
 
+_CARRIED = 1.05  # of the lowest speed at which films carry a machine, which is known to percents
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
 Platforms = Annotated[
     list[str] | None,
@@ -130,7 +130,7 @@ def ssp(
     toml, _ = load_rotor(rotor)
     machine = machine_of(toml)
     speeds = operating_speeds(machine.rotor)
-    speed = speeds.rated if target is None else one_speed(target, "--target")
+    speed = speeds.rated if target is None else in_si("--target", target, "rad/s")
     if not abs(speed) <= 1e6:
         given = target or f"= {speed:g} rad/s, the machine's rated speed"
         raise InputError(f"--target {given}: must be at most 1e+06 rad/s in size")
@@ -138,7 +138,8 @@ def ssp(
     if stop is None:  # of a machine that is kept at rest: any
         stop = f"{1.5 * abs(speed) / speeds.run_up_rate or 1.0:.3g}"
     interval, end = in_si("--step", step, "s"), in_si("--stop", stop, "s")
-    values = {"w_target": speed, "w_start": 0.0, "ramp": speeds.run_up_rate}
+    start, no_rest = _start(machine, speed)
+    values = {"w_target": speed, "w_start": start, "ramp": speeds.run_up_rate}
     if tau_max is not None:
         values["tau_max"] = in_si("--tau-max", tau_max, "N.m")
     for given, value, most, unit in (
@@ -169,7 +170,7 @@ def ssp(
         values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)
     system = drive_system(machine, drive, fmu, interval, end)
-    for doubt in filter(None, (_no_start(machine), falls_short(system.components[0], end))):
+    for doubt in filter(None, (no_rest, falls_short(system.components[0], end))):
         typer.echo(f"warning: {doubt}", err=True)
         warnings.append(doubt)
     package, structure = replace(system, algorithm=algorithm).write(folder)
@@ -197,17 +198,29 @@ def libraries(platforms: Platforms = None) -> dict[str, Any]:
     return made
 
 
-def _no_start(machine: "Machine") -> str:
-    """Say why a machine cannot start at rest; empty where it can."""
+def _start(machine: "Machine", target: float) -> tuple[float, str]:
+    """Return the speed [rad/s] at which a machine starts on its way to a target, 0 if it can, and
+    why it is not 0; or why it cannot start at all."""
+    from ..model.linear.static import lowest_speed
+
+    reason = _no_start(machine, 0.0)
+    carried = float(f"{_CARRIED * lowest_speed(machine.rotor, target):.2g}") if reason else 0.0
+    if not carried or _no_start(machine, carried):
+        return 0.0, reason and f"the system cannot start at 0 rad/s: {reason}"
+    return carried, f"the system starts at {carried:g} rad/s; at 0 rad/s it has {reason}"
+
+
+def _no_start(machine: "Machine", speed: float) -> str:
+    """Say why a machine cannot start at a speed [rad/s]; empty where it can."""
     from ..fmi.binding import build_simulation
     from ..fmi.variables import start_values
     from ..model.simulation import EquilibriumError
 
-    values = start_values(machine.table) | {"speed": 0.0}
+    values = start_values(machine.table) | {"speed": speed}
     try:
         build_simulation(machine.rotor, machine.table, values, lambda message: None)
     except EquilibriumError as error:
-        return f"the system cannot start at 0 rad/s: {error}"
+        return str(error)
     return ""
 
 

@@ -1,6 +1,7 @@
 """A Jacobi master: at each communication point every FMU gets the others' last outputs, then all
 step."""
 
+import math
 import re
 import reprlib
 from array import array
@@ -19,11 +20,15 @@ from ..files import unfinished
 from ..fmi.variables import are_alike
 from ..interrupts import interrupts_noted
 from ..model.message_templates import Message
+from ..model.simulation import warn
 from ..run_status import OK, status_of
 from . import MOST_STEPS, check_steps
 from .member import EndedEarly, Member
 
 _WHOLE = 1e-6  # of a step, by which a run of whole steps may miss its end
+# Of initial values: how often they are passed on at most, and the change that is none [1].
+_PASSES, _SETTLED = 100, 1e-9
+_SAME = 1e-6  # difference of an input from its output at the start that is none [1]
 NONE: Mapping[str, Any] = {}
 
 
@@ -47,11 +52,12 @@ class Point(NamedTuple):
 class CoupledRun:
     """A coupled run at its communication points t [s]: `run[FMU][VARIABLE]` is what was read of an
     FMU; each of shape (n,). status: see `run_status`; `failed: ` and why where the run ended
-    early."""
+    early; messages: what was said, of which FMU."""
 
     t: np.ndarray
     values: Mapping[str, Mapping[str, np.ndarray]]
     status: str = OK
+    messages: Sequence[str] = ()
 
     def __getitem__(self, fmu: str) -> Mapping[str, np.ndarray]:
         return self.values[fmu]
@@ -64,7 +70,8 @@ class CoupledRun:
             for name, column in recorded.items()
         }
         with unfinished(path) as part:
-            np.savez_compressed(part, t=self.t, status=self.status, **columns)
+            said = np.array(self.messages, dtype=str)
+            np.savez_compressed(part, t=self.t, status=self.status, messages=said, **columns)
 
     @classmethod
     def load(cls, path: Path) -> "CoupledRun":
@@ -75,18 +82,19 @@ class CoupledRun:
                 fmu, _, name = key.partition(" ")
                 if name:
                     values.setdefault(fmu, {})[name] = data[key]
-            return cls(data["t"], values, str(data.get("status", OK)))
+            messages = tuple(map(str, data.get("messages", ())))
+            return cls(data["t"], values, str(data.get("status", OK)), messages)
 
 
 @dataclass(frozen=True)
 class CoupledFmus:
     """FMUs in the initialization mode by name, their connections, the names of the variables to
-    read of each, what they have logged so far, and the end of the run [s]."""
+    read of each, what has been said of the run so far, and the end of the run [s]."""
 
     members: Mapping[str, Member]
     connections: Sequence[Connection]
     read: Mapping[str, Sequence[str]]
-    messages: Sequence[Message]
+    messages: list[Message]
     stop: float
 
     def points(self, step: float, most: float = MOST_STEPS) -> Iterator[Point]:
@@ -107,6 +115,7 @@ class CoupledFmus:
         for member in self.members.values():
             member.begin()
         point = self._at(0.0)
+        self._warn_of_jumps(point)
         yield point
         for n in count():
             for name, member in self.members.items():
@@ -141,7 +150,21 @@ class CoupledFmus:
         t, *columns = np.array(rows).T
         left = iter(columns)
         values = {fmu: {name: next(left) for name in names} for fmu, names in self.read.items()}
-        return CoupledRun(t, values, status_of(self.messages, failure))
+        said = tuple(map(str, self.messages))
+        return CoupledRun(t, values, status_of(self.messages, failure), said)
+
+    def _warn_of_jumps(self, start: Point) -> None:
+        """Warn of inputs that do not start with the values of their outputs."""
+        for c in self.connections:
+            output = start.values[c.sender][c.output]
+            taken = self.members[c.receiver].get([c.input])[c.input]
+            if not math.isclose(taken, output, rel_tol=_SAME, abs_tol=_SETTLED):
+                text = (
+                    f"{c.receiver}.{c.input} = {taken:.6g} at the start, where {c.sender}."
+                    f"{c.output} = {output:.6g}: it jumps in the first step"
+                )
+                self.messages.append(Message(text, "start-jump"))
+                warn(self.messages[-1])
 
     def _at(self, t: float) -> Point:
         return Point(t, {name: self.members[name].get(read) for name, read in self.read.items()})
@@ -163,13 +186,15 @@ def coupled(
 
     fmus: files of FMUs, or the folders into which they were extracted, by name, a word without a
     dot; connections: pairs (output, input), each `FMU.VARIABLE`, passed on at every communication
-    point; initial: pairs passed on one after another now; parameters: of each FMU by name, set
-    before the initialization; recorded: variables of each FMU to read beside those that are passed
-    on; tables: how messages call the two lists of pairs; stop: end of the run [s]; tolerance:
-    relative, of the run [1], by default each FMU's own. Raises `RunFailed` where a call of one of
-    the FMUs fails, and, before any of them is loaded, `InputError` for an unknown name, several of
-    an FMU of which there can be one, a pair that connects other units, an input that has its value
-    from another pair, and a stop or tolerance that is not positive and finite.
+    point, and now what is an output, unless `initial` or `parameters` give the input a value;
+    initial: pairs passed on now, one after another and before those; parameters: of each FMU by
+    name, set before the initialization; recorded: variables of each FMU to read beside those that
+    are passed on; tables: how messages call the two lists of pairs; stop: end of the run [s];
+    tolerance: relative, of the run [1], by default each FMU's own. Raises `RunFailed` where a call
+    of one of the FMUs fails, and `InputError`, before any of them is loaded, for an unknown name,
+    several of an FMU of which there can be one, a pair that connects other units, an input that has
+    its value from another pair, and a stop or tolerance that is not positive and finite; then for
+    initial values that do not settle.
     """
     check_positive("stop", stop, "s")
     if tolerance is not None:
@@ -213,10 +238,40 @@ def coupled(
     with ExitStack() as open_members:
         for member in members.values():
             open_members.enter_context(member)
-        for c in first:
-            members[c.receiver].set({c.input: members[c.sender].get([c.output])[c.output]})
+        has_value = {(c.receiver, c.input) for c in first}
+        has_value |= {(name, of) for name, values in parameters.items() for of in values}
+        of_all = [
+            c
+            for c in always
+            # of what else may be asked for in the initialization FMI 2.0 says nothing
+            if members[c.sender].variable(c.output).causality == "output"
+            and (c.receiver, c.input) not in has_value
+        ]
+        _exchange_initially(members, [*first, *of_all])
         seen = {name: tuple(names) for name, names in read.items()}
         yield CoupledFmus(members, always, seen, messages, stop)
+
+
+def _exchange_initially(members: Mapping[str, Member], connections: Sequence[Connection]) -> None:
+    """Pass initial values on, one after another, and again until none changes: those of a chain
+    settle in whatever order, those of a loop if it weakens what goes around it."""
+    passed: dict[Connection, float] = {}
+    changed: list[Connection] = []
+    for _ in range(_PASSES):
+        changed = []
+        for c in connections:
+            value = members[c.sender].get([c.output])[c.output]
+            if not math.isclose(passed.get(c, math.nan), value, rel_tol=_SETTLED):
+                members[c.receiver].set({c.input: value})
+                passed[c] = value
+                changed.append(c)
+        if not changed:
+            return
+    c = changed[0]
+    raise InputError(
+        f"{c.sender}.{c.output}, {c.receiver}.{c.input}: the initial values do not settle, "
+        f"{passed[c]:g} is the last; give {c.receiver}.{c.input} one in parameters"
+    )
 
 
 def _word(name: Any) -> str:

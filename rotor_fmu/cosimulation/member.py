@@ -114,7 +114,7 @@ class Member:
                 self._extract()
             check_plain_path(Path(self._folder))
             with chdir("."):  # FMPy stays at a library that cannot be loaded
-                self._fmu = self._call(self._instance)
+                self._fmu = self._call(self._new_instance)
         except BaseException:
             self._remove_extracted()
             raise
@@ -123,7 +123,7 @@ class Member:
             # the FMU's copy of pythonfmu instead of the installed one
             sys.path[:] = search_path
 
-    def _instance(self) -> Any:
+    def _new_instance(self) -> Any:
         """Return an instance as FMPy's `instantiate_fmu` makes it, which lets none have a name."""
         given = {
             "guid": self._description.guid,
@@ -151,6 +151,11 @@ class Member:
         finally:
             self._fmu.freeInstance()
             self._remove_extracted()
+
+    @property
+    def instance(self) -> Any:
+        """FMPy's instance of it, for what the master does not ask for: states, derivatives."""
+        return self._fmu
 
     def variable(self, name: str) -> Any:
         """Return FMPy's description of a variable. Raises `InputError` for an unknown name and for

@@ -261,7 +261,7 @@ def falls_short(drive: Component, stop: float) -> str:
     values |= drive.values
     target, torque, ramp = (values[name] for name in ("w_target", "tau_max", "ramp"))
     inertia = values["J_motor"] + values["J_rotor"]
-    reached = min(ramp, torque / inertia) * stop
+    reached = abs(values["w_start"]) + min(ramp, torque / inertia) * stop
     if reached >= abs(target):
         return ""
     return (

@@ -18,6 +18,8 @@ from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.master import CoupledRun
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError, RunFailed
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.fmi.packing.native_fmu import build_native
 
 from ..processes import interrupted
 from .coupled import last_row, through_libcosim
@@ -306,3 +308,36 @@ def test_ctrl_c_ends_the_script_in_one_line(tmp_path):
     assert status == 130
     assert errors.strip().splitlines()[-1].startswith("rotor-fmu: stopped")
     assert not list(tmp_path.rglob("*.part*"))
+
+
+def test_a_rotor_says_nothing_of_a_speed_at_which_the_drive_does_not_start_it(drive_fmu, tmp_path):
+    """It was asked for its inertia before it had the drive's speed, and said that it is unstable at
+    its own start value, 740 rad/s."""
+    machine = machine_of((FOLDER.parent / "oil_film" / "rotor.toml").read_text())
+    fmus = {"partner": drive_fmu, "rotor": build_native(tmp_path, machine, platforms=["linux64"])}
+    for speed, said in ((300.0, []), (740.0, ["unstable"])):
+        with COUPLING.open(fmus, 0.01, {"partner": {"w_start": speed}}) as opened:
+            opened.run(0.002)
+        assert [message.code for message in opened.messages] == said
+
+
+def test_the_picture_of_the_run_ups_claims_nothing_of_motors_that_it_does_not_know():
+    """Of a small motor that passes it said "hangs", of an ample one that does not, "passes"; the
+    label of the one was outside of the picture, of the other, in that of the axis."""
+    t = np.linspace(0.0, 10.0, 5001)
+
+    def run_up(rate):
+        w = rate * t
+        phi, none = 0.5 * rate * t**2, np.zeros_like(t)
+        rotor = {"J": none + 0.01, "energy.drive_work": 0.005 * w**2 + 0.02 * phi}
+        rotor |= {f"disc[3].{axis}_amp": none for axis in "xy"}
+        return CoupledRun(t, {"partner": {"w": w, "phi": phi}, "rotor": rotor})
+
+    for ample, small in ((10.0, 0.1), (40.0, 40.0)):
+        runs = {"ample": run_up(ample), "small": run_up(small)}
+        figure = _EXAMPLE["run_up_figure"](runs, 0.06, 0.018)
+        top, low = ([of.get_text() for of in axes.get_legend().get_texts()] for axes in figure.axes)
+        assert top[:2] == ["motor with 60 N mm", "motor with 18 N mm"]
+        assert low[-1] == f"where it is after 10 s: {10.0 * small / (2 * math.pi):.1f} Hz"
+        assert not any(axes.texts for axes in figure.axes)
+        assert figure.axes[0].get_title(loc="left") == "Run-up by two motors"

@@ -9,6 +9,7 @@ from contextlib import suppress
 import fmpy
 import numpy as np
 import pytest
+from rotor_fmu.model.simulation import RotorWarning
 
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.master import CoupledRun, coupled
@@ -171,7 +172,7 @@ def test_a_tunable_parameter_is_connected_and_so_is_an_integer_without_unit(moto
     pairs = [("motor.begun", "rotor.bearing[1].mu"), ("rotor.solver.steps", "motor.tau")]
     recorded = {"rotor": ["bearing[1].mu"], "motor": ["tau"]}
     fmus = {"motor": motor, "rotor": native_3}
-    with coupled(fmus, pairs, recorded=recorded, stop=3e-3) as opened:
+    with coupled(fmus, pairs, recorded=recorded, stop=3e-3) as opened, pytest.warns(RotorWarning):
         run = opened.run(1e-3)
     assert run["rotor"]["bearing[1].mu"].tolist() == [0.05, 1.0, 1.0, 1.0]
     assert run["motor"]["tau"].tolist() == [0.0, *run["rotor"]["solver.steps"][:-1]]

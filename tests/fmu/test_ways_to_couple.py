@@ -2,6 +2,8 @@
 
 import json
 import re
+import shutil
+from pathlib import Path
 
 import fmpy
 import numpy as np
@@ -10,6 +12,7 @@ from rotor_fmu.examples.drive_train import by_energy, compare, ways
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
@@ -140,3 +143,23 @@ def test_libcosims_ecco_has_a_fifth_of_the_error_of_as_many_fixed_steps(folder, 
     assert ecco.lost < 1e-4
     (description,) = xml_of(tmp_path / "MotorOnShaft.fmu").values()
     assert mistakes(description, FMI2) == []
+
+
+def test_the_rotor_is_one_of_the_masters_members(folder, tmp_path, monkeypatch, capfd):
+    """It had no name in its messages, and where its library could not be loaded the process stayed
+    in the library's folder."""
+
+    def refused(rotor, t, h, at):
+        rotor.step(t, -h, at.tau)
+
+    run = ways.couple(folder, refused, SHORT, STOP)
+    assert np.isnan(run.w).all()
+    assert not np.isfinite(run.lost)
+    assert "rotor: error: " in capfd.readouterr().err
+    shutil.copytree(folder, tmp_path / "broken")
+    for library in (tmp_path / "broken").rglob("*.so"):
+        library.write_bytes(b"")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(RunFailed, match=r"^rotor: broken: "):
+        ways.couple(str(tmp_path / "broken"), "explicit", SHORT, STOP)
+    assert Path.cwd() == tmp_path

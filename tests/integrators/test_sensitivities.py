@@ -237,3 +237,20 @@ def test_derivatives_by_time_are_differences_of_a_run_with_small_steps(torque):
         if name not in ("a", "tau_load"):  # of accelerations there is nothing to go further from
             rounding = 1e-13 * abs(run.read(name)) / SPACING**2
             assert seen[1, at] == pytest.approx(expected[1][at], rel=1e-4, abs=rounding), name
+
+
+def test_a_torques_second_derivative_nears_differences_with_the_square_of_the_step():
+    """Of the rig that rubs; it involves the fourth derivative of the motion."""
+    worst = []
+    for h in (2e-6, 1e-6):
+        run = Simulation(rig(), choose("robust", h=h), speed=400.0)
+        at, to, seen = run.names.index("tau"), 0.06, []
+        run.advance(to, 400.0)
+        for i in range(1, 201):
+            run.advance(to + i * 0.2 * SPACING, 400.0)
+            seen.append((run.observed[at], run.derivatives()[1, at]))
+        tau, second = np.array(seen).T
+        differences = [25.0 * stencil(tau[i - 3 : i + 4])[1] for i in range(3, len(tau) - 3)]
+        worst.append(np.abs(second[3:-3] - differences).max() / np.abs(differences).max())
+    assert worst[0] < 0.6
+    assert worst[0] / worst[1] == pytest.approx(4.0, rel=0.1)
