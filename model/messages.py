@@ -19,7 +19,12 @@ _LIMIT, _UNIT = choice(("limit.displacement", "limit.force")), choice((" m", " N
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
 _SLIPPING = " in contact and slipping"
 _AS_AT_REST = "the contacts as they carry the machine at rest"
-_SENSE = choice(("forward whirl", "backward whirl", "planar motion", "mixed whirl"))
+_SENSE = choice(
+    (
+        *("forward whirl", "backward whirl", "planar motion"),
+        *("mixed whirl, mainly forward,", "mixed whirl, mainly backward,"),
+    )
+)
 _SEEN = choice(("whirl forward", "whirl backward", "move in a plane"))
 _WHIRL = (
     f"with {{where}} a {_SENSE} of {{.4g}} Hz ({{.4g}} rad/s) grows by {{.3g}} 1/s at {{.4g}} rad/s"

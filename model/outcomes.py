@@ -13,7 +13,7 @@ from .message_templates import MOST_ARGUMENTS, fill_template
 from .settings.resolver import radius_at_infinity
 from .stability.matrices import OPEN, REST, is_seat
 from .stability.resolution import is_stable, resolving_step, seen_growth
-from .stability.sense import BACKWARD, FORWARD, PLANAR
+from .stability.sense import BACKWARD, FORWARD, PLANAR, as_a_whole
 from .stability.survey_block import WHIRL
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 from .step.laws import first_invalid_law, relative
@@ -234,13 +234,13 @@ def _whirled_apart(run, arguments):
         sense, seen = PLANAR, swing
     is_any = True
     for i in range(survey.counted[0]):
-        is_any = is_any and survey.whirls[i, WHIRL.sense] != sense
+        is_any = is_any and as_a_whole(survey.whirls[i, WHIRL.sense]) != sense
     nearest = math.inf
     for i in range(survey.counted[0]):
         whirl = survey.whirls[i]
         ratio = whirl[WHIRL.omega] / max(seen, 1e-9)
         ratio = max(ratio, 1.0 / ratio)
-        is_alike = is_any or whirl[WHIRL.sense] == sense
+        is_alike = is_any or as_a_whole(whirl[WHIRL.sense]) == sense
         if is_alike and (nearest == math.inf or ratio < nearest):
             nearest = ratio
             _describe_whirl(whirl, arguments, 5)

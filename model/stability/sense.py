@@ -1,11 +1,12 @@
 """The sense in which a growing motion whirls, by the rule of `linear.modes.Modes.whirl`: forward,
-backward, planar, or mixed where nodes whirl either way."""
+backward, planar, or mixed where nodes whirl either way, and then which way as a whole."""
 
 from ..kernels.functions import modulus
 from ..kernels.jit import jit
 from .matrices import OPEN, REST, is_closed
 
-FORWARD, BACKWARD, PLANAR, MIXED = 0.0, 1.0, 2.0, 3.0  # as `messages` has them
+# The choices of `messages`; a mixed whirl that is forward or backward as a whole is their sum.
+FORWARD, BACKWARD, PLANAR, MIXED = 0.0, 1.0, 2.0, 3.0
 _DEGENERATE = 1e-7  # relative distance of two roots that are one, whose motion may whirl either way
 _PLANAR = 1e-3  # difference of the parts that turn with and against x to y, below which it is none
 _AT_REST = 1e-18  # share of a square: nodes that move less rest while housings move
@@ -41,11 +42,16 @@ def sense_of_whirl(structure, survey, root, states, case, speed):
         low = min(low, with_x_to_y - against)
         whole += with_x_to_y - against
         total += with_x_to_y + against
+    way = FORWARD if (whole > 0.0) == (speed >= 0.0) else BACKWARD
     if high > _PLANAR * size and low < -_PLANAR * size:
-        return MIXED
-    if abs(whole) < _PLANAR * total:
-        return PLANAR
-    return FORWARD if (whole > 0.0) == (speed >= 0.0) else BACKWARD
+        return MIXED + way
+    return PLANAR if abs(whole) < _PLANAR * total else way
+
+
+@jit
+def as_a_whole(sense):
+    """Return the sense of a whirl as a whole, which is mixed in no case."""
+    return sense - MIXED if sense >= MIXED else sense
 
 
 @jit

@@ -31,6 +31,7 @@ resolving_step, seen_growth = (
     interpreted(resolution.resolving_step),
     interpreted(resolution.seen_growth),
 )
+README = EXAMPLES.parent / "README.md"
 SPEED, CLEARANCE = 400.0, 1e-4
 ZETA, BETA = 0.05, 20.0
 MASS = 7800.0 * math.pi / 4 * 0.3**2 * 0.05  # of the Jeffcott rotor's disc [kg]
@@ -147,6 +148,18 @@ def test_what_grows_has_the_sense_that_modes_give_it(k_yy, c_yy, k_xy, speed, sa
         # at the frequency along the line, not the rate at which it happens to turn
         with pytest.raises(StepFailure, match=r"planar motion .* seen to move in a plane at"):
             simulation.advance(5.0, speed)
+
+
+def test_a_whirl_either_way_along_the_shaft_says_which_way_it_is_as_a_whole():
+    """A fan on an overhung shaft: the part that turns against the rotation is 1.7 times as large as
+    the one that turns with it at the wheel, and smaller at a node between the bearings."""
+    text = README.read_text(encoding="utf-8").split("```toml\n")[1].split("```")[0]
+    rotor = parse_rotor(text).with_values({"bearing[1].clearance": 2e-4})
+    messages = []
+    whirl = found_last(Simulation(rotor, choose(), speed=300.0, warn=messages.append))[0]
+    (unstable,) = (text for text in messages if text.code == "unstable")
+    assert " a mixed whirl, mainly backward, of " in unstable
+    assert whirl.is_backward
 
 
 PADS = {
