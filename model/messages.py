@@ -19,10 +19,15 @@ _LIMIT, _UNIT = choice(("limit.displacement", "limit.force")), choice((" m", " N
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
 _SLIPPING = " in contact and slipping"
 _AS_AT_REST = "the contacts as they carry the machine at rest"
-_WAY = choice(("forward", "backward"))
+_SENSE = choice(
+    (
+        *("forward whirl", "backward whirl", "planar motion"),
+        *("mixed whirl, mainly forward,", "mixed whirl, mainly backward,"),
+    )
+)
+_SEEN = choice(("whirl forward", "whirl backward", "move in a plane"))
 _WHIRL = (
-    f"with {{where}} a {_WAY} whirl of {{.4g}} Hz ({{.4g}} rad/s) grows by {{.3g}} 1/s at "
-    "{.4g} rad/s"
+    f"with {{where}} a {_SENSE} of {{.4g}} Hz ({{.4g}} rad/s) grows by {{.3g}} 1/s at {{.4g}} rad/s"
 )
 # What numerical damping does to a growth, by a flag before and after the number: leaves some of it,
 # or more than takes it away.
@@ -70,7 +75,7 @@ _SENTENCES = {
     "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
     "alpha_m <= alpha_f <= 0.5",
     "WHIRLED_APART": f"{_WHERE}the run diverged by an instability of the machine (node {{d}} past "
-    f"{{.3g}} m or not finite): {_WHIRL}, and it was seen to whirl {_WAY} at {{.4g}} Hz; a shorter "
+    f"{{.3g}} m or not finite): {_WHIRL}, and it was seen to {_SEEN} at {{.4g}} Hz; a shorter "
     "step does not help: reduce friction or add damping",
     "STOPPED": f"{_WHERE}{UNFINISHED}",
     "PAST_LIMIT": f"t = {{.9g}} s: the next step passes {_LIMIT} = {{.6g}}{_UNIT}, with {{.6g}}"

@@ -13,6 +13,7 @@ from .message_templates import MOST_ARGUMENTS, fill_template
 from .settings.resolver import radius_at_infinity
 from .stability.matrices import OPEN, REST, is_seat
 from .stability.resolution import is_stable, resolving_step, seen_growth
+from .stability.sense import BACKWARD, FORWARD, PLANAR, as_a_whole
 from .stability.survey_block import WHIRL
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 from .step.laws import first_invalid_law, relative
@@ -26,6 +27,7 @@ from .time_loop.memory import spin_now
 _TWO_PI = 2 * math.pi
 _ROUNDING = 1e-9  # share of a root: a smaller imaginary part is rounding
 _TWO_DIGITS = 10.0
+_SLENDER = 0.1  # ratio of an orbit's axes below which a motion is said to be in a plane
 _LOST = 1e-9  # share of the shaft's stiffness: rounding may hide a softer support
 
 
@@ -142,7 +144,7 @@ def _describe_whirl(whirl, arguments, at):
     """Write the six numbers of a row of `survey.whirls` into the arguments, from `at` on."""
     case, omega = whirl[WHIRL.case], whirl[WHIRL.omega]
     arguments[at] = -1.0 - case if case < 0.0 else case + 3.0
-    arguments[at + 1] = whirl[WHIRL.is_backward]
+    arguments[at + 1] = whirl[WHIRL.sense]
     arguments[at + 2], arguments[at + 3] = omega / _TWO_PI, omega
     arguments[at + 4], arguments[at + 5] = whirl[WHIRL.growth], whirl[WHIRL.speed]
 
@@ -219,26 +221,31 @@ def _is_driven_by_loads(run):
 def _whirled_apart(run, arguments):
     """Return whether there are growing whirls; if so, write the one that is most like the motion
     reached into the arguments from 5 on: of the same sense, if there is one, and the nearest in
-    frequency."""
+    frequency. A motion in a plane does not go round: its frequency is that of its acceleration."""
     survey, motion, speed = run.survey, run.motion, run.memory.record[0].omega
     dof = run.structure.deflections[_farthest(run), 0]
     q, v = motion.q[dof], motion.v[dof]
-    rate = (q.conjugate() * v).imag / (q.real * q.real + q.imag * q.imag)
-    is_backward = (rate < 0.0) == (speed >= 0.0)
+    square = q.real * q.real + q.imag * q.imag
+    rate = (q.conjugate() * v).imag / square
+    swing = math.sqrt(max(0.0, -(q.conjugate() * motion.v_dot[dof]).real / square))
+    sense = BACKWARD if (rate < 0.0) == (speed >= 0.0) else FORWARD
+    seen = abs(rate)
+    if seen < _SLENDER * swing:
+        sense, seen = PLANAR, swing
     is_any = True
     for i in range(survey.counted[0]):
-        is_any = is_any and (survey.whirls[i, WHIRL.is_backward] == 1.0) != is_backward
+        is_any = is_any and as_a_whole(survey.whirls[i, WHIRL.sense]) != sense
     nearest = math.inf
     for i in range(survey.counted[0]):
         whirl = survey.whirls[i]
-        ratio = whirl[WHIRL.omega] / max(abs(rate), 1e-9)
+        ratio = whirl[WHIRL.omega] / max(seen, 1e-9)
         ratio = max(ratio, 1.0 / ratio)
-        is_alike = is_any or (whirl[WHIRL.is_backward] == 1.0) == is_backward
+        is_alike = is_any or as_a_whole(whirl[WHIRL.sense]) == sense
         if is_alike and (nearest == math.inf or ratio < nearest):
             nearest = ratio
             _describe_whirl(whirl, arguments, 5)
-    arguments[11] = 1.0 if is_backward else 0.0
-    arguments[12] = abs(rate) / _TWO_PI
+    arguments[11] = sense
+    arguments[12] = seen / _TWO_PI
     return survey.counted[0] > 0
 
 

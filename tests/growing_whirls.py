@@ -3,13 +3,15 @@
 from typing import NamedTuple
 
 import numpy as np
+from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.stability.matrices import ALL, OPEN, REST
+from rotor_fmu.model.stability.sense import BACKWARD, as_a_whole
 
 
 class Whirl(NamedTuple):
-    """A growing whirl: root, imaginary part > 0 [1/s]; is_backward: against the rotation, at the
-    closed contacts or of the whole shaft; closed: which interfaces with a wall are closed; speed
-    [rad/s]."""
+    """A growing whirl: root, imaginary part > 0 [1/s]; is_backward: against the rotation, all in
+    all, at the closed contacts or of the whole shaft; closed: which interfaces with a wall are
+    closed; speed [rad/s]."""
 
     root: complex
     is_backward: bool
@@ -24,6 +26,11 @@ def found_last(simulation):
     seats = tuple(np.flatnonzero(run.memory.seats).tolist())
     cases = {OPEN: (), ALL: walls, REST: seats}
     return tuple(
-        Whirl(complex(re, im), backward == 1.0, cases.get(int(case), (int(case),)), speed)
-        for re, im, backward, case, speed in run.survey.whirls[: run.survey.counted[0]].tolist()
+        Whirl(
+            complex(re, im),
+            interpreted(as_a_whole)(sense) == BACKWARD,
+            cases.get(int(case), (int(case),)),
+            speed,
+        )
+        for re, im, sense, case, speed in run.survey.whirls[: run.survey.counted[0]].tolist()
     )

@@ -7,9 +7,13 @@ turn, as along an orbit (`floquet`). The exponent is the mean of the growth per 
     w(s) = exp(-1 / (s (1 - s))),    0 < s < 1
 
 which suppresses the transient at the start and converges faster than a plain mean where the motion
-is regular (Das, Saiki, Sander, Yorke 2017).
+is regular (Das, Saiki, Sander, Yorke 2017). The difference begins as that which grows most in the
+first turns: where the motion repeats itself within them it grows alike from then on, though it
+turns as it grows, as that of a complex multiplier does, and others that decay more slowly than few
+turns last show nothing.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +35,7 @@ from .linear_structure import CondensedMachine
 from .problem import check_parts
 
 LEAST_TURNS = 4
+_REPEATS = 12  # turns after which motions of 2, 3, 4 or 6 turns repeat themselves
 _RESOLVED = 8.0  # samples a period of the fastest motion that is looked at
 
 
@@ -71,16 +76,28 @@ def largest_exponent(rotor: Rotor, samples: InterfaceSamples, speed: float, per_
     cuts = [samples.t[k * per_turn : (k + 1) * per_turn + 1] for k in range(turns)]
     parts = tangents_along(machine, path, cuts)
     modes, mean = modes_along(machine, path, parts)
-    state = np.random.default_rng(0).standard_normal(len(modes.roots)) + 0j
-    state /= np.linalg.norm(state)
+    first = [transition_matrix(modes, mean, part) for part in parts[:_REPEATS]]
+    state = _leading(first)
     growth = np.empty(turns)
     for k, part in enumerate(parts):
-        state = transition_matrix(modes, mean, part) @ state
+        turn = first[k] if k < len(first) else transition_matrix(modes, mean, part)
+        state = turn @ state
         size = float(np.linalg.norm(state))
         growth[k] = np.log(size) / part.h.sum()
         state /= size
     s = (np.arange(turns) + 0.5) / turns
     return float(np.average(growth, weights=np.exp(-1.0 / (s * (1.0 - s)))))
+
+
+def _leading(turns: Sequence[np.ndarray]) -> np.ndarray:
+    """Return what grows most, or decays least, over turns as a whole, of norm 1."""
+    product = np.eye(len(turns[0]), dtype=complex)
+    for turn in turns:
+        product = turn @ product
+        product /= np.linalg.norm(product)
+    values, vectors = np.linalg.eig(product)
+    result: np.ndarray = vectors[:, np.argmax(np.abs(values))]
+    return result
 
 
 def _path(machine: CondensedMachine, samples: InterfaceSamples, speed: float) -> MotionPath:

@@ -20,7 +20,7 @@ _PAYS = 0.75  # a basis for one wall is used with at most this share of the dofs
 _UNKNOWNS = "2 * (coarse + housings) + vibrating_states"
 _STATES = "4 * (coarse + housings) + vibrating_states"
 # Columns of `WhirlSurvey.whirls`: real and imaginary part of the root, sense, contact state, speed.
-WHIRL = places(("growth", "omega", "is_backward", "case", "speed"))
+WHIRL = places(("growth", "omega", "sense", "case", "speed"))
 
 
 class WhirlSurvey(NamedTuple):
@@ -35,7 +35,7 @@ class WhirlSurvey(NamedTuple):
     vibration, those of the law staying; the machine x' = A x in real coordinates, and a copy that
     the eigenvalue solver overwrites; one root's equation and its vector; all roots.
 
-    whirls: the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward,
+    whirls: the growing whirls, the fastest first: Re and Im of the root [1/s], `sense`,
     `case` (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN
     [1/s].
     """

@@ -25,11 +25,11 @@ from .matrices import (
     fill_system_matrix,
     fill_tangents,
     find_seats,
-    is_closed,
     is_seat,
     is_wall,
 )
 from .resolution import is_stable, resolving_step, resolving_step_in_stages
+from .sense import sense_of_whirl
 from .survey_block import MOST_WHIRLS, WHIRL
 
 # A growth is called hidden if the integrator leaves less than the first share of it; a step that
@@ -273,37 +273,14 @@ def _record_whirls(run, speed, case):
         if not is_growing(root):
             continue
         fill_eigenvector(survey, 2 * half, root)
-        is_backward = _is_reversed(structure, survey, half, case) == (speed >= 0.0)
+        sense = sense_of_whirl(structure, survey, root, states_of(structure, survey), case, speed)
         shortest = min(shortest, _longest_step(run, root))
-        _insert_whirl(survey, root * structure.numbers[0].lowest_omega, is_backward, case, speed)
+        _insert_whirl(survey, root * structure.numbers[0].lowest_omega, sense, case, speed)
     return shortest
 
 
 @jit
-def _is_reversed(structure, survey, half, case):
-    """Return whether the motion of `vector`, of x and y of `half` dofs and housings, whirls from y
-    to x: at the closed contacts, or as a whole."""
-    forward = backward = 0.0
-    is_whole = case in (OPEN, REST)
-    rows = half if is_whole else len(structure.interfaces)
-    for row in range(rows):
-        if is_whole:
-            x, y = survey.vector[row], survey.vector[half + row]
-        elif is_closed(structure.interfaces, row, case):
-            x = y = 0.0j
-            for i in range(half):
-                x += survey.pick[row, i] * survey.vector[i]
-                y += survey.pick[row, i] * survey.vector[half + i]
-        else:
-            continue
-        along, against = x + 1j * y, x - 1j * y
-        forward += along.real * along.real + along.imag * along.imag
-        backward += against.real * against.real + against.imag * against.imag
-    return backward > forward
-
-
-@jit
-def _insert_whirl(survey, root, is_backward, case, speed):
+def _insert_whirl(survey, root, sense, case, speed):
     """Insert a whirl among those found, the fastest first."""
     result = survey.whirls
     at = survey.counted[0]
@@ -316,7 +293,7 @@ def _insert_whirl(survey, root, is_backward, case, speed):
         for k in range(len(WHIRL)):
             result[row, k] = result[row - 1, k]
     result[at, WHIRL.growth], result[at, WHIRL.omega] = root.real, root.imag
-    result[at, WHIRL.is_backward] = 1.0 if is_backward else 0.0
+    result[at, WHIRL.sense] = sense
     result[at, WHIRL.case], result[at, WHIRL.speed] = case, speed
 
 

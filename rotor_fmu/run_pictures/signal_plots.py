@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
@@ -23,7 +24,7 @@ from ..runs.measuring_points import ContactSignals
 from .view import View, angle_axis, broken_at_reversals, displacement_axes, two_over_speed, widened
 
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
-_ORBIT_TURNS, _WHIRL_TURNS = 4, 16
+_ORBIT_TURNS, _BLOCK_TURNS = 4, 16
 FINE = 24  # rows a turn, below which a curve between them is drawn, not computed
 
 
@@ -161,22 +162,20 @@ def _lines(amplitude: np.ndarray) -> list[int]:
 def cascade(view: View) -> Figure:
     """Draw full spectra over speed, or over time where the speed does not go one way."""
     figure, axes = new_figure(6.8, 5.0)
-    result = vibration.cascade(*view.signal)
+    signal = vibration.synchronous(*view.signal, turns=_BLOCK_TURNS + 1)  # two blocks of them
+    result = vibration.cascade_of(signal, turns=_BLOCK_TURNS)
     down = _speed(result.speed) if result.is_one_way else result.t
     across = _speed(result.frequency)
     amplitude = np.nan_to_num(result.amplitude) * view.shown.amplitude
     # small lines are seen beside large ones on the root's scale
     norm = PowerNorm(0.4, 0, max(float(amplitude.max(initial=0)), 1e-9))
     look: dict[str, Any] = {"cmap": "cividis", "norm": norm, "shading": "gouraud"}
-    shades = None
     for number in np.unique(result.passage):
         # nothing is drawn over a rest or a reversal
         rows = np.flatnonzero(result.passage == number)
         if len(rows) > 1:
             x_y = across[rows], np.broadcast_to(down[rows, None], across[rows].shape)
-            shades = axes.pcolormesh(*x_y, amplitude[rows], rasterized=True, **look)
-    if shades is None:
-        raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; needed: 17")
+            axes.pcolormesh(*x_y, amplitude[rows], rasterized=True, **look)
     once = np.abs(_speed(result.speed))
     limit = 3 * float(once.max())
     fastest = int(np.argmax(once))
@@ -190,6 +189,7 @@ def cascade(view: View) -> Figure:
             annotate(axes, f"{order:+d}x", (x, y), (0, 2), color=color, **above)
     axes.set_xlim(-limit, limit)
     axes.grid(visible=False)
+    shades = ScalarMappable(norm, look["cmap"])
     figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.shown.amplitude_unit}]")
     axes.set_xlabel(f"Whirl frequency [{current().frequency_unit}], backward < 0 < forward")
     axes.set_ylabel(current().speed_label if result.is_one_way else "Time [s]")
@@ -215,7 +215,7 @@ def whirl(view: View) -> Figure:
     """Draw the sense and the order of the whirl."""
     figure, (above, below) = two_over_speed()
     signal = vibration.synchronous(*view.signal, turns=3)
-    result = vibration.whirl_of(signal, turns=_WHIRL_TURNS)
+    result = vibration.whirl_of(signal, turns=_BLOCK_TURNS)
     n = _speed(result.speed)
     above.axhline(0, color=GREY, lw=0.8)
     above.plot(n, result.sense, ".", color=BLUE, ms=3, mew=0)
@@ -225,7 +225,7 @@ def whirl(view: View) -> Figure:
     below.plot(n, result.order, ".", color=ORANGE, ms=3, mew=0)
     below.axhline(0, color=GREY, lw=0.8)
     below.set_ylabel("Whirl over rotation [1]")
-    turns = min(_WHIRL_TURNS, signal.longest)
+    turns = min(_BLOCK_TURNS, signal.longest)
     view.title(above, f"whirl of {view.place.label}, over {turns} turns each")
     return figure
 

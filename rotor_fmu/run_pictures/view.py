@@ -65,8 +65,9 @@ class View:
 
     @property
     def speed(self) -> float:
-        """Speed at which orbit and spectrum are taken [rad/s]; `InputError` for a chosen one that
-        the run never had."""
+        """Speed at which orbit and spectrum are taken [rad/s], without a chosen one that of the
+        largest 1x, or of the largest displacement in a run of too few turns for that; `InputError`
+        for a chosen one that the run never had."""
         if self.chosen_speed is not None:
             chosen = number("speed", self.chosen_speed)
             known = self.run.w[np.isfinite(self.run.w)]
@@ -76,8 +77,14 @@ class View:
                 shown = f"{speed_with_unit(chosen)} ({chosen:g} rad/s)"
                 raise InputError(f"speed = {shown}: the run turns {range_with_unit(low, high)}")
             return chosen
-        track = vibration.order_track(*self.signal, (1.0,))
         begin = start_up(self.run.t, self.run.w)
+        try:
+            track = vibration.order_track(*self.signal, (1.0,))
+        except vibration.TooFewTurns as error:  # for 1x, though not for every picture
+            if isinstance(error, vibration.TooFewRows) or not len(self.run.t):
+                raise
+            z = self.place.z
+            return float(self.run.w[largest_row(self.run.t, np.abs(z - z[0]), begin)])
         return float(track.speed[largest_row(track.t, track.major(), begin)])
 
     def turns(self, count: int) -> TurnsShown:

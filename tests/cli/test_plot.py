@@ -137,10 +137,18 @@ def test_a_speed_that_the_run_never_had_is_refused_with_those_that_it_had(folder
 @pytest.mark.parametrize("kind", ["orbit", "spectrum"])
 def test_a_run_without_a_row_has_no_turn_at_any_speed(tmp_path, kind):
     recorded(stop=0.0).save(tmp_path / "recording.npz")
-    said = str(plot(kind, tmp_path, "--speed", "60Hz").exception)
-    assert "the signal holds 0 whole turns of the shaft" in said
+    for speed in ([], ["--speed", "60Hz"]):
+        said = str(plot(kind, tmp_path, *speed).exception)
+        assert "the signal holds 0 whole turns of the shaft" in said
 
 
-def test_a_run_of_less_than_a_block_of_turns_says_how_many_it_has(tmp_path):
+@pytest.mark.parametrize(("kind", "needed"), [("bode", 4), ("spectrum", 16), ("cascade", 17)])
+def test_a_run_of_less_than_a_block_of_turns_says_how_many_it_has(tmp_path, kind, needed):
     recorded(stop=0.05).save(tmp_path / "recording.npz")
-    assert "holds 2 whole turns of the shaft; needed: 4" in str(plot("bode", tmp_path).exception)
+    said = f"holds 2 whole turns of the shaft; needed: {needed}"
+    assert said in str(plot(kind, tmp_path).exception)
+
+
+def test_an_orbit_shows_the_turns_that_there_are(tmp_path):
+    recorded(stop=0.05).save(tmp_path / "recording.npz")
+    assert plot("orbit", tmp_path).exit_code == 0

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from rotor_fmu.model.kernels.kernel import interpreted
 from rotor_fmu.model.linear.linear_machine import LinearMachine
+from rotor_fmu.model.linear.modes import modes as modes_of_machine
 from rotor_fmu.model.linear.modes import modes_of
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.bearing import Bearing
@@ -30,6 +31,7 @@ resolving_step, seen_growth = (
     interpreted(resolution.resolving_step),
     interpreted(resolution.seen_growth),
 )
+README = EXAMPLES.parent / "README.md"
 SPEED, CLEARANCE = 400.0, 1e-4
 ZETA, BETA = 0.05, 20.0
 MASS = 7800.0 * math.pi / 4 * 0.3**2 * 0.05  # of the Jeffcott rotor's disc [kg]
@@ -99,6 +101,65 @@ def test_the_overhung_machine_has_the_root_that_an_eigenvalue_solver_finds():
     assert result[0].root == pytest.approx(11.3704 + 7976.255j, rel=1e-5)
     assert result[0].is_backward
     assert whirls(overhung_machine(mu=0.02)) == ()
+
+
+NEGATIVELY_DAMPED = """
+[material]
+young = 2.1e11
+density = 7800.0
+
+[shaft]
+nodes = [0.0, 0.2, 0.4, 0.6]
+diameters = [0.03, 0.03, 0.03]
+
+[[point_mass]]
+node = 3
+mass = 5.0
+"""
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("k_yy", "c_yy", "k_xy", "speed", "said"),
+    [
+        (2e6, 500.0, 0.0, 100.0, "a planar motion"),  # x alone grows
+        (1e6, -200.0, 0.0, 1e-3, "a planar motion"),  # x and y alike: a circle either way, or none
+        (1e6, -200.0, 0.0, 100.0, "a forward whirl"),  # gyroscopic moments tell them apart
+        (1e6, 500.0, 1e6, 100.0, "a forward whirl"),
+        (1e6, 500.0, -1e6, 100.0, "a backward whirl"),
+    ],
+)
+def test_what_grows_has_the_sense_that_modes_give_it(k_yy, c_yy, k_xy, speed, said, way):
+    speed, k_xy = way * speed, way * k_xy
+    c_xx = c_yy if k_xy else -200.0
+    bearing = {"kxx": 1e6, "kyy": k_yy, "cxx": c_xx, "cyy": c_yy, "kxy": k_xy, "kyx": -k_xy}
+    parts = "".join(table("[linear_bearing]", node=node, **bearing) for node in (1, 4))
+    rotor = parse_rotor(NEGATIVELY_DAMPED + parts)
+    messages = []
+    simulation = Simulation(rotor, choose(), speed=speed, warn=messages.append)
+    (unstable,) = (text for text in messages if text.code == "unstable")
+    assert f"with all contacts open {said} of " in unstable
+    root = next(w.root for w in found_last(simulation) if w.speed == speed)
+    found = modes_of_machine(rotor, speed, count=40)
+    at = np.argmin(np.abs(found.eigenvalues - root))
+    assert found.eigenvalues[at] == pytest.approx(root, rel=1e-4)
+    assert found.whirl[at] in said
+    if k_yy > 1e6:
+        # at the frequency along the line, not the rate at which it happens to turn
+        with pytest.raises(StepFailure, match=r"planar motion .* seen to move in a plane at"):
+            simulation.advance(5.0, speed)
+
+
+def test_a_whirl_either_way_along_the_shaft_says_which_way_it_is_as_a_whole():
+    """A fan on an overhung shaft: the part that turns against the rotation is 1.7 times as large as
+    the one that turns with it at the wheel, and smaller at a node between the bearings."""
+    text = README.read_text(encoding="utf-8").split("```toml\n")[1].split("```")[0]
+    rotor = parse_rotor(text).with_values({"bearing[1].clearance": 2e-4})
+    messages = []
+    whirl = found_last(Simulation(rotor, choose(), speed=300.0, warn=messages.append))[0]
+    (unstable,) = (text for text in messages if text.code == "unstable")
+    assert " a mixed whirl, mainly backward, of " in unstable
+    assert whirl.is_backward
 
 
 PADS = {
