@@ -28,7 +28,6 @@ from .linear_machine import LinearError, LinearMachine, shared_machine
 from .linearization import OPEN, PINNED, check_contacts
 from .orbit import AT_REST, lengths_of_nodes
 from .real_matrices import Between, differences, x_and_y
-from .shifted_inverse import RESTARTS
 from .support_loads import support_loads
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
@@ -38,6 +37,7 @@ _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
 _DENSE = 100  # unknowns of a plane up to which all eigenvalues cost less than a few
+_RESTARTS = 60  # of Arnoldi's method: thin discs take about ten, all eigenvalues cost a hundred
 _SOFT = 1e-14  # of that: of a bearing that has no stiffness, so that shapes are those without it
 
 
@@ -257,7 +257,7 @@ def _lowest(
     wanted = 2 * count + 4
     while wanted < size // 3:
         try:
-            values, shapes = eigs(operator, wanted, v0=_some(size), which="LR", maxiter=RESTARTS)
+            values, shapes = eigs(operator, wanted, v0=_some(size), which="LR", maxiter=_RESTARTS)
         except ArpackNoConvergence:
             break
         found = _criticals(values, shapes, nodes)
