@@ -97,17 +97,20 @@ def with_thin_discs():
     return parse_rotor("".join([shaft, *discs, *(BEARING.format(1 + 40 * i) for i in range(6))]))
 
 
+@pytest.mark.parametrize("synchronous", [True, False])
 @pytest.mark.parametrize(
     ("rotor", "count"), [(in_housings(1e6), 1), (in_housings(2e6), 1), (with_thin_discs(), 4)]
 )
-def test_the_critical_speed_map_is_that_of_dense_eigenvalues(rotor, count, monkeypatch):
+def test_the_critical_speed_map_is_that_of_dense_eigenvalues(
+    rotor, count, synchronous, monkeypatch
+):
     """Though only the lowest are computed; what moves alone has no critical speed."""
     stiffness = np.array([1e6, 2e6])
     monkeypatch.setattr(undamped, "_DENSE", 1000)
-    by_dense = critical_map(rotor, stiffness, count=count)
+    by_dense = critical_map(rotor, stiffness, count=count, synchronous=synchronous)
     monkeypatch.setattr(undamped, "_DENSE", 10)
     monkeypatch.setattr(undamped, "_solve", None)  # which computes all
-    by_sparse = critical_map(rotor, stiffness, count=count)
+    by_sparse = critical_map(rotor, stiffness, count=count, synchronous=synchronous)
     np.testing.assert_allclose(by_sparse.speeds, by_dense.speeds, rtol=1e-9)
     assert by_sparse.rigid == pytest.approx(by_dense.rigid, rel=1e-9)
 
