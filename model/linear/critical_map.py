@@ -101,7 +101,7 @@ def critical_map(
             raise LinearError(
                 f"stiffness = {value:g} N/m: must be from {low:.2g} to {high:.2g} N/m"
             )
-    solve: Callable[[float], np.ndarray] = machine.natural_frequencies
+    solve: Callable[[float], np.ndarray] = partial(machine.natural_frequencies, count=count)
     branches = None
     if synchronous and machine.is_circular:
         solve = partial(machine.forward_criticals, count=count)

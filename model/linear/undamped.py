@@ -28,7 +28,6 @@ from .linear_machine import LinearError, LinearMachine, shared_machine
 from .linearization import OPEN, PINNED, check_contacts
 from .orbit import AT_REST, lengths_of_nodes
 from .real_matrices import Between, differences, x_and_y
-from .shifted_inverse import RESTARTS
 from .support_loads import support_loads
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
@@ -38,6 +37,7 @@ _FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
 _ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
 _DENSE = 100  # unknowns of a plane up to which all eigenvalues cost less than a few
+_RESTARTS = 60  # of Arnoldi's method: thin discs take about ten, all eigenvalues cost a hundred
 _SOFT = 1e-14  # of that: of a bearing that has no stiffness, so that shapes are those without it
 
 
@@ -120,18 +120,21 @@ class UndampedMachine:
     def forward_criticals(self, stiffness: float, count: int) -> np.ndarray:
         """Return the `count` lowest forward critical speeds, fewer where there are fewer, ascending
         [rad/s], with this stiffness of all bearings [N/m], of a machine whose modes are circles."""
-        nodes, found = 2 * self._nodes, None
-        if self._is_long:
-            move = self._moving(stiffness)
-
-            def turn(w: np.ndarray) -> np.ndarray:
-                moved = move(np.outer(w, _FORWARD).ravel())
-                return np.asarray(moved.reshape(-1, 2) @ _FORWARD.conj())
-
-            found = _lowest(turn, self.mass.shape[0] // 2, nodes, count)
+        found = self._along(_FORWARD, self._moving(stiffness), count) if self._is_long else None
         if found is None:
-            found = _solve(_half(self._synchronous(stiffness), _FORWARD)[0], nodes)
+            found = _solve(_half(self._synchronous(stiffness), _FORWARD)[0], 2 * self._nodes)
         return found[0][:count]
+
+    def _along(
+        self, motion: np.ndarray, move: Callable[[np.ndarray], np.ndarray], count: int
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return `_lowest` for motion along (x, y) = `motion` at every dof."""
+
+        def along(w: np.ndarray) -> np.ndarray:
+            moved = move(np.outer(w, motion).ravel())
+            return np.asarray(moved.reshape(-1, 2) @ motion.conj())
+
+        return _lowest(along, self.mass.shape[0] // 2, 2 * self._nodes, count)
 
     def synchronous(self, stiffness: float, count: int) -> Synchronous:
         """Return the `count` lowest synchronous modes, or more, with this stiffness of all bearings
@@ -154,9 +157,9 @@ class UndampedMachine:
         """Return K^-1 (M - i G)."""
         return self._inverse(stiffness, self.mass.toarray() - 1j * self._gyroscopic.toarray())
 
-    def _moving(self, stiffness: float) -> Callable[[np.ndarray], np.ndarray]:
-        """Return the function that applies K^-1 (M - i G) to a motion."""
-        solve, mass = self._solver(stiffness), (self.mass - 1j * self._gyroscopic).tocsr()
+    def _moving(self, stiffness: float, turns: float = 1.0) -> Callable[[np.ndarray], np.ndarray]:
+        """Return the function that applies K^-1 (M - i G) to a motion, turns = 0: K^-1 M."""
+        solve, mass = self._solver(stiffness), (self.mass - 1j * turns * self._gyroscopic).tocsr()
 
         def move(motion: np.ndarray) -> np.ndarray:
             force = mass @ motion
@@ -164,9 +167,15 @@ class UndampedMachine:
 
         return move
 
-    def natural_frequencies(self, stiffness: float) -> np.ndarray:
-        """Return the natural frequencies at standstill, ascending [rad/s], with this stiffness of
-        all bearings [N/m]; of two planes that are alike those of one."""
+    def natural_frequencies(self, stiffness: float, count: int) -> np.ndarray:
+        """Return the `count` lowest natural frequencies at standstill, or more, fewer where there
+        are fewer, ascending [rad/s], with this stiffness of all bearings [N/m]; of two planes that
+        are alike those of one."""
+        if self._is_long:
+            planes, move = [_ACROSS, _UP][: 2 - self.is_circular], self._moving(stiffness, 0.0)
+            found = [each for plane in planes if (each := self._along(plane, move, count))]
+            if len(found) == len(planes):
+                return np.sort(np.concatenate([speeds for speeds, _ in found]))
         inverse = self._inverse(stiffness, self.mass.toarray().astype(complex))
         across, up = (
             _solve(_half(inverse, plane)[0], 2 * self._nodes)[0] for plane in (_ACROSS, _UP)
@@ -257,7 +266,7 @@ def _lowest(
     wanted = 2 * count + 4
     while wanted < size // 3:
         try:
-            values, shapes = eigs(operator, wanted, v0=_some(size), which="LR", maxiter=RESTARTS)
+            values, shapes = eigs(operator, wanted, v0=_some(size), which="LR", maxiter=_RESTARTS)
         except ArpackNoConvergence:
             break
         found = _criticals(values, shapes, nodes)

@@ -31,15 +31,18 @@ class Signals:
 
     def at(self, name: str, t: float) -> float:
         """Return an input's value at time t [s], by FMPy's interpolation, bit for bit."""
-        index = int(np.searchsorted(self.t, t))
-        column = self.values[name]
+        return float(self.interpolated(self.values[name], t))
+
+    def interpolated(self, rows: np.ndarray, t: float) -> np.ndarray:
+        """Return the values at time t [s] of inputs with a row of values for each time, as `at`."""
+        index = int(self.t.searchsorted(t))
         if index == 0 or len(self.t) < 2:
-            return float(column[0])
+            return np.asarray(rows[0])
         if index == len(self.t):
-            return float(column[-1])
+            return np.asarray(rows[-1])
         before, after = self.t[index - 1], self.t[index]
         weight = (after - t) / (after - before)
-        return float(weight * column[index - 1] + (1 - weight) * column[index])
+        return np.asarray(weight * rows[index - 1] + (1 - weight) * rows[index])
 
     def as_structured(self) -> np.ndarray:
         """Return the structured array that FMPy takes."""
@@ -72,8 +75,12 @@ class Signals:
     def loads(self, stop: float) -> dict[str, list[float]]:
         """Return the least and the largest value, until `stop` [s], of each input but the speed
         that is not 0 all the time."""
-        times = [0.0, *self.t[(self.t > 0.0) & (self.t < stop)].tolist(), stop]
-        courses = {n: [self.at(n, t) for t in times] for n in self.values if n != "speed"}
+        between = (self.t > 0.0) & (self.t < stop)
+        courses = {
+            name: [self.at(name, 0.0), *column[between].tolist(), self.at(name, stop)]
+            for name, column in self.values.items()
+            if name != "speed"
+        }
         return {name: [min(of), max(of)] for name, of in courses.items() if any(of)}
 
     @property
@@ -98,17 +105,20 @@ class Driver:
     def __init__(
         self, signals: Signals, loads: Sequence[tuple[str, str]], is_held: bool = False
     ) -> None:
-        self._signals, self._loads, self._is_held = signals, loads, is_held
+        self._signals, self._is_held = signals, is_held
+        x_and_y = [signals.values[name] for pair in loads for name in pair]
+        self._loads = np.array(x_and_y).reshape(len(x_and_y), len(signals.t)).T.copy()
         self._segment, self._duration = 0, math.inf
 
     def advance(self, simulation: Simulation, start: float, to: float) -> None:
         """Advance from `start` to `to` [s]. Raises `StepFailure`."""
         sliver = _SLIVER * (to - start)
         bends = self._signals.bends
-        inside = bends[(bends > start + sliver) & (bends < to - sliver)]
+        first, last = bends.searchsorted(start + sliver, "right"), bends.searchsorted(to - sliver)
+        inside = bends[first:last]
         for begin, end in pairwise((start, *inside.tolist(), to)):
-            segment = int(np.searchsorted(bends, 0.5 * (begin + end)))
-            forces, later = self._forces(begin), self._forces(end)
+            segment = int(bends.searchsorted(0.5 * (begin + end)))
+            forces, later = self.forces(begin), self.forces(end)
             speed, rate = self._signals.at("speed", begin), None
             # within a segment the model continues the speed itself, as in an FMU
             is_continued = segment == self._segment and end - begin <= 2.0 * self._duration
@@ -119,9 +129,9 @@ class Driver:
             # the sum that an FMU makes of the current time and the step size
             simulation.advance(begin + (end - begin), speed, forces, rate=rate, load_rates=rates)
 
-    def _forces(self, t: float) -> np.ndarray:
-        at = self._signals.at
-        return np.array([complex(at(x, t), at(y, t)) for x, y in self._loads])
+    def forces(self, t: float) -> np.ndarray:
+        """Return the loads at time t [s], x + i y each, in their units."""
+        return self._signals.interpolated(self._loads, t).view(complex)
 
 
 @dataclass(frozen=True)

@@ -89,14 +89,28 @@ def in_housings(ky):
     return shaft(40, *on, housing.format("a"), housing.format("alone"))
 
 
-@pytest.mark.parametrize("ky", [1e6, 2e6])
-def test_the_critical_speed_map_is_that_of_dense_eigenvalues(ky, monkeypatch):
+def with_thin_discs():
+    """A train of five discs, whose gyroscopic moments outweigh their inertia, on six bearings."""
+    disc = "[[body]]\nnode = {}\nmass = 400.0\nI_p = 10.0\nI_d = 6.0\n"
+    shaft = SHAFT + "[[section]]\nlength = 3.0\nelements = 200\nouter = 0.2\n"
+    discs = [disc.format(21 + 40 * i) for i in range(5)]
+    return parse_rotor("".join([shaft, *discs, *(BEARING.format(1 + 40 * i) for i in range(6))]))
+
+
+@pytest.mark.parametrize("synchronous", [True, False])
+@pytest.mark.parametrize(
+    ("rotor", "count"), [(in_housings(1e6), 1), (in_housings(2e6), 1), (with_thin_discs(), 4)]
+)
+def test_the_critical_speed_map_is_that_of_dense_eigenvalues(
+    rotor, count, synchronous, monkeypatch
+):
     """Though only the lowest are computed; what moves alone has no critical speed."""
-    rotor, stiffness = in_housings(ky), np.array([1e6, 2e6])
-    by_dense = critical_map(rotor, stiffness, count=1)
+    stiffness = np.array([1e6, 2e6])
+    monkeypatch.setattr(undamped, "_DENSE", 1000)
+    by_dense = critical_map(rotor, stiffness, count=count, synchronous=synchronous)
     monkeypatch.setattr(undamped, "_DENSE", 10)
     monkeypatch.setattr(undamped, "_solve", None)  # which computes all
-    by_sparse = critical_map(rotor, stiffness, count=1)
+    by_sparse = critical_map(rotor, stiffness, count=count, synchronous=synchronous)
     np.testing.assert_allclose(by_sparse.speeds, by_dense.speeds, rtol=1e-9)
     assert by_sparse.rigid == pytest.approx(by_dense.rigid, rel=1e-9)
 

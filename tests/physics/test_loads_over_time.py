@@ -49,6 +49,19 @@ def driven(rotor, t, columns, step, stop=None, speed=0.0, settings=FINE):
     return simulation
 
 
+def test_the_loads_of_a_step_are_each_series_at_its_time_bit_for_bit():
+    """Before the first time and after the last, at one and between two; FMPy's formula."""
+    given = {"a.x": F, "a.y": -0.1 * F, "b.x": F / 3.0, "b.y": np.roll(F, 1)}
+    driver = Driver(Signals(T, {"speed": F, **given}), [("a.x", "a.y"), ("b.x", "b.y")])
+    for t in (-1.0, *T, 0.017, 0.05003, 0.1, 1.0):
+        after = int(np.clip(np.searchsorted(T, t), 1, len(T) - 1))
+        at = np.clip(t, T[0], T[-1])
+        weight = (T[after] - at) / (T[after] - T[after - 1])
+        x_y = [weight * of[after - 1] + (1 - weight) * of[after] for of in given.values()]
+        expected = [complex(*x_y[:2]), complex(*x_y[2:])]
+        np.testing.assert_array_equal(driver.forces(t), expected)
+
+
 @cache
 def exact():
     """Displacement of the mass at the end under the force F, linear between the points of T, by
