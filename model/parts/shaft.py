@@ -37,9 +37,9 @@ class Section:
     """The shaft between two nodes, of circular sections that may taper and be hollow: length, outer
     diameters and bores at its left and right end [m], its material; axial_force: tension [N];
     layers: further sections at the same place, of the same length; shear: the coefficient of the
-    shear stiffness, one of `SHEARS`; taper: whether a tapered section has its `exact` shape
-    functions, or those of a cylinder with the shear ratio of its `mean` area and moment or of its
-    `middle`."""
+    shear stiffness, one of `SHEARS`; taper: whether a section that tapers or has layers has its
+    `exact` shape functions, or each layer those of a cylinder with the shear ratio of its `mean`
+    area and moment or of its `middle`."""
 
     length: float = quantity("m", "length")
     outer_left: float = quantity("m", "outer diameter at the left end")

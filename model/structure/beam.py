@@ -3,10 +3,10 @@
 Degrees of freedom: deflection w and slope psi at its left, then at its right node. A circular shaft
 has the same matrices in both planes, so with complex coordinates z = x + i y one real 4x4 matrix
 serves both. The shape functions are those of static deflection, so that the stiffness is exact: of
-a cylinder Nelson's polynomials (1980); of a tapered element the integrals of bending and shear
-under unit forces at its end (force method; Przemieniecki 1968, ch. 5). As in ROSS, or on demand, a
-tapered element uses the polynomials of a cylinder with its middle or mean shear ratio instead, and
-is then of second order or less.
+a cylinder Nelson's polynomials (1980); of an element that tapers or has layers the integrals of
+bending and shear under unit forces at its end (force method; Przemieniecki 1968, ch. 5). As in
+ROSS, or on demand, each of its layers uses the polynomials of a cylinder with its own middle or
+mean shear ratio instead; the element is then of second order or less.
 """
 
 import math
@@ -73,15 +73,15 @@ def _area_and_moment(outer: np.ndarray, bore: np.ndarray) -> tuple[np.ndarray, n
 def shaft_element(section: Section) -> ElementMatrices:
     """Return the matrices of the shaft between two nodes, its layers included."""
     layers = section.all_layers
-    if section.taper == "exact" and not all(layer.is_cylinder for layer in layers):
-        return _tapered(layers)
+    if section.taper == "exact" and not (len(layers) == 1 and section.is_cylinder):
+        return _by_forces(layers)
     each = [_polynomial(layer) for layer in layers]
     return ElementMatrices(
         *(sum(matrices[1:], matrices[0]) for matrices in zip(*each, strict=True))
     )
 
 
-def _tapered(layers: Sequence[Section]) -> ElementMatrices:
+def _by_forces(layers: Sequence[Section]) -> ElementMatrices:
     """Return the matrices of layers that bend as one, by the force method."""
     length = layers[0].length
     x, weight = _SHARES * length, _SHARE_WEIGHTS * length

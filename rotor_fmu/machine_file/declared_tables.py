@@ -129,6 +129,8 @@ def _section_keys() -> Iterator[Key]:
     yield Key("material", None, _WORDS["material"][1], kind="string")
     yield Key("axial_force", quantity["axial_force"], quantity["axial_force"].text, 0.0)
     yield Key("shear", None, "shear coefficient", SHEARS[0], choices=SHEARS, kind="string")
-    text = "shape of a tapered element: its own, or a cylinder's of mean or (ROSS) middle shear"
+    text = (
+        "shape if it tapers or has layers: its own, or a cylinder's of mean or (ROSS) middle shear"
+    )
     yield Key("taper", None, text, TAPERS[0], choices=TAPERS, kind="string")
     yield Key("layer", None, "`[[section.layer]]`: what else lies there", kind="tables")

@@ -47,6 +47,12 @@ SAID = {
     "pedestal.kx": "is called housing[1].kx",
     "linear_bearing[1].kxx": "is no parameter: the machine file has a list for it; those of",
     "material.young": f"{FIXED}those of the shaft are eta_v",
+    "material.brass.young": f"{FIXED}those of the shaft are eta_v",
+    "disc[1].node": f"{FIXED}those of disc[1] are e, phase",
+    "disc[1].z": f"{FIXED}those of disc[1] are e, phase",
+    "inclination": f"{FIXED}that of the machine is gravity",
+    "gravity_angle": f"{FIXED}that of the machine is gravity",
+    "operation.rated_speed": f"{FIXED}that of the machine is gravity",
     "shaft.nodes": f"{FIXED}those of the shaft are eta_v",
 }
 

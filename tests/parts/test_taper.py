@@ -152,6 +152,23 @@ def test_a_cone_with_a_sleeve_of_the_same_metal_is_the_thicker_cone():
         )
 
 
+def test_layers_yield_to_forces_at_their_end_as_one_beam_does():
+    """Also cylinders, each of which would shear by another share of its deflection alone."""
+    alloy = Material(7e10, 2700.0, 0.33)
+    core, sleeve = Section(0.1, 0.05, 0.05, STEEL), Section(0.1, 0.12, 0.12, alloy, 0.05, 0.05)
+    bending = shearing = 0.0
+    for layer in (core, sleeve):
+        outer, bore = layer.outer_left, layer.bore_left
+        bending += layer.material.young * math.pi / 64 * (outer**4 - bore**4)
+        coefficient = shear_coefficient(layer.material.poisson, bore / outer)
+        shearing += coefficient * layer.material.shear * math.pi / 4 * (outer**2 - bore**2)
+    L = core.length
+    turned = L**2 / (2 * bending)
+    expected = [[L**3 / (3 * bending) + L / shearing, turned], [turned, L / bending]]
+    stiffness = shaft_element(core.with_layers(sleeve)).stiffness[2:, 2:]
+    np.testing.assert_allclose(np.linalg.inv(stiffness), expected, rtol=1e-9)
+
+
 def test_a_taper_moved_as_one_body_strains_nothing_but_its_axial_force():
     element = shaft_element(replace(TUBE, axial_force=1e4))
     length = TUBE.length
