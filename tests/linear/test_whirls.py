@@ -103,21 +103,6 @@ def test_the_overhung_machine_has_the_root_that_an_eigenvalue_solver_finds():
     assert whirls(overhung_machine(mu=0.02)) == ()
 
 
-NEGATIVELY_DAMPED = """
-[material]
-young = 2.1e11
-density = 7800.0
-
-[shaft]
-nodes = [0.0, 0.2, 0.4, 0.6]
-diameters = [0.03, 0.03, 0.03]
-
-[[point_mass]]
-node = 3
-mass = 5.0
-"""
-
-
 @pytest.mark.parametrize("way", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("k_yy", "c_yy", "k_xy", "speed", "said"),
@@ -133,8 +118,11 @@ def test_what_grows_has_the_sense_that_modes_give_it(k_yy, c_yy, k_xy, speed, sa
     speed, k_xy = way * speed, way * k_xy
     c_xx = c_yy if k_xy else -200.0
     bearing = {"kxx": 1e6, "kyy": k_yy, "cxx": c_xx, "cyy": c_yy, "kxy": k_xy, "kyx": -k_xy}
-    parts = "".join(table("[linear_bearing]", node=node, **bearing) for node in (1, 4))
-    rotor = parse_rotor(NEGATIVELY_DAMPED + parts)
+    text = table("material", young=2.1e11, density=7800.0)
+    text += table("shaft", nodes=[0.0, 0.2, 0.4, 0.6], diameters=[0.03, 0.03, 0.03])
+    text += table("[point_mass]", node=3, mass=5.0)
+    text += "".join(table("[linear_bearing]", node=node, **bearing) for node in (1, 4))
+    rotor = parse_rotor(text)
     messages = []
     simulation = Simulation(rotor, choose(), speed=speed, warn=messages.append)
     (unstable,) = (text for text in messages if text.code == "unstable")
