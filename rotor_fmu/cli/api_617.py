@@ -34,6 +34,7 @@ from .speeds import (
     rated_speed,
     speed_range,
     usual_speeds,
+    where_carried,
 )
 
 if TYPE_CHECKING:
@@ -189,6 +190,7 @@ def unbalance(
         given = [p.acting for p in placed]
     if len(speeds) == 0:
         speeds = usual_speeds(machine, contacts, ends, SPEEDS)
+    speeds = where_carried(speeds, machine, contacts)
     acting: dict[str, Any] = {"contacts": contacts, "unbalances": given}
     if len(speeds) > answers.MOST_SPEEDS:
         result = answers.response_with_peaks(machine, speeds, nodes=node or (), **acting)

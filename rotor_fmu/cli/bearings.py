@@ -12,7 +12,7 @@ from ..model.machine.rotor import Rotor
 from ..output_options import with_output_options
 from .shared import PictureFolder, RotorFile, Units
 from .show_result import machine_in_units, print_answer, say
-from .speeds import number_range, speed_range
+from .speeds import number_range, speed_range, where_carried
 
 if TYPE_CHECKING:
     from ..linear.bearing_answers import BearingCurves, DamperCurves, RingCurves, RollingCurves
@@ -44,6 +44,8 @@ def bearing(
     table: File for a linear_bearing with these coefficients over the speed.
     """
     speeds, machine = speed_range(speed, 21), machine_in_units(rotor, units)
+    if load is None:
+        speeds = where_carried(speeds, machine, None)
     loads = None if load is None else number_range(load, 21, "--load", "N")
     if loads is not None and len(loads) > 1:
         if len(speeds) > 1:

@@ -23,6 +23,7 @@ from .speeds import (
     speed_range,
     usual_frequencies,
     usual_speeds,
+    where_carried,
 )
 
 # The answers themselves are imported where they are asked for: a user with bad input, or of another
@@ -84,6 +85,7 @@ def campbell(
 
     if len(speeds) == 0:
         speeds = usual_speeds(machine, contacts, ends, _SPEEDS)
+    speeds = where_carried(speeds, machine, contacts)
     result = answers.campbell(
         machine, speeds, count=count, contacts=contacts, harmonic=harmonic or 1.0
     )

@@ -27,8 +27,8 @@ Range = Annotated[
     typer.Option(
         "--speed",
         help="Speeds FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz added; default: from "
-        "0, or where oil films begin to carry the machine, to half above the operating range, or, "
-        "without one, a quarter above the lowest natural frequencies.",
+        "0 to half above the operating range, or, without one, a quarter above the lowest natural "
+        "frequencies. 0 is where oil films begin to carry the machine.",
     ),
 ]
 OperatingRange = Annotated[
@@ -154,9 +154,8 @@ def rated_speed(text: str | None, machine: "Rotor") -> float:
 def usual_speeds(
     machine: "Rotor", contacts: str | None, ends: tuple[float, float] | None, points: int
 ) -> np.ndarray:
-    """Return speeds [rad/s] from 0, or from where oil films begin to carry the machine, to half
-    above the operating range, or, where there is none, to a quarter above the lowest natural
-    frequencies at standstill."""
+    """Return speeds [rad/s] from 0 to half above the operating range, or, where there is none, to a
+    quarter above the lowest natural frequencies at standstill."""
     from ..model import linear
     from ..model.linear.unbalance_check import OF_INTEREST
 
@@ -165,7 +164,19 @@ def usual_speeds(
     else:
         damped = linear.modes(machine, count=4, contacts=contacts).damped
         top = 1.25 * float(damped[-1]) if len(damped) else 1000.0
-    return np.linspace(linear.lowest_speed(machine, top, contacts), top, points)
+    return np.linspace(0.0, top, points)
+
+
+def where_carried(speeds: np.ndarray, machine: "Rotor", contacts: str | None) -> np.ndarray:
+    """Return a range of speeds [rad/s] of which an end at 0 is where oil films begin to carry the
+    machine."""
+    ends = [*speeds[:1], *speeds[-1:]]
+    if len(speeds) < 2 or all(ends):
+        return speeds
+    from ..model.linear import lowest_speed
+
+    top = max(ends, key=abs)
+    return np.linspace(*(end or lowest_speed(machine, top, contacts) for end in ends), len(speeds))
 
 
 def usual_frequencies(
