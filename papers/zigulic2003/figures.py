@@ -71,9 +71,9 @@ def compared_amplitude(
     """Draw the amplitude of a run over its speed with another run's thinner behind; each with its
     name."""
     figure, axes = new_figure()
-    run_folder.draw_amplitude(axes, other[0], PLACE, axis, other[1], ORANGE, 0.8, False)
-    run_folder.draw_amplitude(axes, run[0], PLACE, axis, run[1])
-    run_folder.amplitude_axes(axes, run[0], PLACE, axis)
+    run_folder.draw_distance(axes, other[0], PLACE, axis, other[1], ORANGE, 0.8, False)
+    run_folder.draw_distance(axes, run[0], PLACE, axis, run[1])
+    run_folder.distance_axes(axes, run[0], PLACE, axis)
     legend_below(figure, 2)
     axes.set_title(caption, loc="left", fontsize=10)
     return figure

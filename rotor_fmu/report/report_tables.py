@@ -15,6 +15,7 @@ from ..run_status import FAILED, OK, has_failed
 from ..runs.peaks import largest_row, start_up
 from ..runs.recording import Recording
 from ..runs.summary import dissipated, touching
+from ..runs.synchronous_response import synchronous_response
 from ..runs.verify_run import table_of
 from ..vibration import TooFewTurns
 
@@ -120,28 +121,25 @@ def _places(run: Recording, of: str) -> str:
     ]
     rows, begin = [], start_up(run.t, run.w)
     for place in run.places:
-        signal = run.resampled(place)
-        track = vibration.order_track_of(signal, (1.0,))
-        at = largest_row(track.t, track.major(), begin)
-        direct = vibration.displacement_of(signal)
+        once = synchronous_response(run, place)
+        direct = vibration.displacement_of(run.resampled(place))
         largest = [  # a block that begins in the start-up has its transient
             float(size[largest_row(direct.begin, size, begin)]) * d.small * _UM
             for size in (direct.x_pp, direct.y_pp, direct.s_max)
         ]
-        peak, speed = track.major()[at] * d.amplitude * _UM, track.speed[at] * d.speed
-        rows.append([place.label, peak, speed, _amplification(track), *largest])
+        factor = _amplification(once.resonance)
+        peak, speed = once.major * d.amplitude, once.speed * d.speed
+        rows.append([place.label, peak, speed, factor, *largest])
     return table(f"{of}responses after the start-up (API RP 684, ISO 20816-1)", heads, rows)
 
 
-def _amplification(track: vibration.OrderTrack) -> float | str:
-    """Return the factor of the highest resonance, marked where the run passed it too quickly."""
-    span = np.abs(track.speed)
-    if not (vibration.goes_one_way(track.speed) and span.max() > 1.3 * span.min()):
-        return math.nan  # a resonance is passed one way, between speeds wide apart
-    result = vibration.resonances(track.speed, track.major(), t=track.t)
-    if result and result[0].is_fast:
-        return f"> {cell(result[0].amplification)}, passed too fast"
-    return result[0].amplification if result else math.nan
+def _amplification(resonance: vibration.Resonance | None) -> float | str:
+    """Return the factor of a resonance, marked where the run passed it too quickly."""
+    if resonance is None:
+        return math.nan
+    if resonance.is_fast:
+        return f"> {cell(resonance.amplification)}, passed too fast"
+    return resonance.amplification
 
 
 def _contacts(run: Recording, of: str) -> str:

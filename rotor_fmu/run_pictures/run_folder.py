@@ -29,18 +29,18 @@ _NOTHING = 1e-100  # of a spectrum, whose scale has no zero
 _DIRECTIONS = (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical"))
 
 
-def amplitude(run: Run, place: str, axis: str, caption: str) -> Figure:
-    """Draw the largest displacement of a place over a revolution against speed, the start-up apart;
-    axis: `x` or `y`."""
+def distance_from_start(run: Run, place: str, axis: str, caption: str) -> Figure:
+    """Draw the largest distance of a place from its start in a revolution against speed, the
+    start-up apart; axis: `x` or `y`."""
     figure, axes = new_figure()
-    draw_amplitude(axes, run, place, axis, "this run")
-    amplitude_axes(axes, run, place, axis)
+    draw_distance(axes, run, place, axis, "this run")
+    distance_axes(axes, run, place, axis)
     legend_below(figure)
     entitle(axes, caption)
     return figure
 
 
-def draw_amplitude(
+def draw_distance(
     axes: Axes,
     run: Run,
     place: str,
@@ -50,29 +50,29 @@ def draw_amplitude(
     width: float = 1.4,
     has_start: bool = True,
 ) -> None:
-    """Draw an amplitude over the speed, its peak marked and named; has_start: whether the
-    start-up is named."""
+    """Draw the largest distance from the start over the speed, its peak marked and named;
+    has_start: whether the start-up is named."""
     d = current()
-    values = run.columns[f"{place}.{axis}_amp"] * d.amplitude
+    values = run.columns[f"{place}.{axis}_amp"] * d.small
     w = run.columns["w"]
     n, end = w * d.speed, start_up(run.t, w)
     early, late = run.t <= end, run.t >= end
     start = f"start-up, the first {end:.3g} s" if has_start else None
     at = peak_index(run.t, w, run.columns[f"{place}.{axis}_amp"])
     if at is not None:
-        label += f": {values[at]:.4g} {d.amplitude_unit} at {shown_speed(w[at])} {d.speed_unit}"
+        label += f": {values[at]:.4g} {d.small_unit} at {shown_speed(w[at])} {d.speed_unit}"
         axes.plot(n[at], values[at], "o", color=color, ms=4)
     axes.plot(n[early], values[early], color=GREY, lw=0.6, label=start)
     axes.plot(n[late], values[late], color=color, lw=width, label=label)
 
 
-def amplitude_axes(axes: Axes, run: Run, place: str, axis: str) -> None:
-    """Label the axes of amplitudes over the speed of a run."""
+def distance_axes(axes: Axes, run: Run, place: str, axis: str) -> None:
+    """Label the axes of the largest distance from the start over the speed of a run."""
     speed_axis(axes, run.columns["w"] * current().speed)
     axes.set_ylim(bottom=0)
-    direction = "Horizontal" if axis == "x" else "Vertical"
-    unit = current().amplitude_unit
-    axes.set_ylabel(f"{direction} amplitude of {display_name(place)} [{unit}]")
+    direction = "horizontal" if axis == "x" else "vertical"
+    moved = f"Largest {direction} distance of {display_name(place)}"
+    axes.set_ylabel(f"{moved}\nfrom its start, in a turn [{current().small_unit}]")
 
 
 def journal_angle(recording: Recording, caption: str) -> Figure:
@@ -213,8 +213,8 @@ def write_run_pictures(
     else:
         if place is not None:
             for axis, _, text in _DIRECTIONS:
-                caption = f"{name}: {text} amplitude over speed"
-                pictures[axis] = amplitude(run, place, axis, caption)
+                caption = f"{name}: {text} distance from its start over speed"
+                pictures[axis] = distance_from_start(run, place, axis, caption)
             at_s, at_hz = figures["x_peak_s"], figures["x_peak_hz"]
             where = "end of the run"
             if at_s is not None:

@@ -80,4 +80,4 @@ def why_no_peak(t: np.ndarray, w: np.ndarray, status: str, largest: float = math
         return "nothing moves"
     if is_constant(w):
         return f"the speed changes by at most {100 * _CONSTANT:g} %"
-    return "the amplitude is largest at an edge of the run"
+    return "the largest displacement is at an edge of the run"

@@ -2,7 +2,7 @@
 
 import json
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -116,6 +116,12 @@ class Recording(ShortRepr):
             for point in points_of(self.columns)
         )
 
+    @property
+    def shaft_places(self) -> Sequence[MeasuringPoint]:
+        """The places whose displacements are absolute; where there is none, the journals."""
+        journals = {contact.name for contact in self.contacts}  # x, y relative to the housing
+        return [p for p in self.places if p.name not in journals] or self.places
+
     @cached_property
     def contacts(self) -> tuple[ContactSignals, ...]:
         """Every contact, in the machine's order."""
@@ -161,8 +167,7 @@ class Recording(ShortRepr):
             return named(name, self.places, "place")
         if not self.places:
             raise InputError(f"{self._called}: its recording has no place with x and y")
-        journals = {contact.name for contact in self.contacts}  # x, y relative to the housing
-        return moves_most([p for p in self.places if p.name not in journals] or self.places)
+        return moves_most(self.shaft_places)
 
     def contact(self, name: str | None = None, *, with_angle: bool = False) -> ContactSignals:
         """Return a contact by its name; None: the one with the largest mean force; with_angle: of

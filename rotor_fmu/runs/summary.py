@@ -14,6 +14,7 @@ from .measuring_points import display_name, probe_that_moves_most
 from .peaks import peak_index, start_up, why_no_peak
 from .recording import Recording
 from .run_down import Run
+from .synchronous_response import largest_synchronous_response
 
 _NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
 _ROUNDING = 1e-9  # of a share, that may be missing to all of the time
@@ -34,6 +35,11 @@ def summary(
     that is largest at an edge of the run, or of a run at one speed; x_largest_um, y_largest_um,
     r_largest_um: the largest after the start-up, peak or not, in x, in y, in any direction;
     y_static_um: where the place begins in y.
+
+    synchronous_place: whose 1x response after the start-up is the largest; synchronous_um: major
+    semi-axis of its ellipse, 0-p; synchronous_hz: the speed of it; amplification: factor of the
+    place's highest resonance, None where the run passes none, or too quickly, or not both of its
+    half-power points. All are None of a run of too few turns.
 
     psi_at_x_peak_deg: between which contact angles the last bearing that touches does so at the
     peak in x, None if it does not there; circulation_hz: lowest and highest speed after the
@@ -56,6 +62,7 @@ def summary(
     overdamped_at = last["solver.overdamped_at"]
     return {
         **(figures := _peaks(run, place)),
+        **_synchronous(recording),
         **_angles(recording or run, figures["x_peak_hz"]),
         **(dict.fromkeys(_OF_REST) if recording and recording.is_released else {}),
         "steps": int(steps),
@@ -119,6 +126,18 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     return figures
 
 
+def _synchronous(recording: Recording | None) -> dict[str, Any]:
+    largest = largest_synchronous_response(recording) if recording else None
+    resonance = largest and largest.resonance
+    factor = resonance.amplification if resonance and not resonance.is_fast else math.nan
+    return {
+        "synchronous_place": largest and largest.place.name,
+        "synchronous_um": largest and largest.major * 1e6,
+        "synchronous_hz": largest and largest.speed / TURN,
+        "amplification": factor if math.isfinite(factor) else None,
+    }
+
+
 def _angles(run: Run | Recording, peak_hz: float | None) -> dict[str, Any]:
     """Return psi of the last bearing that touches, while it does, from and to [deg], the latter
     above 360 where 0 is passed, at the speed of a peak, and between which speeds the journal
@@ -151,9 +170,12 @@ def _range(angles: np.ndarray) -> np.ndarray:
 
 
 def sentences(figures: Mapping[str, Any], recording: Recording, left: Path) -> list[str]:
-    """Return the peak, the contacts and the state of a run; figures: its `summary`; left: its
-    report, or the folder where there is none."""
-    return [_peak(figures, recording), _contacts(recording), _state(figures, left)]
+    """Return the peak, the synchronous response if there is one, the contacts and the state of a
+    run; figures: its `summary`; left: its report, or the folder where there is none."""
+    about = [_peak(figures, recording), _contacts(recording), _state(figures, left)]
+    if figures.get("synchronous_place") is not None:
+        about.insert(1, _once_a_turn(figures))
+    return about
 
 
 def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
@@ -175,6 +197,15 @@ def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
     return f"No peak, because {figures['no_peak']}{moved}."
 
 
+def _once_a_turn(figures: Mapping[str, Any]) -> str:
+    place, factor = display_name(figures["synchronous_place"]), figures["amplification"]
+    size = _length(figures["synchronous_um"] * (2 if current().is_pp else 1))
+    measured = current().amplitude_words.split()[-1]
+    at = _speed(figures["synchronous_hz"])
+    amplified = "" if factor is None else f", amplification factor {factor:.3g}"
+    return f"Largest synchronous (1x) response: {place}, {size} {measured} at {at}{amplified}."
+
+
 def _speed(hz: float) -> str:
     """Return a speed [Hz] to a tenth of a Hz and in whole rpm, or to three digits if fewer, first
     in the unit that is shown."""
@@ -187,7 +218,7 @@ def _speed(hz: float) -> str:
 
 
 def _length(um: float) -> str:
-    """Return an amplitude [um, 0-p] in the unit that is shown."""
+    """Return a length [um] in the unit of displacements that is shown."""
     unit = current().small_unit
     if unit != "µm":
         return f"{um * 1e-6 * current().small:.3g} {unit}"

@@ -9,7 +9,7 @@ from rotor_fmu.balancing.result import Balancing, Vibration
 from rotor_fmu.linear.displayed import of_machine
 from rotor_fmu.linear.mode_answers import mode_shapes_figure
 from rotor_fmu.plotting import figure_style
-from rotor_fmu.run_pictures.run_folder import amplitude
+from rotor_fmu.run_pictures.run_folder import distance_from_start
 from rotor_fmu.run_pictures.signal_plots import KINDS
 
 from ..known import EXAMPLES
@@ -74,8 +74,8 @@ def test_names_lie_within_the_pictures_of_a_run(kind, run):
     assert cut_off(run.plot(kind)) == []
 
 
-def test_names_lie_within_the_picture_of_an_amplitude(run):
-    assert cut_off(amplitude(run.points, DISC, "x", MACHINE)) == []
+def test_names_lie_within_the_picture_of_a_distance(run):
+    assert cut_off(distance_from_start(run.points, DISC, "x", MACHINE)) == []
 
 
 @pytest.mark.parametrize(

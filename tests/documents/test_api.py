@@ -230,9 +230,9 @@ def test_a_signal_that_was_not_recorded_is_told_its_neighbour(result):
 @pytest.mark.parametrize(
     ("speed", "stop", "why"),
     [
-        (([0, 1], [60, 55]), None, "the amplitude is largest at an edge of the run"),
+        (([0, 1], [60, 55]), None, "the largest displacement is at an edge of the run"),
         (150.0, 2.5, "the speed is constant"),
-        (([0, 3], [60, 50]), None, "the amplitude is largest at an edge of the run"),
+        (([0, 3], [60, 50]), None, "the largest displacement is at an edge of the run"),
     ],
 )
 def test_peaks_that_are_none_say_why(speed, stop, why):

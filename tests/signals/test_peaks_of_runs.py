@@ -11,7 +11,7 @@ import pytest
 from rotor_fmu.display import choose, restored
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
-from rotor_fmu.run_pictures.run_folder import amplitude
+from rotor_fmu.run_pictures.run_folder import distance_from_start
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.run_status import OK
 from rotor_fmu.runs.job import execute_recorded, prepare
@@ -53,7 +53,8 @@ def test_a_picture_marks_no_peak_of_rounding():
     t = np.linspace(0, 10, 1001)
     columns = {"w": 400 - 20 * t, "disc[1].x_amp": 3e-13 * np.exp(-((t - 6) ** 2))}
     run = Run(t, columns, OK, (), 0.0)
-    assert amplitude(run, "disc[1]", "x", "").legends[0].get_texts()[-1].get_text() == "this run"
+    (legend,) = distance_from_start(run, "disc[1]", "x", "").legends
+    assert legend.get_texts()[-1].get_text() == "this run"
 
 
 @pytest.mark.parametrize(("down", "sense"), [(1.5 * math.pi, 1), (0.0, 1), (2.5, 1), (1.2, -1)])
@@ -137,8 +138,8 @@ def test_one_speed_is_told_from_many():
 @pytest.mark.parametrize(
     ("stop", "sets", "reason"),
     [
-        (1.0, [], "the amplitude is largest at an edge of the run"),
-        (3.0, [], "the amplitude is largest at an edge of the run"),
+        (1.0, [], "the largest displacement is at an edge of the run"),
+        (3.0, [], "the largest displacement is at an edge of the run"),
         (0.3, [], "the speed changes by at most 1 %"),
         (3.0, ["speed=185"], "the speed is constant"),
     ],
@@ -244,7 +245,7 @@ def test_a_run_that_begins_at_another_time_has_the_same_start_up_and_peak():
         for begin in (-1000.0, 1000.0):
             assert start_up(t + begin, w) == pytest.approx(begin + 2.0 + start_up(t - 2.0, w))
             assert peak_index(t + begin, w, amplitude) == at
-            assert "largest at an edge" in why_no_peak(t + begin, w, "ok")
+            assert "at an edge" in why_no_peak(t + begin, w, "ok")
             assert "first communication step" in why_no_peak(t[:1] + begin, w[:1], "ok")
 
 

@@ -15,7 +15,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.plotting.figure_style import broken_at_turns, new_figure
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
-from rotor_fmu.run_pictures.run_folder import amplitude_axes, spectra, write_run_pictures
+from rotor_fmu.run_pictures.run_folder import distance_axes, spectra, write_run_pictures
 from rotor_fmu.run_pictures.signal_plots import (
     cascade,
     contact_angle,
@@ -283,12 +283,13 @@ def test_the_speeds_of_a_slow_machine_fill_their_axis(slowest, fastest, ends):
     assert axes.get_xlim() == pytest.approx(ends)
 
 
-@pytest.mark.parametrize(("axis", "direction"), [("x", "Horizontal"), ("y", "Vertical")])
-def test_amplitudes_in_pictures_of_a_run_are_those_of_the_direction_named(axis, direction):
+@pytest.mark.parametrize(("axis", "direction"), [("x", "horizontal"), ("y", "vertical")])
+def test_distances_in_pictures_of_a_run_are_those_of_the_direction_named(axis, direction):
     _, axes = new_figure()
     run = recorded(stop=0.1)
-    amplitude_axes(axes, run, "disc[2]", axis)
-    assert axes.get_ylabel() == f"{direction} amplitude of disc 2 [µm 0-p]"
+    distance_axes(axes, run, "disc[2]", axis)
+    far = f"Largest {direction} distance of disc 2\nfrom its start, in a turn [µm]"
+    assert axes.get_ylabel() == far
     shown = [view.shown.amplitude_unit for view in (View(run), View(run, wants_pp=True))]
     assert shown == ["µm 0-p", "µm pp"]
     assert axes.get_ylim()[0] == 0.0
