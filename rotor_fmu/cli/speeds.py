@@ -176,7 +176,8 @@ def where_carried(speeds: np.ndarray, machine: "Rotor", contacts: str | None) ->
     from ..model.linear import lowest_speed
 
     top = max(ends, key=abs)
-    return np.linspace(*(end or lowest_speed(machine, top, contacts) for end in ends), len(speeds))
+    low, high = (end or lowest_speed(machine, top, contacts) for end in ends)
+    return np.linspace(low, high, len(speeds))
 
 
 def usual_frequencies(
