@@ -251,7 +251,7 @@ def _contacts(recording: Recording) -> str:
     least, most = (each[f(shares, key=lambda name: shares[name])] for f in (min, max))
     if least == most:
         return f"The journals touched for {most} % of the time."
-    listed = ", ".join(f"{display_name(name)} {share} %" for name, share in each.items())
+    listed = ", ".join(f"{display_name(name)}: {share} %" for name, share in each.items())
     return f"The journals touched for {least} to {most} % of the time ({listed})."
 
 

@@ -84,8 +84,8 @@ def test_the_page_and_the_summary_give_one_share_of_the_time_in_contact():
         ((0, 0), "No journal touched."),
         ((3, 3), "for less than 1 % of the time."),
         ((998, 999), "for more than 99 % of the time."),
-        ((1000, 0), "for 0 to 100 % of the time (a 100 %, b 0 %)."),
-        ((3, 380), "for less than 1 to 38 % of the time (a less than 1 %, b 38 %)."),
+        ((1000, 0), "for 0 to 100 % of the time (a: 100 %, b: 0 %)."),
+        ((3, 380), "for less than 1 to 38 % of the time (a: less than 1 %, b: 38 %)."),
     ],
 )
 def test_a_short_touch_is_not_said_to_be_none_nor_a_long_one_to_be_always(touches, said):
