@@ -66,8 +66,13 @@ def notice_html(text: object, mark: str = "") -> str:
 
 
 def _speed(run: Recording, at: int) -> str:
+    omega = _omega(run, at)
+    return shown_speed(omega) if omega else "0"
+
+
+def _omega(run: Recording, at: int) -> float:
     # rounding leaves something of a shaft that stands
-    return shown_speed(run.w[at]) if abs(run.w[at]) > 1e-9 else "0"
+    return float(run.w[at]) if abs(run.w[at]) > 1e-9 else 0.0
 
 
 def tables(run: Recording, summary: Mapping[str, Any], runs: int = 1) -> str:
@@ -151,7 +156,7 @@ def _contacts(run: Recording, of: str) -> str:
     rows, shares = [], touching(run)
     for contact in run.contacts if shares else ():
         at = int(np.argmax(np.nan_to_num(contact.peak)))
-        speed = run.w[at] * d.speed if contact.peak[at] > 0 else math.nan
+        speed = _omega(run, at) * d.speed if contact.peak[at] > 0 else math.nan
         share = 100 * shares[contact.name]
         rows.append([contact.label, contact.peak[at] * d.force, speed, share])
     return table(f"{of}contacts", heads, rows) if rows else ""

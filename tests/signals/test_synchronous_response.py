@@ -1,6 +1,7 @@
-"""The synchronous response beside a position that drifts, as that of a journal on an oil film."""
+"""A run-down to rest of a shaft whose position drifts, as that of a journal on an oil film."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,11 +9,14 @@ import numpy as np
 import pytest
 
 from rotor_fmu.display import choose, restored
+from rotor_fmu.report.report_tables import tables
 from rotor_fmu.run_pictures.run_folder import distance_from_start
 from rotor_fmu.run_status import OK
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.summary import sentences, summary
+
+from ..recordings import recorded
 
 NATURAL, DAMPING = 150.0, 0.08  # of a rotor whose mean position sinks as it runs down
 SOLVER = (
@@ -79,3 +83,11 @@ def test_a_distance_from_the_start_is_no_peak_to_peak_amplitude():
         figure = distance_from_start(replace(run, columns=columns), "disc", "y", "")
     assert "[µm]" in figure.axes[0].get_ylabel()
     assert "10 µm at" in figure.legends[0].get_texts()[-1].get_text()
+
+
+def test_the_largest_force_of_a_shaft_that_has_come_to_rest_is_at_no_speed():
+    """Rounding leaves 5e-17 rad/s of it."""
+    run = recorded()
+    pressed = {"bearing[1].fn": run.t, "w": np.append(run.w[:-1], -5e-17)}
+    text = tables(replace(run, columns=run.columns | pressed), {})
+    assert re.search(r"<td[^>]*>bearing 1</td><td[^>]*>5.999</td><td[^>]*>0</td>", text)
