@@ -101,9 +101,10 @@ def machine_report(
     scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
     level_1 = stability_answers.level_1(rotor, high, anticipated=options.couplings or 0.0)
     level_2 = stability_answers.level_2(rotor, high, cross_couplings=options.couplings)
-    rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say)
     couplings = tuple((options.couplings or {}).items())
     whirl = subsynchronous_whirl(rotor, high, None, couplings)
+    is_stable = not any(_unstable(diagram, high)) and all(c.is_met for c in _slower(whirl))
+    rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say, is_stable)
     left = where_films_are_left(rotor, response)
     looked_at = [*speeds, highest_of_interest(rotor, high)]
     conclusions = _conclusions(diagram, left, check, level_1, level_2, whirl, rub)
@@ -211,9 +212,9 @@ def _contact(rub: RubCheck) -> list[str]:
             f"<p>The unbalance is {rub.scale:.4g} times the placed one, with which the probes "
             "reach their limit in the operating range.</p>"
         )
-    if rub.closings:
+    if rub.runs:
         result += [
-            _html(closings_table(rub)),
+            *([_html(closings_table(rub))] if rub.closings else []),
             _html(runs_table(rub)),
             figure_html(rub_figure(rub), "Linear response beside the runs with contacts"),
         ]
@@ -307,7 +308,7 @@ def _conclusions(
     messages = dict.fromkeys(message for run in rub.runs for message in run.messages)
     unstable = tuple(_unstable(diagram, check.high))
     steady = [_critical_speeds(check), _probes(check), *_clearances(check, left)]
-    contact = Conclusion(rub.conclusion, not rub.closings)
+    contact = Conclusion(rub.conclusion, not (rub.closings or rub.touched))
     if unstable:  # what is kept by a response that is not reached says nothing
         *steady, contact = (c._replace(is_met=None) if c.is_met else c for c in (*steady, contact))
     return (

@@ -1,5 +1,6 @@
-"""The check of clearances continued into contact: where the linear response closes a clearance,
-the machine is run up and down with its contacts, and the runs say what the rub does."""
+"""The check of clearances continued into contact: where the linear response closes a clearance, or
+is not reached since the machine is unstable, it is run up and down with its contacts, and the runs
+say what the rub does."""
 
 import math
 import warnings
@@ -86,11 +87,12 @@ class RubRun(NamedTuple):
 
 @dataclass(frozen=True)
 class RubCheck:
-    """What happens where the response closes a clearance.
+    """What happens where the response closes a clearance, or the machine is unstable.
 
     low, high: operating range [rad/s]; scale: factor on the unbalances [1]; closings: clearances
     that the linear response closes; place: the part whose motion is shown, speed, linear: its
-    linear amplitude over the speed [rad/s], [m]; runs: with contacts, none where nothing closes.
+    linear amplitude over the speed [rad/s], [m]; runs: with contacts, none of a stable machine
+    where nothing closes.
     """
 
     low: float
@@ -103,14 +105,25 @@ class RubCheck:
     runs: tuple[RubRun, ...]
 
     @property
+    def touched(self) -> list[ContactRun]:
+        """What contacts did that touched in a run."""
+        return [c for run in self.runs for c in run.contacts if c.share > 0]
+
+    @property
     def conclusion(self) -> str:
         """What the runs say, in a sentence or two."""
-        if not self.closings:
+        if not (self.closings or self.runs):
             return "The linear response closes no contact; no run with contacts was needed."
         for run in self.runs:
             if has_failed(run.status):
                 return f"The {run.direction} with contacts {run.status}."
-        touched = [c for run in self.runs for c in run.contacts if c.share > 0]
+        touched = self.touched
+        if not (touched or self.closings):
+            size = max(float(run.amplitude.max(initial=0.0)) for run in self.runs)
+            far = f"{size * current().small:.3g} {current().small_word} 0-p"
+            return (
+                f"In the runs with contacts the machine whirls by up to {far}, and touches nothing."
+            )
         if not touched:
             return (
                 "The linear response closes a clearance, but the runs pass without touching: at "
@@ -165,11 +178,14 @@ def rub_check(
     unbalances: Sequence[PlacedAmount] | None = None,
     scale: float = 1.0,
     say: Callable[[str], None] = lambda text: None,
+    is_stable: bool = True,
 ) -> RubCheck:
-    """Return what the machine does where its response to unbalance closes a clearance.
+    """Return what the machine does where its response to unbalance closes a clearance, or is not
+    reached.
 
     low, high: operating range [rad/s]; unbalances: (node from 1 or place, amount [kg.m], angle
-    [rad]), None: the machine's own; scale: factor on them; say: is given what takes long.
+    [rad]), None: the machine's own; scale: factor on them; say: is given what takes long;
+    is_stable: whether the machine comes to its response up to `high`.
     """
     machine = with_unbalances(rotor, unbalances, scale)
     top = max(1.25 * high, rotor.operation.trip_speed or 0.0)
@@ -188,7 +204,8 @@ def rub_check(
     place = [*seen][last_of_the_largest(largest)] if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
     runs = []
-    for direction in ("run-up", "run-down") if closings else ():
+    is_run = closings or (touching(rotor) and not is_stable)
+    for direction in ("run-up", "run-down") if is_run else ():
         say(f"{direction} with contacts, {_TURNS:g} turns: may take minutes")
         runs.append(_run(machine, direction, top, (low, high), place))
     return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, tuple(runs))

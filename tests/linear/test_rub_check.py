@@ -17,6 +17,7 @@ from rotor_fmu.machine_report.rub_check import rub_check
 from rotor_fmu.machine_report.rub_shown import rub_figure, runs_table
 
 from ..known import EXAMPLES
+from ..toml_text import table
 
 _JEFFCOTT = """
 gravity = 0.0
@@ -156,6 +157,29 @@ def test_films_that_the_response_closes_are_run_too(viscosity, touches):
         assert [c.name for c in run.contacts] == names
         assert all((c.share > 0.0) == touches for c in run.contacts)
     assert ("oil films bear more" in check.conclusion) != touches
+
+
+@pytest.mark.usefixtures("coarse_report")
+@pytest.mark.parametrize(
+    ("ring", "said"),
+    [
+        ("", "um 0-p, and touches nothing."),
+        (1e-4, "The rub lasts in the operating range (ring), "),
+    ],
+)
+def test_a_machine_past_its_threshold_is_run_though_its_response_closes_nothing(ring, said):
+    """Its films whip, and keep its whirl within bounds that a ring about the shaft may not have."""
+    text = (EXAMPLES / "oil_film" / "rotor.toml").read_text(encoding="utf-8")
+    if ring:
+        text += table(
+            "[contact]", name="ring", node=2, journal_radius=0.02, clearance=ring, mu=0.1, k=1e6
+        )
+    rotor = parse_rotor(text)
+    assert not rub_check(rotor, 750.0, 800.0, scale=0.1).runs
+    check = rub_check(rotor, 750.0, 800.0, scale=0.1, is_stable=False)
+    assert not check.closings
+    assert said in check.conclusion
+    assert rub_figure(check).axes
 
 
 def _farthest(response, rest, node):
