@@ -29,10 +29,19 @@ def not_confirmed(status: str) -> str:
     return status if has_failed(status) else f"{status}, {NOT_CONFIRMED}"
 
 
-def on_numbers(messages: Iterable[str], codes: Iterable[str]) -> list[str]:
+def on_numbers(messages: Iterable[str], codes: Iterable[str]) -> list[Message]:
     """Return the messages of a run that bear on its numbers; not why it failed."""
     both = zip(messages, codes, strict=True)
-    return [message for message, code in both if code and code not in _OF_COST]
+    return [Message(message, code) for message, code in both if code and code not in _OF_COST]
+
+
+def first_of_each(messages: Iterable[Message]) -> list[Message]:
+    """Return the messages of several runs, of those that differ in numbers alone the first: of one
+    code, about one part."""
+    found: dict[tuple[str, str], Message] = {}
+    for message in messages:
+        found.setdefault((message.code, message.partition(":")[0]), message)
+    return list(found.values())
 
 
 def messages_and_codes(messages: Iterable[Message]) -> dict[str, list[str]]:

@@ -26,6 +26,7 @@ from ..model.linear.unbalance_check import OF_INTEREST, SPEEDS, highest_of_inter
 from ..model.machine.rotor import Rotor
 from ..report.report_tables import notice_html, table
 from ..report.run_page import figure_html, machine_html, page, template
+from ..run_status import first_of_each
 from ..tables import Table
 from .rub_check import RubCheck, rub_check
 from .rub_shown import closings_table, rub_figure, runs_table
@@ -305,7 +306,7 @@ def _conclusions(
     whirl: SubsynchronousWhirl | None,
     rub: RubCheck,
 ) -> tuple[Conclusion, ...]:
-    messages = dict.fromkeys(message for run in rub.runs for message in run.messages)
+    messages = first_of_each(message for run in rub.runs for message in run.messages)
     unstable = tuple(_unstable(diagram, check.high))
     steady = [_critical_speeds(check), _probes(check), *_clearances(check, left)]
     contact = Conclusion(rub.conclusion, not (rub.closings or rub.touched))

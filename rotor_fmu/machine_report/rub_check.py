@@ -26,6 +26,7 @@ from ..model.linear.unbalance import SteadyWhirl, steady_whirl
 from ..model.linear.unbalance_check import close_speeds, highest_of_interest
 from ..model.linear.unbalance_peaks import Gap, gaps, major_axis
 from ..model.machine.rotor import Rotor
+from ..model.message_templates import Message
 from ..model.parts.base import Part, ProbeElement
 from ..model.parts.unbalance import Unbalance
 from ..model.structure.assembly import assemble
@@ -79,7 +80,7 @@ class RubRun(NamedTuple):
 
     direction: str
     status: str
-    messages: list[str]
+    messages: list[Message]
     speed: np.ndarray
     amplitude: np.ndarray
     contacts: tuple[ContactRun, ...]

@@ -17,7 +17,7 @@ from rotor_fmu.model.time_loop import early_return, equilibrium
 import rotor_fmu as rf
 from rotor_fmu.fmi.log import read_message, with_code
 from rotor_fmu.library.build import C_SOURCES
-from rotor_fmu.run_status import status_of
+from rotor_fmu.run_status import first_of_each, status_of
 from tools.checkout import ROOT
 
 COARSE = "doubtful: too-coarse-in-contact"
@@ -119,3 +119,13 @@ def test_an_exception_in_the_solver_is_a_sentence_in_c_and_in_python():
     run._entry_points = run._entry_points._replace(advance=lambda *_: RAISED)
     with pytest.raises(StepFailure, match=r"^internal error in a step$"):
         run.advance(0.01, 100.0)
+
+
+def test_messages_of_several_runs_that_differ_in_numbers_alone_are_given_once():
+    above = [
+        Message(f"film_{i}: speed {speed} rad/s is above 328 rad/s", "beyond-the-film")
+        for speed in (328.5, 392.7)
+        for i in (1, 2)
+    ]
+    other = Message("film_1: speed 328.5 rad/s is above 300 rad/s", "outside-the-table")
+    assert first_of_each([*above, other]) == [*above[:2], other]
