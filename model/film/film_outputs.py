@@ -11,6 +11,7 @@ from .solved_zone import solved
 from .zone_pressure import SOURCE, conductance, floored, vectors, zone_bound
 
 _PEAK_STEPS = 96  # for 1e-3 of the largest pressure
+_SHORTEST = 1e-9  # arc that differs from none by more than rounding [rad]
 
 
 class FilmState(NamedTuple):
@@ -29,12 +30,21 @@ class FilmState(NamedTuple):
 
 @jit_not_inlined
 def _sheared(D, upstream, first, last):
-    """Return the integral of the shear over a ruptured arc, whose film consists of strips as wide
-    as at the angle `upstream` [1]."""
-    if last - first <= 0.0:
+    """Return the integral of the shear over a ruptured arc [1], whose film consists of strips as
+    wide as at the angle `upstream`, and as the gap where that is thinner."""
+    if last - first <= _SHORTEST:
         return 0.0
     at = direction(upstream)
-    return (1.0 - (at.conjugate() * D).real) * shear(D, first, last)[1]
+    thickness = 1.0 - (at.conjugate() * D).real
+    sheared = thickness * shear(D, first, last)[1]
+    thinner = abs(angle(at.conjugate() * D))
+    for turn in range(2):
+        middle = first + angle(direction(-first) * D) + 2.0 * math.pi * turn
+        begin, end = max(first, middle - thinner), min(last, middle + thinner)
+        if end - begin > _SHORTEST:
+            full, strips = shear(D, begin, end)
+            sheared += full - thickness * strips
+    return sheared
 
 
 @jit
@@ -98,8 +108,8 @@ def film_state(bearing, tables, kinematics, with_pressure):
         D, _, _ = blunted(film.D, film.floor)
         volume = pad.clearance * pad.clearance * pad.clearance
         sheared, load = 0.0, 0.0j
-        reached = ended = film.first
-        begun = film.last
+        reached, begun = film.first, film.last
+        upstream = reached if speed >= 0.0 else begun
         if film.S != 0.0:
             sense = angle(film.S)
             for turn in TURNS:
@@ -133,13 +143,14 @@ def film_state(bearing, tables, kinematics, with_pressure):
                 sheared += shear(D, first, last)[0]
                 if film.is_whole:
                     reached, begun = last, first + 2.0 * math.pi
-                    ended = last
+                    # lubricant leaves where the film is thinner: at the other end in a fast whirl
+                    ends = direction(last) - direction(first)
+                    upstream = last if (ends.conjugate() * D).real >= 0.0 else begun
                 else:
-                    upstream = reached if speed >= 0.0 else first
-                    sheared += _sheared(D, upstream, reached, first)
-                    reached, begun = last, film.last
-                    ended = last
-        sheared += _sheared(D, ended if speed >= 0.0 else begun, reached, begun)
+                    sheared += _sheared(D, reached if speed >= 0.0 else first, reached, first)
+                    reached = last
+                    upstream = last if speed >= 0.0 else begun
+        sheared += _sheared(D, upstream, reached, begun)
         load *= pad.load
         force -= load
         tilted -= (load * (pad.velocity - kinematics.velocity).conjugate()).real

@@ -18,7 +18,9 @@ class Base(Part):
     it."""
 
     KIND: ClassVar[str] = "base"
-    TEXT: ClassVar[str] = "a foundation that moves with a given acceleration"
+    TEXT: ClassVar[str] = (
+        "a foundation that moves with a given acceleration; all displacements are relative to it"
+    )
     IS_SINGLE: ClassVar[bool] = True
 
     def elements(self, where: str, density: float) -> Iterator[Element]:

@@ -39,8 +39,8 @@ class DamperQuantities(FilmQuantities):
 
 
 OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0),
+    Output("fx", "N", "force on the ring, to the right", True, 10.0),
+    Output("fy", "N", "force on the ring, upwards", True, 10.0),
     Output("eccentricity", "1", "of the ring, over the clearance", True, 1.0),
     Output("film", "m", "thinnest film; below the roughness the surfaces touch", True, 1e-5),
     Output("pressure", "Pa", "largest pressure in the film", nominal=1e6),

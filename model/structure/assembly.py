@@ -64,6 +64,7 @@ def assemble(rotor: Rotor) -> Structure:
     elements = list(machine_elements(rotor))
     M, M_shaft, G, K_shaft, K_axial, inertia = _matrices(rotor, elements)
     mass_sum = product(M, np.arange(n) % 2 == 0)
+    one_body = _one_body(rotor, M)
     for _, added in _of_kind(AddedMassElement, elements):
         M[_dof(added), 0] += added.mass
     springs = _rows(
@@ -105,7 +106,7 @@ def assemble(rotor: Rotor) -> Structure:
         releases=_rows(
             RELEASE, [tuple(element) for _, element in _of_kind(ReleaseElement, elements)]
         ),
-        one_body=_one_body(rotor, M),
+        one_body=one_body,
         deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
         load_dof=np.array([-1 if p.node == BASE else _dof(p) for p in ports], dtype=np.int64),
         load_arms=_rows(

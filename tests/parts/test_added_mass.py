@@ -52,6 +52,15 @@ def test_a_seal_bears_the_inertia_of_its_fluid():
     assert found.load_x[0, seal] == pytest.approx(-ADDED * speed**2 * found.x[0, 1], rel=1e-9)
 
 
+def test_a_start_is_about_the_centre_of_mass_of_the_rotor_without_the_fluid():
+    start = "[start]\nx = 1e-4\ntilt_x = 1e-3\nvy = 0.1\nrate_y = 2.0\n"
+    text = rigid(BODY, 0.0, bearings(K, C) + SEAL.replace("node = 2", "node = 1"), start)
+    simulation = Simulation(parse_rotor(text), choose("robust"), speed=0.0)
+    middle = 2  # the deflection of node 2
+    assert simulation.motion.q[middle].real == pytest.approx(1e-4, rel=1e-9)
+    assert simulation.motion.v[middle].imag == pytest.approx(0.1, rel=1e-9)
+
+
 def test_a_base_that_starts_to_accelerate_takes_it_along():
     simulation = Simulation(
         sealed(rest=BASE), choose("robust", h=1e-4), speed=0.0, loads=np.zeros(1, complex)

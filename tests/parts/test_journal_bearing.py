@@ -279,6 +279,29 @@ def test_friction_of_a_centred_journal_is_petroffs():
     assert film.outputs(0j)["torque"] == pytest.approx(petroff, rel=1e-9)
 
 
+@pytest.mark.parametrize("speed", [100.0, -100.0])
+@pytest.mark.parametrize("more", [{"short": True}, {}], ids=["short", "finite"])
+def test_a_synchronous_whirl_dissipates_what_a_journal_at_rest_does(more, speed):
+    """In the frame that turns with it the journal rests and its bore turns backward: the same film
+    in a mirror."""
+    film = BearingAlone(_bearing(**more), speed)
+    for e in (0.1, 0.3, 0.6, 0.9):
+        d = e * 1e-4 * np.exp(0.7j)
+        at_rest, whirling = film.outputs(d, 0j), film.outputs(d, 1j * speed * d)
+        assert whirling["power"] == pytest.approx(at_rest["power"], rel=1e-6)
+
+
+@pytest.mark.parametrize("more", [{"short": True}, {}], ids=["short", "finite"])
+def test_no_motion_shears_more_than_a_gap_full_of_oil(more):
+    film, random = BearingAlone(_bearing(**more), 100.0), np.random.default_rng(4)
+    petroff = 2 * _PI * 0.1 * 100.0 * 0.05**3 * 0.03 / 1e-4
+    for e in np.linspace(0.05, 0.95, 30):
+        d, v = 1e-4 * e * np.exp(2j * _PI * random.random(2)) * (1.0, 100.0)
+        by_force = 0.5 * (d.conjugate() * film.force(d, v)).imag
+        sheared = film.outputs(d, v)["torque"] - by_force
+        assert 0.5 * petroff < sheared <= petroff / math.sqrt(1 - e**2) * (1 + 1e-9)
+
+
 def test_a_film_dissipates_what_goes_into_it():
     for film, d, v in _states(60, 2):
         assert film.outputs(d, v)["power"] >= 0.0
