@@ -139,6 +139,20 @@ def test_a_run_can_be_stopped_and_what_there_is_stays(silent, rig):
     assert len(page.run("return csv(now)").splitlines()) == 1 + rows
 
 
+def test_pictures_of_a_run_that_ended_early_show_no_more_than_it(silent, rig):
+    page = LivePage(silent, rig, "")
+    page.wait("now.n > 400")
+    page.find("stop").click()
+    page.ended()
+    end, speeds = page.run(
+        "return [now.t[now.n - 1], [now.n - 1, 0].map((row) => speedAt(now, row))]"
+    )
+    assert page.run("return charts.time.view.xs") == pytest.approx([0.0, end])
+    assert page.run("return charts.amplitude.view.xs") == pytest.approx(speeds)
+    page.set("cursor", "500")
+    assert page.run("return picked") == pytest.approx(0.5 * end)
+
+
 def test_what_cannot_be_is_said_in_the_fmus_words(silent, rig):
     page = LivePage(
         silent, rig, "#bearing[1].clearance=-1e-5&bearing[7].mu=0.1&course.rate=a"

@@ -158,7 +158,7 @@ async function open() {
   for (const id of ["place", "signal", "compare"]) field(id).addEventListener("change", redraw);
   field("cursor").addEventListener("input", () => {
     if (!now?.n) return;
-    picked = (field("cursor").value / 1000) * now.plan.duration;
+    picked = (field("cursor").value / 1000) * durationOf(now);
     redraw();
   });
   field("link").addEventListener("click", copyLink);
