@@ -239,6 +239,13 @@ def test_the_picture_of_a_run_at_one_speed_is_over_time_and_says_so(silent, rig)
     )
     page = LivePage(silent, rig).ended()
     assert page.run(caption) == "Amplitude over speed"
+    page.run(
+        "field('place').value = data.places.findIndex((place) => place.clearance);"
+        "field('place').dispatchEvent(new Event('change'))"
+    )
+    assert page.run(caption) == "Distance from the centre over speed"
+    keys = "return [...document.querySelectorAll('#orbit .key span')].map((one) => one.textContent)"
+    assert page.run(keys) == ["this run", "clearance of this run"]
 
 
 def test_the_page_prints_its_pictures(silent, rig):

@@ -143,11 +143,12 @@ function redraw() {
   const speeds = runs.flatMap(speedsOf);
   const steady = isSteady(now);
   if (place) {
-    charts.amplitude.caption.textContent = `Amplitude over ${steady ? "time" : "speed"}`;
+    const size = place.amplitude ? "Amplitude" : "Distance from the centre";
+    charts.amplitude.caption.textContent = `${size} over ${steady ? "time" : "speed"}`;
     charts.amplitude.draw({
       series: series((run) => thinned(abscissa(run), amplitude(run, place), columns)),
       xLabel: steady ? "Time [s]" : `Speed [${SPEED.unit}]`,
-      yLabel: `${place.amplitude ? "Amplitude" : "Distance from the centre"}, ${place.title} [${sizeOf(place).unit}]`,
+      yLabel: `${size}, ${place.title} [${sizeOf(place).unit}]`,
       cursor: steady ? t : speedAt(now, row),
       from: 0,
       xRange: steady ? null : [Math.min(...speeds), Math.max(...speeds)],
@@ -161,7 +162,7 @@ function redraw() {
       const radius = SMALL.factor * (now.given[place.clearance] ?? byName.get(place.clearance).start);
       const angles = Array.from({ length: 121 }, (_, i) => (i * TURN) / 120);
       const ring = (of) => angles.map((angle) => radius * of(angle));
-      orbits.push({ x: ring(Math.cos), y: ring(Math.sin), kind: "ring" });
+      orbits.push({ x: ring(Math.cos), y: ring(Math.sin), kind: "ring", label: "clearance of this run" });
     }
     const [xLabel, yLabel] = ["x", `y, ${place.title}`].map((text) => `${text} [${SMALL.unit}]`);
     charts.orbit.draw({ series: orbits, xLabel, yLabel, equal: true });
