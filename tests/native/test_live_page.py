@@ -248,6 +248,19 @@ def test_the_picture_of_a_run_at_one_speed_is_over_time_and_says_so(silent, rig)
     assert page.run(keys) == ["this run", "clearance of this run"]
 
 
+def test_a_machine_without_a_part_that_is_seen_to_move_has_no_empty_pictures(silent, tmp_path):
+    bare = re.sub(r"(?s)\[\[(disc|bearing)\]\].*", "", rig_toml())
+    supports = "".join(
+        f"[[support]]\nnode = {node}\nstiffness = 1e6\ndamping = 100.0\n" for node in (2, 8)
+    )
+    write_text(solver_page(machine_of(bare + supports)), tmp_path / "bare.html")
+    page = LivePage(silent, tmp_path / "bare.html", "#course.to=395&course.rate=10").ended()
+    assert page.text("state").endswith(" give the machine a disc, a body or a sensor.")
+    shown = "return [...document.querySelectorAll('figure[id]')].filter((f) => f.checkVisibility())"
+    assert page.run(f"{shown}.map((figure) => figure.id)") == ["time", "near"]
+    assert not page.find("place").is_displayed()
+
+
 def test_the_page_prints_its_pictures(silent, rig):
     LivePage(silent, rig).ended()
     assert len(base64.b64decode(silent.printed())) > 20_000

@@ -114,7 +114,9 @@ function say() {
   if (now.seconds !== undefined) {
     const how = now.failure ? "Ended early" : "Done";
     text = `${how} after ${digits(now.seconds, 2)} s.`;
-    if (now.n && place) {
+    if (!place) {
+      text += " No part's motion is observed: give the machine a disc, a body or a sensor.";
+    } else if (now.n) {
       text += ` Largest ${nameOf(place)} after the start-up: ${largestOf(now, place)}`;
       if (shownRuns().length > 1) text += `; the run before: ${largestOf(before, place)}`;
       text += ".";
