@@ -130,7 +130,8 @@ def _places(run: Recording, of: str) -> str:
         ]
         peak, speed = track.major()[at] * d.amplitude * _UM, track.speed[at] * d.speed
         rows.append([place.label, peak, speed, _amplification(track), *largest])
-    return table(f"{of}responses after the start-up (API RP 684, ISO 20816-1)", heads, rows)
+    title = f"{of}responses after the start-up (API RP 684, ISO 20816-1)"
+    return table(title, heads, rows) if rows else ""
 
 
 def _amplification(track: vibration.OrderTrack) -> float | str:
