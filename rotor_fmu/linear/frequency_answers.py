@@ -198,7 +198,12 @@ def read_loops(option: str, path: Path, rotor: Rotor) -> list[model.ControlLoop]
     listed = tables.get("loop")
     if not isinstance(listed, list) or not listed or not all(isinstance(t, dict) for t in listed):
         raise InputError(f"{option} {path}: no [[loop]] is there; at least one is needed")
-    return [_loop(f"{option} {path}: loop[{i}]", of, rotor) for i, of in enumerate(listed, 1)]
+    loops = [_loop(f"{option} {path}: loop[{i}]", of, rotor) for i, of in enumerate(listed, 1)]
+    names = [loop.name for loop in loops]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            raise InputError(f"{option} {path}: loop[{i + 1}].name = {name!r}: another has it")
+    return loops
 
 
 def _loop(where: str, table: dict[str, Any], rotor: Rotor) -> model.ControlLoop:

@@ -10,7 +10,7 @@ from ..display import current, speed_with_unit
 from ..model import linear
 from ..model.linear.stability_levels import LEAST_LOG_DEC, LEAST_RATIO
 from ..plotting.colors import BLUE, GREEN, GREY, LIMIT, ORANGE, PURPLE
-from ..plotting.figure_style import annotate, entitle, new_figure
+from ..plotting.figure_style import entitle, new_figure
 from ..tables import Table
 from .displayed import Displayed, answer_of
 from .linear_tables import clean_damping
@@ -108,13 +108,15 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         values = [case.log_dec for case in self.cases]
         colors = [GREEN if value >= LEAST_LOG_DEC else PURPLE for value in values]
         sizes = [value if np.isfinite(value) else 0.0 for value in values]
-        axes.barh([case.name for case in self.cases], sizes, color=colors, height=0.6)
+        shown = [
+            f"{value:.3g}" if np.isfinite(value) else "grows without oscillating"
+            for value in values
+        ]
+        names = [f"{case.name}: {text}" for case, text in zip(self.cases, shown, strict=True)]
+        axes.barh(names, sizes, color=colors, height=0.6)
         axes.axvline(LEAST_LOG_DEC, color="black", lw=1.0, ls=LIMIT)
         axes.axvline(0, color="black", lw=1.0)
         axes.invert_yaxis()
-        for at, value in enumerate(values):
-            text = f"{value:.3g}" if np.isfinite(value) else "grows without oscillating"
-            annotate(axes, text, (max(value, LEAST_LOG_DEC), at), (4, 0), va="center")
         axes.margins(x=0.12)
         what = "Least logarithmic decrement of the forward modes [1]"
         axes.set_xlabel(f"{what}; dashed: {LEAST_LOG_DEC:g}")

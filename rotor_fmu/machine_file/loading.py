@@ -33,12 +33,14 @@ def machine_text(option: str, path: Path, note: Callable[[str], None] = lambda _
     `InputError` for a file that cannot be read or merged."""
     text = read_text(option, path)
     data = _content(path, text)
+    if data is not None and _OF_STUDIES & data.keys():
+        raise InputError(f"{option} {path}: is a study, not a machine: rotor-fmu study runs it")
+    if data is not None and (_EXTENDS in data or is_ross(data)):
+        return toml_text(_tables(path, data, 0, note))
+    if _is_json(path, text):
+        import_ross(option, path)  # which says why it is none
     if data is None:
         return text
-    if _OF_STUDIES & data.keys():
-        raise InputError(f"{option} {path}: is a study, not a machine: rotor-fmu study runs it")
-    if _EXTENDS in data or is_ross(data):
-        return toml_text(_tables(path, data, 0, note))
     return si_text(text, f"{path}: ")
 
 
@@ -102,9 +104,11 @@ def _tables(
             f"{path}: {_EXTENDS} = {base!r}: goes round, or more than {_MOST} files extend another"
         )
     other = path.parent / base
-    inner = _content(other, read_text(f"{path}: {_EXTENDS}", other))
+    text = read_text(f"{path}: {_EXTENDS}", other)
+    inner = _content(other, text)
     if inner is None:
-        raise InputError(f"{path}: {_EXTENDS} = {base!r}: is not valid TOML")
+        kind = "JSON" if _is_json(other, text) else "TOML"
+        raise InputError(f"{path}: {_EXTENDS} = {base!r}: is not valid {kind}")
     own = {key: value for key, value in data.items() if key != _EXTENDS}
     return _merged(_tables(other, inner, above + 1, note), own)
 

@@ -38,13 +38,15 @@ ShowProgress = Callable[[float, Shown], "AbstractContextManager[ReportPoint]"]
 
 class Panel(NamedTuple):
     """A diagram: points over the parameter, of rising and of falling values where a run goes both
-    ways; the values of what else is varied, as they are shown; the motions, or None."""
+    ways; the values of what else is varied, as they are shown; the motions, or None; the parameter
+    of the runs that failed."""
 
     parameter: np.ndarray
     section: np.ndarray
     falls: np.ndarray
     others: Sequence[str]
     response: "ResponseResult | None"
+    failed: np.ndarray
 
 
 def diagrams(
@@ -56,11 +58,12 @@ def diagrams(
     Raises `InputError` for a study that keeps none and `RunFailed` where every run failed.
     """
     runs, sections = sections_of(study)
-    data = data.isel(run=~np.char.startswith(data.status.values.astype(str), FAILED))
-    if not data.sizes["run"]:
+    has_failed = np.char.startswith(data.status.values.astype(str), FAILED)
+    if has_failed.all():
         raise RunFailed("--diagram: every run failed")
     axis = None if runs.how.kind.name == STEPS.name else _across(study.design.axes)
-    panels = _panels(study, data, runs, axis, say, progress)
+    lost, data = data.isel(run=has_failed), data.isel(run=~has_failed)
+    panels = _panels(study, data, lost, runs, axis, say, progress)
     shown = {column.name: current().of_si(column.unit) for column in runs.columns}
     return {m.name: _figure(m, shown[m.name], axis, panels[m.name]) for m in sections}
 
@@ -84,14 +87,19 @@ def _across(axes: tuple[Axis, ...]) -> Axis:
 def _panels(
     study: Study,
     data: "xarray.Dataset",
+    lost: "xarray.Dataset",
     runs: MachineRuns,
     axis: Axis | None,
     say: Say,
     progress: ShowProgress,
 ) -> dict[str, list[Panel]]:
-    """Return the panels of each section: one a combination of what else is varied."""
+    """Return the panels of each section: one a combination of what else is varied; lost: the runs
+    that failed."""
     rest = [a for a in study.design.axes if a is not axis]
-    points = np.array([data[a.name].values for a in rest]).reshape(len(rest), data.sizes["run"]).T
+    points, of_lost = (
+        np.array([of[a.name].values for a in rest]).reshape(len(rest), of.sizes["run"]).T
+        for of in (data, lost)
+    )
     groups = np.unique(points, axis=0)
     if len(groups) > _MOST_PANELS:
         names = ", ".join(a.name for a in rest)
@@ -104,13 +112,14 @@ def _panels(
         settings = {t: others[a.name] for a in rest for t in a.targets}
         response = None
         across = None if axis is None else data[axis.name].values[rows]
+        failed = [] if axis is None else lost[axis.name].values[(of_lost == group).all(axis=1)]
         for metric in (m for m in runs.metrics if m.kind.name == "poincare"):
             values = data[metric.name].values[rows]
             over, section, falls = _points(values, across, runs, settings)
             if response is None:
                 response = _response(runs, axis, settings, over, say, progress)
             texts = [_text(a, others[a.name]) for a in rest]
-            panel = Panel(over, section, falls, texts, response)
+            panel = Panel(over, section, falls, texts, response, np.array(failed))
             result.setdefault(metric.name, []).append(panel)
     return result
 
@@ -187,7 +196,7 @@ def _figure(metric: Metric, shown: Shown, axis: Axis | None, panels: list[Panel]
 
 def _draw(metric: Metric, shown: Shown, unit: str, panel: Panel, ax: "Axes") -> None:
     """Draw a panel; shown: how its section is shown; unit: the SI unit of its parameter."""
-    from ..plotting.colors import BLUE, GREY, ORANGE
+    from ..plotting.colors import BLUE, GREY, ORANGE, PURPLE
 
     across = current().of_si(unit).factor
     for falls, color, text in ((False, BLUE, "rising"), (True, ORANGE, "falling")):
@@ -197,6 +206,10 @@ def _draw(metric: Metric, shown: Shown, unit: str, panel: Panel, ax: "Axes") -> 
             points = panel.parameter[mine] * across, panel.section[mine] * shown.factor
             mark = "x" if falls else "."
             ax.plot(*points, mark, color=color, ms=3, mew=0.6, zorder=2, label=label)
+    if len(panel.failed):
+        foot = ax.get_xaxis_transform()
+        at = panel.failed * across, np.full(len(panel.failed), 0.02)
+        ax.plot(*at, "|", color=PURPLE, label="failed runs", transform=foot)
     place, _, side = metric.of.rpartition(".")
     response = panel.response
     if response is not None and place in response.probes and side in "xy":

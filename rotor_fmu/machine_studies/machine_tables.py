@@ -143,6 +143,9 @@ def _excitation(
             raise InputError(f"run {kind.name}: needs {name} [{kind.numbers[name].unit}]")
     given = {name: float(value) for name, value in numbers.items() if value is not None}
     kind.check(given)
+    for name, why in kind.idle(given).items():
+        if name in run:
+            raise InputError(f"run.{name} = {given[name]:g}: has no effect {why}")
     if kind is RESPONSE and (over is None) != (given["speed"] == 0):
         raise InputError("run response: speed is given with over, and only then")
     if not isinstance(file, str if kind is SIGNALS else NoneType):
@@ -183,6 +186,9 @@ def _with_metrics(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> 
     for name in ("turns", "count", "back", "measure"):
         if f"{RUN}{name}" in varied:
             raise InputError(f"vary {RUN}{name}: changes the number of results; cannot be varied")
+    for name, why in runs.how.kind.idle(runs.how.numbers).items():
+        if f"{RUN}{name}" in varied:
+            raise InputError(f"vary {RUN}{name}: has no effect {why}")
     metrics = tuple(_metric(name, given, runs) for name, given in table.items())
     columns = [runs.column_of(metric, varied) for metric in metrics]
     is_verified = tables.get("verify", False)

@@ -58,6 +58,14 @@ class RunKind:
         if "rate" in values and values["from"] == values["to"]:
             raise InputError(f"run.to = {values['to']:g} rad/s: must differ from run.from")
 
+    def idle(self, values: Mapping[str, float]) -> dict[str, str]:
+        """Return the numbers that have no effect beside the others, with the reason."""
+        if not self.holds_speeds:
+            return {}
+        if values["measure"]:
+            return dict.fromkeys(("turns", "per_turn"), "with run.measure")
+        return {"step": "without run.measure"}
+
     def speeds(self, values: Mapping[str, float]) -> np.ndarray:
         """Return the speeds that are held [rad/s], in their order."""
         if "speed" in values:

@@ -135,7 +135,8 @@ def _places(run: Recording, of: str) -> str:
         factor = _amplification(once.resonance)
         peak, speed = once.major * d.amplitude, once.speed * d.speed
         rows.append([place.label, peak, speed, factor, *largest])
-    return table(f"{of}responses after the start-up (API RP 684, ISO 20816-1)", heads, rows)
+    title = f"{of}responses after the start-up (API RP 684, ISO 20816-1)"
+    return table(title, heads, rows) if rows else ""
 
 
 def _amplification(resonance: vibration.Resonance | None) -> float | str:

@@ -129,7 +129,10 @@ def _notices(
     for text, count in reasons.most_common(_MOST_REASONS):
         said.append(f"{count} {'run' if count == 1 else 'runs'}: {text}")
     if len(reasons) > _MOST_REASONS:
-        said.append(f"... and {len(reasons) - _MOST_REASONS} more reasons; the map shows each.")
+        more = len(reasons) - _MOST_REASONS
+        said.append(
+            f"... and {more} more {'reason' if more == 1 else 'reasons'}; the map shows each."
+        )
     return notices_html(said)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 from rotor_fmu.model.linear.amplification import Peak
-from rotor_fmu.model.linear.stability_levels import LEAST_LOG_DEC, StabilityCase
+from rotor_fmu.model.linear.stability_levels import StabilityCase
 from rotor_fmu.model.linear.unbalance_check import ProbeCritical
 
 from rotor_fmu.balancing.result import Balancing, Vibration
@@ -115,16 +115,20 @@ def test_the_loads_in_a_picture_of_a_machine_at_rest_cross_no_curve(tmp_path, ca
             assert not path.intersects_bbox(Text.get_window_extent(text), filled=False)
 
 
-def test_the_decrements_of_stability_level_2_are_written_beside_the_required_one():
+def test_the_decrements_of_stability_level_2_are_written_where_none_can_be_taken_for_the_limit():
     values = (-1.4, 0.09, 0.3)
-    cases = [StabilityCase(f"case {value}", value, 100.0, value, 100.0) for value in values]
+    cases = [
+        StabilityCase(f"case {at}", value, 100.0, value, 100.0) for at, value in enumerate(values)
+    ]
     figure = StabilityLevel2(300.0, tuple(cases)).figure()
     figure.draw_without_rendering()
     (axes,) = figure.axes
-    required = axes.transData.transform([LEAST_LOG_DEC, 0.0])[0]
-    boxes = [Text.get_window_extent(text) for text in axes.texts]
-    assert len(boxes) == len(values)
-    assert all(box.x0 > required for box in boxes)
+    labels = axes.get_yticklabels()
+    assert [text.get_text() for text in labels] == ["case 0: -1.4", "case 1: 0.09", "case 2: 0.3"]
+    boxes = [text.get_window_extent() for text in labels]
+    assert figure.bbox.x0 <= min(box.x0 for box in boxes)
+    assert max(box.x1 for box in boxes) < axes.bbox.x0
+    assert not axes.texts
 
 
 def test_pictures_write_the_sign_of_micrometres_where_tables_write_letters():

@@ -202,6 +202,7 @@ def test_a_recording_without_places_still_shows_its_signals(tmp_path):
     assert "has no pictures over speed: its recording has no place with x and y" in text
     names = [signal["name"] for signal in block(text, "signals")[0]["signals"]]
     assert names == ["bearing[1].fn", "w"]
+    assert "responses after the start-up" not in text
 
 
 def test_two_runs_of_one_name_are_told_apart(tmp_path):

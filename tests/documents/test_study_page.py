@@ -6,7 +6,7 @@ import pyarrow as pa
 import pytest
 
 from rotor_fmu.files import write_text
-from rotor_fmu.report.study_page import study_page
+from rotor_fmu.report.study_page import _notices, study_page
 from rotor_fmu.saved_results import read_study
 
 from ..recordings import write_study
@@ -94,3 +94,9 @@ def test_the_legend_of_the_map_tells_failed_runs_whatever_is_shown(silent, tmp_p
         crosses = page.run("return [...map.failed.data.x, ...map.failed.data.y]")
         assert len(crosses) == 2 * count
         assert None not in crosses  # as a browser hands over what is no number
+
+
+@pytest.mark.parametrize(("kinds", "expected"), [(6, "1 more reason;"), (7, "2 more reasons;")])
+def test_reasons_that_are_left_out_are_counted(kinds, expected):
+    status = [f"failed: {at}" for at in range(kinds)]
+    assert f"... and {expected} the map shows each." in _notices({}, status, kinds, [])

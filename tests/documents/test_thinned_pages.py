@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rotor_fmu.files import write_text
 from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.report.criticals import criticals_of
 from rotor_fmu.report.run_data import run_data, signal_data
@@ -13,6 +14,7 @@ from rotor_fmu.saved_results import read_study
 
 from ..cli.test_linear_commands import ROSS
 from ..recordings import recorded, write_study
+from .browser import Page
 from .test_report import unpacked
 
 
@@ -73,3 +75,14 @@ def test_a_studys_page_without_room_for_lists_names_them(tmp_path, monkeypatch):
     assert said not in study_page(*read_study(tmp_path))
     monkeypatch.setattr("rotor_fmu.report.study_page._MOST_OF_CURVES", 100)
     assert said in study_page(*read_study(tmp_path))
+
+
+def test_the_rounding_of_a_constant_signal_is_not_drawn_over_the_whole_height(silent, tmp_path):
+    run = recorded()
+    for name in [name for name in run.columns if name.startswith(("disc", "bearing"))]:
+        run.columns.pop(name)
+    run.columns["w"] = 250.0 * (1.0 + 1e-14 * np.sin(run.t * 1e3))
+    write_text(runs_page([run.named("constant")], [{}]), tmp_path / "constant.html")
+    page = Page(silent, tmp_path / "constant.html")
+    shown = page.run("return [time.heights.start, time.heights.end]")
+    assert shown[1] - shown[0] > 0.5 * abs(shown[0])

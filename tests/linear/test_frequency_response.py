@@ -273,6 +273,7 @@ def test_impossible_wishes_are_refused(refusal, loops, arguments, expected):
         ("[[loop]]", "[[lop]]", "lop: unknown"),
         ("[[loop]]", "[[loop", "loops.toml: is not valid TOML"),
         ("delay = 1.5e-4", f"delay = {'[' * 5000}", "loops.toml: is not valid TOML"),
+        ('"right"', '"left"', "loops.toml: loop[2].name = 'left': another has it"),
         (BOTH, "loop = []", "no [[loop]] is there; at least one is needed"),
         (BOTH, "loop = [5]", "no [[loop]] is there; at least one is needed"),
     ],

@@ -139,6 +139,20 @@ def test_a_run_can_be_stopped_and_what_there_is_stays(silent, rig):
     assert len(page.run("return csv(now)").splitlines()) == 1 + rows
 
 
+def test_pictures_of_a_run_that_ended_early_show_no_more_than_it(silent, rig):
+    page = LivePage(silent, rig, "")
+    page.wait("now.n > 400")
+    page.find("stop").click()
+    page.ended()
+    end, speeds = page.run(
+        "return [now.t[now.n - 1], [now.n - 1, 0].map((row) => speedAt(now, row))]"
+    )
+    assert page.run("return charts.time.view.xs") == pytest.approx([0.0, end])
+    assert page.run("return charts.amplitude.view.xs") == pytest.approx(speeds)
+    page.set("cursor", "500")
+    assert page.run("return picked") == pytest.approx(0.5 * end)
+
+
 def test_what_cannot_be_is_said_in_the_fmus_words(silent, rig):
     page = LivePage(
         silent, rig, "#bearing[1].clearance=-1e-5&bearing[7].mu=0.1&course.rate=a"
@@ -225,6 +239,26 @@ def test_the_picture_of_a_run_at_one_speed_is_over_time_and_says_so(silent, rig)
     )
     page = LivePage(silent, rig).ended()
     assert page.run(caption) == "Amplitude over speed"
+    page.run(
+        "field('place').value = data.places.findIndex((place) => place.clearance);"
+        "field('place').dispatchEvent(new Event('change'))"
+    )
+    assert page.run(caption) == "Distance from the centre over speed"
+    keys = "return [...document.querySelectorAll('#orbit .key span')].map((one) => one.textContent)"
+    assert page.run(keys) == ["this run", "clearance of this run"]
+
+
+def test_a_machine_without_a_part_that_is_seen_to_move_has_no_empty_pictures(silent, tmp_path):
+    bare = re.sub(r"(?s)\[\[(disc|bearing)\]\].*", "", rig_toml())
+    supports = "".join(
+        f"[[support]]\nnode = {node}\nstiffness = 1e6\ndamping = 100.0\n" for node in (2, 8)
+    )
+    write_text(solver_page(machine_of(bare + supports)), tmp_path / "bare.html")
+    page = LivePage(silent, tmp_path / "bare.html", "#course.to=395&course.rate=10").ended()
+    assert page.text("state").endswith(" give the machine a disc, a body or a sensor.")
+    shown = "return [...document.querySelectorAll('figure[id]')].filter((f) => f.checkVisibility())"
+    assert page.run(f"{shown}.map((figure) => figure.id)") == ["time", "near"]
+    assert not page.find("place").is_displayed()
 
 
 def test_the_page_prints_its_pictures(silent, rig):

@@ -185,6 +185,30 @@ def test_what_no_study_can_be_is_refused_by_its_value(tmp_path, old, new, expect
         read(tmp_path, STUDY.replace(old, new, 1))
 
 
+@pytest.mark.parametrize(
+    ("numbers", "varied", "expected"),
+    [
+        ("measure = 0.5\nturns = 8", "run.speed", "run.turns = 8: has no effect with run.measure"),
+        ("measure = 0.5\nper_turn = 8", "run.speed", "run.per_turn = 8: has no effect with"),
+        ("step = 0.01", "run.speed", "run.step = 0.01: has no effect without run.measure"),
+        ("", "run.step", "vary run.step: has no effect without run.measure"),
+    ],
+)
+def test_what_a_held_speed_takes_no_notice_of_is_refused(tmp_path, numbers, varied, expected):
+    study = f'''name = "held"
+[run]
+kind = "constant"
+speed = 10
+{numbers}
+[vary]
+"{varied}" = {{ values = [1, 2] }}
+[keep]
+q = {{ rms = "w" }}
+'''
+    with pytest.raises(InputError, match=re.escape(expected)):
+        read(tmp_path, study)
+
+
 def test_what_a_study_needs_beside_its_run_is_asked_for(tmp_path):
     with pytest.raises(InputError, match=r"vary run.turns: changes the number of results"):
         read(tmp_path, HELD.replace("run.speed", "run.turns") + '[keep]\nq = { rms = "w" }\n')

@@ -295,6 +295,20 @@ def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_
         np.testing.assert_allclose(line.get_ydata(), factor * data[name].values[0])
 
 
+def test_a_diagram_marks_where_a_run_failed(tmp_path):
+    """A backward whirl grows without bounds at the higher of two coefficients of friction."""
+    study = read(
+        tmp_path,
+        "kind = 'constant'\nspeed = 160\nsettle = 2\nturns = 1",
+        'x = { poincare = "disc.x" }',
+        '"contact[1].mu" = { values = [0.02, 0.3] }',
+    )
+    run_study(study, tmp_path / "out", here, quiet)
+    (axes,) = diagrams(study, open_dataset(tmp_path / "out"), quiet, unseen)["x"].axes
+    (line,) = [line for line in axes.lines if line.get_label() == "failed runs"]
+    assert line.get_xdata().tolist() == [0.3]
+
+
 def test_a_study_whose_runs_all_failed_has_no_diagram(tmp_path):
     study = read(
         tmp_path,

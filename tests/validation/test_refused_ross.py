@@ -156,3 +156,23 @@ def test_a_value_that_no_machine_has_is_refused_with_the_element(tmp_path, befor
         import_ross("--rotor", file)
     assert str(refused.value).startswith(f"{file}: ")
     assert expected in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "rotor.json: not valid JSON: "),
+        ('{"ross_version": "2.3", ', "rotor.json: not valid JSON: "),
+        ("[1]", "rotor.json: not a rotor that ROSS saved"),
+        ('{"material": {}}', "rotor.json: not a rotor that ROSS saved"),
+    ],
+)
+def test_a_file_of_json_that_is_no_rotor_is_refused_as_json(refusal, tmp_path, text, expected):
+    file = tmp_path / "rotor.json"
+    file.write_text(text)
+    assert expected in refusal("show", "--rotor", str(file))
+    above = tmp_path / "above.toml"
+    above.write_text('extends = "rotor.json"')
+    if "valid" in expected:
+        said = refusal("show", "--rotor", str(above))
+        assert "above.toml: extends = 'rotor.json': is not valid JSON" in said

@@ -141,6 +141,8 @@ async function open() {
   data.places.forEach((place, i) => field("place").append(new Option(place.title, i)));
   data.recorded.forEach((each, i) => field("signal").append(new Option(each.label, i)));
   const first = data.places[0];
+  const ofPlaces = [field("place").parentElement, charts.amplitude.figure, charts.orbit.figure];
+  for (const each of ofPlaces) each.hidden = !first;
   field("signal").value = Math.max(0, columnOf.get(first?.x) ?? 0);
   const notes = readHash();
   field("settings").addEventListener("submit", (event) => event.preventDefault());
@@ -158,7 +160,7 @@ async function open() {
   for (const id of ["place", "signal", "compare"]) field(id).addEventListener("change", redraw);
   field("cursor").addEventListener("input", () => {
     if (!now?.n) return;
-    picked = (field("cursor").value / 1000) * now.plan.duration;
+    picked = (field("cursor").value / 1000) * durationOf(now);
     redraw();
   });
   field("link").addEventListener("click", copyLink);

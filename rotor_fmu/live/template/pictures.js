@@ -13,6 +13,13 @@ const isSteady = (run) => run.plan.speeds[0] === run.plan.speeds[1];
 const shownRuns = () => (field("compare").checked && before ? [before, now] : [now]);
 const styleOf = (run) => (run === now ? "now" : "before");
 const wordOf = (run) => (run === now ? "this run" : "the run before");
+// A run that ended early is shown as far as it came: its axes have no room for the rest.
+const isCut = (run) => Boolean(run.failure) && run.n > 1;
+const durationOf = (run) => (isCut(run) ? run.t[run.n - 1] : run.plan.duration);
+const speedsOf = (run) => {
+  if (!isCut(run)) return run.plan.speeds.map((each) => each * SPEED.factor);
+  return [speedAt(run, 0), speedAt(run, run.n - 1)];
+};
 const scaled = (list, factor) => list.map((value) => value * factor);
 const { speed: SPEED, displacement: SMALL, amplitude: AMPLITUDE } = data.units;
 // A distance from the centre is no amplitude, which may be shown peak-to-peak.
@@ -52,7 +59,7 @@ function pickWhere(list, value) {
 
 function pick(t) {
   picked = t;
-  field("cursor").value = Math.round((1000 * t) / now.plan.duration);
+  field("cursor").value = Math.round((1000 * t) / durationOf(now));
   redraw();
 }
 
@@ -107,7 +114,9 @@ function say() {
   if (now.seconds !== undefined) {
     const how = now.failure ? "Ended early" : "Done";
     text = `${how} after ${digits(now.seconds, 2)} s.`;
-    if (now.n && place) {
+    if (!place) {
+      text += " No part's motion is observed: give the machine a disc, a body or a sensor.";
+    } else if (now.n) {
       text += ` Largest ${nameOf(place)} after the start-up: ${largestOf(now, place)}`;
       if (shownRuns().length > 1) text += `; the run before: ${largestOf(before, place)}`;
       text += ".";
@@ -133,14 +142,15 @@ function redraw() {
   const runs = shownRuns().filter((run) => run.n);
   const series = (of) => runs.map((run) => ({ ...of(run), kind: styleOf(run), label: wordOf(run) }));
   const columns = Math.max(200, charts.time.figure.clientWidth);
-  const speeds = runs.flatMap((run) => run.plan.speeds).map((each) => each * SPEED.factor);
+  const speeds = runs.flatMap(speedsOf);
   const steady = isSteady(now);
   if (place) {
-    charts.amplitude.caption.textContent = `Amplitude over ${steady ? "time" : "speed"}`;
+    const size = place.amplitude ? "Amplitude" : "Distance from the centre";
+    charts.amplitude.caption.textContent = `${size} over ${steady ? "time" : "speed"}`;
     charts.amplitude.draw({
       series: series((run) => thinned(abscissa(run), amplitude(run, place), columns)),
       xLabel: steady ? "Time [s]" : `Speed [${SPEED.unit}]`,
-      yLabel: `${place.amplitude ? "Amplitude" : "Distance from the centre"}, ${place.title} [${sizeOf(place).unit}]`,
+      yLabel: `${size}, ${place.title} [${sizeOf(place).unit}]`,
       cursor: steady ? t : speedAt(now, row),
       from: 0,
       xRange: steady ? null : [Math.min(...speeds), Math.max(...speeds)],
@@ -154,7 +164,7 @@ function redraw() {
       const radius = SMALL.factor * (now.given[place.clearance] ?? byName.get(place.clearance).start);
       const angles = Array.from({ length: 121 }, (_, i) => (i * TURN) / 120);
       const ring = (of) => angles.map((angle) => radius * of(angle));
-      orbits.push({ x: ring(Math.cos), y: ring(Math.sin), kind: "ring" });
+      orbits.push({ x: ring(Math.cos), y: ring(Math.sin), kind: "ring", label: "clearance of this run" });
     }
     const [xLabel, yLabel] = ["x", `y, ${place.title}`].map((text) => `${text} [${SMALL.unit}]`);
     charts.orbit.draw({ series: orbits, xLabel, yLabel, equal: true });
@@ -172,7 +182,7 @@ function redraw() {
     xLabel: "Time [s]",
     yLabel,
     cursor: t,
-    xRange: [0, Math.max(...runs.map((run) => run.plan.duration))],
+    xRange: [0, Math.max(...runs.map(durationOf))],
   });
   const [first, last] = turnsUpTo(now, row, 6);
   const span = [now.t[first], now.t[last - 1]];
@@ -197,6 +207,6 @@ function redraw() {
   }
   parts.push(`${signal.label} ${digits(value)} ${signal.unit}`);
   field("reading").textContent = parts.join("; ");
-  if (picked === null) field("cursor").value = Math.round((1000 * now.t[row]) / now.plan.duration);
+  if (picked === null) field("cursor").value = Math.round((1000 * now.t[row]) / durationOf(now));
   field("cursor").setAttribute("aria-valuetext", `${digits(now.t[row], 4)} s`);
 }

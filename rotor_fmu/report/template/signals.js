@@ -128,7 +128,9 @@ class TimeChart {
       most = Math.max(most, data.x.length);
       this.sources[r].data = data;
     });
-    const margin = 0.05 * (high - low) || 1;
+    // round-off alone is no signal: a constant is a straight line
+    const size = Math.max(Math.abs(low), Math.abs(high));
+    const margin = high - low > 1e-9 * size ? 0.05 * (high - low) : 0.5 * size || 1;
     if (Number.isFinite(low)) this.heights.setv({ start: low - margin, end: high + margin });
     for (const dots of this.dots) dots.visible = most < 250;
     this.chart.describe(
