@@ -231,6 +231,32 @@ def test_a_rotor_on_dampers_jumps_where_the_closed_form_folds():
             assert speed == pytest.approx(expected, rel=5e-3)
 
 
+# --- tilting pads ---
+
+
+def test_the_compressor_whips_in_plain_bearings_alone():
+    """From the README's 7080 rpm on, and to below that running down."""
+    example = script("tilting_pads", "whip.py")
+    rpm, speeds = example["RPM"], np.linspace(6800, 7400, 3) * example["RPM"]
+    plain, tilting = (
+        example["machine"](bearings).campbell(speeds, count=4) for bearings in ("plain", "tilting")
+    )
+    assert plain.threshold == pytest.approx(7080 * rpm, rel=1e-3)
+    assert tilting.threshold is None
+
+
+@pytest.mark.slow  # as the whip of the rotor in oil films
+def test_the_whip_begins_above_the_threshold_and_ends_below():
+    example = script("tilting_pads", "whip.py")
+    rpm, fast = example["RPM"], example["FAST"]
+    up = example["sweep"]("plain", 7000 * rpm, 9000 * rpm, 1.6)
+    down = example["sweep"]("plain", fast, 6000 * rpm, 3.2)
+    at = [np.interp(7500 * rpm, *(v[np.argsort(run.speed)] for v in run)) for run in (up, down)]
+    assert at[0] < 5e-6 < 1e-4 < at[1]
+    assert up.amplitude.max() > 1e-4
+    assert down.amplitude[-1] < 1e-5
+
+
 # --- turbocharger ---
 
 
