@@ -15,15 +15,15 @@ FILMS = parse_rotor(heavy_shaft() + film(1) + film(3))
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_range_from_0_begins_where_the_films_carry_the_machine(sign):
-    given = np.sort(sign * np.linspace(0.0, 300.0, 601))
+    given = np.sort(sign * np.array([0.0, 0.5, 300.0]))
     with pytest.raises(LinearError, match=r"film carries .* N in that direction"):
         answers.campbell(FILMS, given, count=1)
     speeds = where_carried(given, FILMS, None)
-    assert len(speeds) == 601
+    assert len(speeds) == 3
     slowest = speeds[np.argmin(abs(speeds))]
     assert slowest == lowest_speed(FILMS, sign * 300.0)
     assert slowest * sign > 0
-    assert answers.campbell(FILMS, speeds[:: len(speeds) - 1], count=1).critical is not None
+    assert answers.campbell(FILMS, speeds, count=1).critical is not None
 
 
 def test_other_ranges_are_as_they_are_given():
