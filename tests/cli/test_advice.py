@@ -68,7 +68,9 @@ def test_the_false_state_is_avoided_by_the_preset_robust_and_by_a_smaller_step()
     assert output.startswith("false state")
     assert "take the preset robust, or a smaller solver.h" in output
     assert warnings_on_the_rig(choose("robust")) == []
-    assert warnings_on_the_rig(choose("moderate", h=2e-4)) == []
+    # a contact may close in a step that is too coarse for it, by chance: that is another message
+    smaller = warnings_on_the_rig(choose("moderate", h=2e-4))
+    assert not [message for message in smaller if message.startswith("false state")]
 
 
 @pytest.mark.parametrize(
