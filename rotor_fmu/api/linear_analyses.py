@@ -35,13 +35,14 @@ class LinearAnalyses:
 
     rotor: Rotor = field(repr=False)
 
-    def modes(self, speed: float = 0.0, **options: Any) -> "Modes":
+    def modes(self, speed: float | None = None, **options: Any) -> "Modes":
         """Return the natural frequencies, damping and shapes at a speed.
 
         Parameters
         ----------
-        speed : float
-            Speed of rotation [rad/s].
+        speed : float, optional
+            Speed of rotation [rad/s]. By default 0, and the rated speed of a machine that oil films
+            hold.
         count : int
             Number of modes, the lowest ones.
         contacts : str, optional
@@ -66,7 +67,8 @@ class LinearAnalyses:
         """
         from ..linear.answers import modes
 
-        return _said(modes(self.rotor, speed, **options), self.rotor, [speed])
+        result = modes(self.rotor, speed, **options)
+        return _said(result, self.rotor, [result.speed])
 
     def campbell(self, speeds: Sequence[float] | np.ndarray, **options: Any) -> "Campbell":
         """Return the frequencies over speeds, critical speeds and the threshold of stability.

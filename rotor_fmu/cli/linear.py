@@ -37,7 +37,7 @@ Count = Annotated[int, typer.Option(help="Number of modes.")]
 @with_output_options
 def modes(
     rotor: RotorFile = None,
-    speed: One = "0",
+    speed: One = None,
     count: Count = 8,
     contacts: Contacts = None,
     units: Units = None,
@@ -45,7 +45,7 @@ def modes(
 ) -> dict[str, Any]:
     """Compute natural frequencies, damping, logarithmic decrements, whirl and mode shapes at a
     speed."""
-    at, machine = one_speed(speed), machine_in_units(rotor, units)
+    at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     check_count(count, _MOST_MODES)
     from ..linear import answers
     from ..linear.mode_answers import mode_shapes_figure
@@ -53,7 +53,7 @@ def modes(
     from ..plotting.figure_style import save
 
     result = answers.modes(machine, at, count=count, contacts=contacts)
-    say(where_linearized(machine, [at], contacts))
+    say(where_linearized(machine, [result.speed], contacts))
     data = print_answer(result, out, "modes")
     save(mode_shapes_figure(result), out / "modes_3d.png")
     return data
@@ -96,16 +96,12 @@ def campbell(
 @with_output_options
 def static(
     rotor: RotorFile = None,
-    speed: str | None = None,
+    speed: One = None,
     contacts: Contacts = None,
     units: Units = None,
     out: PictureFolder = Path("out/static"),
 ) -> dict[str, Any]:
-    """Compute the deflection under gravity and the load on each bearing.
-
-    speed: Speed, such as 3000rpm or 50Hz; a number without unit is in rad/s; default: 0, or the
-        rated speed of a machine that oil films hold.
-    """
+    """Compute the deflection under gravity and the load on each bearing."""
     at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
     from ..linear.where_linearized import where_beyond_ranges, where_not_at_rest
@@ -134,7 +130,7 @@ def frequency_response(
     force: str | None = None,
     node: list[str] | None = None,
     frequency: str | None = None,
-    speed: One = "0",
+    speed: One = None,
     loop: Path | None = None,
     zones: str | None = None,
     contacts: Contacts = None,
@@ -153,8 +149,8 @@ def frequency_response(
     zones: With --loop: largest sensitivities of zones A, B and C, such as 3:4:5, from the edition
         of ISO 14839-3 that applies.
     """
-    ends, at = speed_range(frequency, _FREQUENCIES, "--frequency"), one_speed(speed)
-    machine = machine_in_units(rotor, units)
+    ends = speed_range(frequency, _FREQUENCIES, "--frequency")
+    given, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     if frequency is not None and (len(ends) < 2 or ends[0] <= 0):
         raise InputError(f"--frequency {frequency}: must be FROM:TO, both above 0")
     if (force is None) == (loop is None):
@@ -163,6 +159,7 @@ def frequency_response(
         raise InputError(f"--zones {zones}: are of --loop, which is not given")
     bounds = () if zones is None else _zones(zones)
     from ..linear import frequency_answers as answers
+    from ..linear.answers import usual_speed
     from ..linear.where_linearized import where_beyond_ranges, where_linearized, where_not_reached
 
     compute: Callable[..., answers.FrequencyResponse | answers.Sensitivity]
@@ -174,6 +171,7 @@ def frequency_response(
         start = answers.place_of(machine, str(force), "--force")
         nodes = [answers.place_of(machine, text, "--node") for text in node or [str(force)]]
         compute = partial(answers.frequency_response, force=start, nodes=nodes, peaks=True)
+    at = usual_speed(machine, contacts) if given is None else given
     if frequency is None:
         ends = usual_frequencies(machine, at, contacts, _FREQUENCIES)
     points = np.geomspace(ends[0], ends[-1], len(ends))

@@ -17,9 +17,11 @@ _WITHIN = 100.0  # times the lowest natural frequency: what a range of frequenci
 _FASTEST = 1e7  # rad/s; a machine that turns faster is one of wrong units
 
 One = Annotated[
-    str,
+    str | None,
     typer.Option(
-        "--speed", help="Speed, such as 3000rpm or 50Hz; a number without unit is in rad/s."
+        "--speed",
+        help="Speed, such as 3000rpm or 50Hz; a number without unit is in rad/s; default: 0, or "
+        "the rated speed of a machine that oil films hold.",
     ),
 ]
 Range = Annotated[

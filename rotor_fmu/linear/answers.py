@@ -19,6 +19,7 @@ from ..cells import five_digits
 from ..display import current, shown_speed
 from ..model import linear
 from ..model.linear.modes import FORWARD
+from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
 from ..operating_speeds import operating_speeds
 from ..plotting.colors import BLUE, DASHED, DOTTED, GREY, LIMIT, ORANGE, PURPLE, colors_of
@@ -257,20 +258,34 @@ class Static(Displayed, linear.Static):
         return figure
 
 
-modes = answer_of(Modes, linear.modes)
 campbell = answer_of(Campbell, linear.campbell)
 unbalance_response = answer_of(UnbalanceResponse, linear.unbalance_response)
 response_with_peaks = answer_of(UnbalanceResponse, linear.response_with_peaks)
+
+
+def usual_speed(rotor: Rotor, contacts: str | None = None, afloat: float | None = None) -> float:
+    """Return the speed of an answer of one speed [rad/s]: 0, or, if its oil films bear the machine,
+    `afloat`, by default its rated one."""
+    if not linear.needs_to_turn(rotor, contacts):
+        return 0.0
+    return afloat or operating_speeds(rotor).rated
+
+
+@on_one_thread
+def modes(machine: Machine, speed: float | None = None, **options: Any) -> Modes:
+    """Return `model.linear.modes` of a machine, by default at its `usual_speed`."""
+    rotor = rotor_of(machine)
+    if speed is None:
+        speed = usual_speed(rotor, options.get("contacts"))
+    return displayed(Modes, linear.modes, rotor, speed, **options)
 
 
 @on_one_thread
 def static(
     machine: Machine, speed: float | None = None, afloat: float | None = None, **options: Any
 ) -> Static:
-    """Return `model.linear.static` of a machine; by default it stands still, or, if its oil films
-    bear it, turns at the speed `afloat` [rad/s], by default its rated one."""
+    """Return `model.linear.static` of a machine, by default at its `usual_speed`."""
     rotor = rotor_of(machine)
     if speed is None:
-        is_afloat = linear.needs_to_turn(rotor, options.get("contacts"))
-        speed = (afloat or operating_speeds(rotor).rated) if is_afloat else 0.0
+        speed = usual_speed(rotor, options.get("contacts"), afloat)
     return displayed(Static, linear.static, rotor, speed, **options)

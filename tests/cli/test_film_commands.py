@@ -67,10 +67,17 @@ def test_the_linear_commands_name_the_films(command):
     said = command("modes", "--rotor", str(OIL_FILM), "--speed", "400")
     assert "where its journal rests at that speed: journal_bearing[1], journal_bearing[2]" in said
     assert "in the middle of its clearance, since at standstill it carries nothing: journal" in (
-        command("modes", "--rotor", str(OIL_FILM))
+        command("modes", "--rotor", str(OIL_FILM), "--speed", "0")
     )
     rings = "at that speed: floating_ring_bearing[1], floating_ring_bearing[2]"
     assert rings in command("modes", "--rotor", str(TURBOCHARGER), "--speed", "60000rpm")
+
+
+@pytest.mark.parametrize("more", [["modes"], ["frequency-response", "--force", "1"]])
+def test_a_machine_that_oil_films_hold_is_looked_at_at_its_rated_speed(more, command):
+    """In the middle of their clearances films have a damping that no speed of the machine has."""
+    files = "--rotor", str(OIL_FILM)
+    assert command(*more, *files) == command(*more, *files, "--speed", "740")
 
 
 def test_a_machine_that_oil_films_hold_is_at_rest_at_its_rated_speed():
