@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..about import __version__
-from ..files import named, only_call
+from ..files import named, only_call, write_text
 from ..model.message_templates import Message
 from ..model.periodic.arclength import CurvePoint
 from ..model.periodic.balance import Orbit
@@ -56,9 +56,8 @@ def saved_log(folder: Path, toml: str, options: Mapping[str, Any]) -> Iterator[S
                 except (ValueError, KeyError, TypeError):
                     break
                 whole.append(line)
-        with path.open("w", encoding="utf-8") as file:
-            file.writelines(whole)
-            file.flush()
+        write_text("".join(whole), path)
+        with path.open("a", encoding="utf-8") as file:
 
             def write(event: Event) -> None:
                 file.write(json.dumps(_encoded(event)) + "\n")

@@ -82,6 +82,22 @@ def test_a_stopped_response_goes_on_to_the_points_of_an_undisturbed_one(stopped,
     assert equal(calls[0], curve)
 
 
+def test_points_stay_where_a_resumed_call_cannot_write(tmp_path):
+    """The file of a disk that has become full, begun anew by each call, is not emptied first."""
+    resource = pytest.importorskip("resource")
+    called(tmp_path, jeffcott(), 12)
+    before = (tmp_path / FILE).read_bytes()
+    ends = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (200, ends[1]))
+    try:
+        with pytest.raises(OSError, match=FILE):
+            called(tmp_path, jeffcott(), 13)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, ends)
+    assert (tmp_path / FILE).read_bytes() == before
+    assert len(before) > 200
+
+
 def test_a_line_that_was_not_finished_is_computed_again(stopped, curve):
     file = stopped[0] / FILE
     text = file.read_text()
