@@ -189,7 +189,7 @@ def rub_check(
     is_stable: whether the machine comes to its response up to `high`.
     """
     machine = with_unbalances(rotor, unbalances, scale)
-    top = max(1.25 * high, rotor.operation.trip_speed or 0.0)
+    top = max(high, rotor.operation.trip_speed or 1.25 * high)
     whirl = steady_whirl(rotor, None, unbalances)
     close = close_speeds(rotor, highest_of_interest(rotor, high))
     first = max(_FIRST * top, close[0])

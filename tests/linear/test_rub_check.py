@@ -119,9 +119,10 @@ def test_the_figure_shows_a_sensor_rather_than_the_bearing_at_its_node():
     assert rub_figure(found).axes[0].get_ylabel() == "Amplitude of probe 0-p [µm]"
 
 
-@pytest.mark.parametrize(("trip", "top"), [(None, 12.5), (11.0, 12.5), (17.0, 17.0)])
+@pytest.mark.parametrize(("trip", "top"), [(None, 12.5), (11.0, 11.0), (17.0, 17.0)])
 def test_what_is_looked_at_reaches_the_trip_speed(trip, top):
     rotor = _machine(1e4, 300.0, 0.0)
+    """Faster the machine never turns: a whirl that begins there says nothing of it."""
     checked = rub_check(replace(rotor, operation=Operation(trip_speed=trip)), 10.0, 10.0)
     assert checked.speed[-1] == pytest.approx(top)
 
