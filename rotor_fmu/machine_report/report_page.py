@@ -284,13 +284,13 @@ def _probes(check: acceptance.UnbalanceCheck) -> Conclusion:
     return Conclusion(f"All probes stay below {limit}.", True)
 
 
-def _clearances(check: acceptance.UnbalanceCheck, left: Sequence[str]) -> Iterator[Conclusion]:
-    """Yield what is said of clearances; left: sentences on those of films."""
+def _clearances(check: acceptance.UnbalanceCheck, are_films: bool) -> Iterator[Conclusion]:
+    """Yield what is said of clearances; are_films: whether something is said of those of films."""
     if tight := ", ".join(c.name for c in check.clearances if not c.is_met):
         yield Conclusion(f"More than 75 % of a clearance is taken: {tight}.", False)
     elif check.clearances:
         yield Conclusion("No clearance is taken by more than 75 %.", True)
-    elif not left:
+    elif not are_films:
         yield Conclusion(
             "No clearance was checked: no open contact and no --clearance is there.", None
         )
@@ -307,7 +307,11 @@ def _conclusions(
 ) -> tuple[Conclusion, ...]:
     messages = first_of_each(message for run in rub.runs for message in run.messages)
     unstable = tuple(_unstable(diagram, check.high))
-    steady = [_critical_speeds(check), _probes(check), *_clearances(check, left)]
+    steady = [
+        _critical_speeds(check),
+        _probes(check),
+        *_clearances(check, bool(left or rub.closings)),
+    ]
     contact = Conclusion(rub.conclusion, not (rub.closings or rub.touched))
     if unstable:  # what is kept by a response that is not reached says nothing
         *steady, contact = (c._replace(is_met=None) if c.is_met else c for c in (*steady, contact))
