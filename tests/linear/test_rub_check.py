@@ -234,6 +234,8 @@ def test_a_contact_in_which_the_shaft_lies_is_closed_at_all_speeds():
     assert (closing.begin, closing.end) == pytest.approx((37.5, 375.0))
     assert closing.sag > closing.clearance
     assert not check.conclusion.startswith("The linear response closes no contact")
+    labels = [line.get_label() for line in rub_figure(check).axes[0].lines]
+    assert "clearance 10 µm of contact[1]" in labels  # the picture's motion is that of a disc
 
 
 @pytest.mark.usefixtures("coarse_report", "without_runs")
