@@ -273,7 +273,7 @@ def _critical_speeds(check: acceptance.UnbalanceCheck) -> Conclusion:
         return Conclusion("All critical speeds have their separation margins.", True)
     highest = speed_with_unit(check.top)
     share = f"{100 * check.top / check.high:.4g} % of the highest one of the operating range"
-    return Conclusion(f"No critical speed up to {highest}, {share}.", True)
+    return Conclusion(f"The response shows no critical speed up to {highest}, {share}.", True)
 
 
 def _probes(check: acceptance.UnbalanceCheck) -> Conclusion:

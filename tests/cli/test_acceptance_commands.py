@@ -251,7 +251,8 @@ def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(comm
     """The Jeffcott rotor's is at 955 rpm; looked at is one and a half times the highest speed."""
     rotor = load_rotor(Path(JEFFCOTT))[1]
     report = machine_report(rotor, ReportOptions(10.0, 20.0))
-    none = "No critical speed up to 4.7746 Hz, 150 % of the highest one of the operating range."
+    none = "The response shows no critical speed up to 4.7746 Hz, 150 % of the highest one of the "
+    none += "operating range."
     assert report.conclusions[0] == (none, True)
     assert "Gravity does not act across the shaft" in report.html
     assert "Deflection under gravity" not in report.html
@@ -276,7 +277,9 @@ def test_what_is_looked_at_by_itself_reaches_a_trip_speed_beyond_half_above_the_
     low = load_rotor(Path(JEFFCOTT))[1]
     low = replace(low, operation=Operation(trip_speed=50.0))
     said = machine_report(low, ReportOptions(10.0, 20.0)).conclusions[0].text
-    assert said.startswith("No critical speed up to 7.9577 Hz, 250 % of the highest one of the ")
+    assert said.startswith(
+        "The response shows no critical speed up to 7.9577 Hz, 250 % of the highest one of the "
+    )
 
 
 def _crosses(amplitude, below):
