@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.bearing_curves import bearing_curves
-from rotor_fmu.model.linear import LinearError, campbell
+from rotor_fmu.model.linear import LinearError, campbell, static
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
@@ -311,6 +311,9 @@ def test_a_bearing_of_a_vertical_machine_bears_no_load(digits):
         for kind, i in (("seal", 2), ("linear_bearing", 3))
     ]
     rotor = parse_rotor(heavy_shaft() + films + "".join(others))
-    found = bearing_answers.bearing(replace(rotor, inclination=math.pi / 2), [200.0])
+    vertical = replace(rotor, inclination=math.pi / 2)
+    found = bearing_answers.bearing(vertical, [200.0])
     assert found.table().title == "journal_bearing[1]: it bears no load"
     assert not found.load.any()
+    at_rest = static(vertical, 200.0)
+    assert not np.concatenate([at_rest.x, at_rest.y, at_rest.load_x, at_rest.load_y]).any()
