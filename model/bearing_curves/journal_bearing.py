@@ -27,8 +27,8 @@ from .reynolds_2d import film_in_plane
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
 _HALVINGS = 30
-# of a force of the film's size, of the clearance, and of the largest coefficient
-_ROUNDING = 1e-12
+_ROUNDING = 1e-12  # of the clearance, and of the largest coefficient
+_NO_LOAD = 1e-7  # of a force of the film's size: left of pads' angles that are given to six digits
 _ALONG = 1e-9  # rad: the attitude of a journal that moves along its load
 # Of stiffness over speed squared: of these a whirl that pads follow is looked for.
 _MASSES = np.geomspace(1e-6, 1e6, 145)
@@ -114,7 +114,7 @@ def bearing_curves(
     start = None
     for i, speed in enumerate(speeds):
         alone = BearingAlone(part, speed, name)
-        if load is None and abs(loads[i]) <= _ROUNDING * _viscous(alone):
+        if load is None and abs(loads[i]) <= _NO_LOAD * _viscous(alone):
             loads[i] = 0.0
         on = complex(loads[i])
         start = alone.rest(on, None if on == 0.0 else start)

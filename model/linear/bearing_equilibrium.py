@@ -281,8 +281,9 @@ def critical_mass(K: np.ndarray, C: np.ndarray) -> tuple[float, float]:
     at all would leave the equilibrium, det(K + s C) = 0 having a root that does not decay.
     """
     of_both = K[0, 0] * C[1, 1] + K[1, 1] * C[0, 0] - K[0, 1] * C[1, 0] - K[1, 0] * C[0, 1]
-    if min(np.linalg.det(K), of_both, np.linalg.det(C), np.trace(C)) <= 0.0:
-        return 0.0, 0.0
+    of_none = [np.linalg.det(C), of_both, np.linalg.det(K)]
+    if min(*of_none, np.trace(C)) <= 0.0:
+        return 0.0, float(np.abs(np.roots(of_none).imag).max(initial=0.0))
     stiffness = of_both / np.trace(C)
     square = (stiffness - K[0, 0]) * (stiffness - K[1, 1]) - K[0, 1] * K[1, 0]
     square /= np.linalg.det(C)

@@ -55,7 +55,8 @@ class Campbell(Spectrum):
     eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonics: multiples of the
     speed that excite; critical: where a mode meets it, by ascending speed; threshold: slowest speed
     above which some mode grows, with pads that tilt following each at its own frequency [rad/s],
-    None where none does; contacts: `open` or `pinned`.
+    None where none does; turns: speeds at which the machine becomes unstable or stable again, from
+    the slowest on [rad/s]; contacts: `open` or `pinned`.
     """
 
     speeds: np.ndarray
@@ -65,6 +66,7 @@ class Campbell(Spectrum):
     harmonics: tuple[float, ...]
     critical: tuple[CriticalSpeed, ...]
     threshold: float | None
+    turns: tuple[float, ...]
 
 
 def campbell(
@@ -100,6 +102,7 @@ def campbell(
         for result in _critical(follow, seen[i : i + 2], places[i : i + 2], order)
     ]
     followed = list(zip(seen, places, strict=True))
+    threshold, turns = _threshold(follow, seen)
     values = [[m.eigenvalues[p] if p >= 0 else _LOST for p in of] for m, of in followed]
     return Campbell(
         speeds=at,
@@ -111,7 +114,8 @@ def campbell(
         ),
         harmonics=harmonics,
         critical=tuple(sorted(critical, key=lambda c: c.speed)),
-        threshold=_threshold(follow, seen),
+        threshold=threshold,
+        turns=turns,
     )
 
 
@@ -300,15 +304,15 @@ def _meeting(
     return there, at if is_met else -1
 
 
-def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:
-    """Return the slowest speed at which some mode grows [rad/s]; of speeds of either sense of
-    rotation one above 0."""
+def _threshold(follow: _Follower, seen: Sequence[Modes]) -> tuple[float | None, tuple[float, ...]]:
+    """Return the slowest speed at which some mode grows [rad/s], and where this changes with the
+    speed; of speeds of either sense of rotation those above 0."""
     ahead = [m for m in seen if m.speed >= 0.0]
     outward = ahead if len(ahead) > 1 else seen[::-1]
-    if follow.growth(outward[0]) > 0:
-        return float(outward[0].speed)
-    for before, there in pairwise(outward):
-        if follow.growth(there) > 0:
-            ends = before.speed, there.speed
-            return brentq(lambda s: follow.growth(follow.at(s)), *ends, rtol=1e-12)
-    return None
+    grow = [follow.growth(m) > 0.0 for m in outward]
+    turns = tuple(
+        brentq(lambda s: follow.growth(follow.at(s)), a.speed, b.speed, rtol=1e-12)
+        for (a, before), (b, behind) in pairwise(zip(outward, grow, strict=True))
+        if before != behind
+    )
+    return float(outward[0].speed) if grow[0] else next(iter(turns), None), turns

@@ -17,6 +17,7 @@ from .support_loads import support_loads
 
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 _NO_LOAD = 1e-10  # of the rotor's weight: what films bear that nothing loads is their rounding
+_OF_PADS = 1e-7  # of the same: what pads leave whose angles are given to six digits
 Values = Sequence[float] | np.ndarray
 
 
@@ -71,6 +72,9 @@ def static(
     n = 2 * len(machine.nodes)
     bears = support_loads(machine, linear, machine.weight + force).real
     bears = without_rounding(bears, _least_load(machine))
+    is_left = np.abs(bears).max(initial=0.0) <= _least_load(machine, _OF_PADS)
+    if is_left and not (machine.weight + force).any():
+        x, y, bears = 0.0 * x, 0.0 * y, 0.0 * bears
     return Static(
         speed=speed,
         contacts=machine.contacts,
@@ -89,9 +93,9 @@ def static(
     )
 
 
-def _least_load(machine: LinearMachine) -> float:
-    """Return the load [N] up to which what a support bears is rounding."""
-    return _NO_LOAD * float(total_mass(machine.structure)) * STANDARD_GRAVITY
+def _least_load(machine: LinearMachine, share: float = _NO_LOAD) -> float:
+    """Return the load [N] up to which what a support bears is rounding; share: of the weight."""
+    return share * float(total_mass(machine.structure)) * STANDARD_GRAVITY
 
 
 def without_rounding(values: np.ndarray, least: float) -> np.ndarray:

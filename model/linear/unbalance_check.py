@@ -75,7 +75,8 @@ class UnbalanceCheck:
 
     contacts: `open` or `pinned`; criticals: critical speeds of the probes, by ascending speed;
     probes: the largest motion of each; clearances: how far each is used up;
-    low, high: minimum and maximum continuous speed [rad/s]; unbalances: (node from 1 or `Place`,
+    low, high: minimum and maximum continuous speed [rad/s]; top: up to which critical speeds are
+    looked for [rad/s]; unbalances: (node from 1 or `Place`,
     amount [kg.m], angle [rad]), None: the machine's own; limit: of vibration at the probes,
     peak-to-peak [m]; scale: factor on the unbalance with which the probes reach that limit [1].
     """
@@ -83,6 +84,7 @@ class UnbalanceCheck:
     contacts: str
     low: float
     high: float
+    top: float
     unbalances: tuple[PlacedAmount, ...] | None
     criticals: tuple[ProbeCritical, ...]
     probes: tuple[ProbeLevel, ...]
@@ -127,7 +129,8 @@ def unbalance_check(
     whirl = _driven_whirl(rotor, contacts, unbalances)
     checked = _gaps(rotor, whirl, mapped("clearances", clearances))
     trip = max(high, rotor.operation.trip_speed or high)
-    speeds = close_speeds(rotor, highest_of_interest(rotor, high), contacts)
+    top = highest_of_interest(rotor, high)
+    speeds = close_speeds(rotor, top, contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
         for critical in _criticals(whirl, probes, speeds)
@@ -142,6 +145,7 @@ def unbalance_check(
         contacts=whirl.machine.contacts,
         low=low,
         high=high,
+        top=top,
         unbalances=None if unbalances is None else tuple(unbalances),
         criticals=tuple(criticals),
         probes=tuple(levels),

@@ -29,8 +29,8 @@ Range = Annotated[
     typer.Option(
         "--speed",
         help="Speeds FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz added; default: from "
-        "0 to half above the operating range, or, without one, a quarter above the lowest natural "
-        "frequencies. 0 is where oil films begin to carry the machine.",
+        "0 to half above the operating range and to the trip speed, or, without one, a quarter "
+        "above the lowest natural frequencies. 0 is where oil films begin to carry the machine.",
     ),
 ]
 OperatingRange = Annotated[
@@ -156,13 +156,13 @@ def rated_speed(text: str | None, machine: "Rotor") -> float:
 def usual_speeds(
     machine: "Rotor", contacts: str | None, ends: tuple[float, float] | None, points: int
 ) -> np.ndarray:
-    """Return speeds [rad/s] from 0 to half above the operating range, or, where there is none, to a
-    quarter above the lowest natural frequencies at standstill."""
+    """Return speeds [rad/s] from 0 to half above the operating range and to the trip speed, or,
+    where there is none, to a quarter above the lowest natural frequencies at standstill."""
     from ..model import linear
-    from ..model.linear.unbalance_check import OF_INTEREST
+    from ..model.linear.unbalance_check import highest_of_interest
 
     if ends is not None:
-        top = OF_INTEREST * ends[1]
+        top = highest_of_interest(machine, ends[1])
     else:
         damped = linear.modes(machine, count=4, contacts=contacts).damped
         top = 1.25 * float(damped[-1]) if len(damped) else 1000.0

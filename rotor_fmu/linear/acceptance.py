@@ -16,7 +16,7 @@ from ..display import current, range_with_unit, speed_with_unit
 from ..model import linear
 from ..model.linear.amplification import DAMPED
 from ..model.linear.critical_map import BearingStiffness
-from ..model.linear.unbalance_check import OF_INTEREST, ProbeCritical
+from ..model.linear.unbalance_check import ProbeCritical
 from ..model.one_thread import on_one_thread
 from ..plotting.colors import BLUE, DASHED, DOTTED, GREEN, GREY, LABEL, LIMIT, ORANGE
 from ..plotting.figure_style import annotate, entitle, legend_below, new_figure
@@ -178,7 +178,7 @@ class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
                 ends = np.array([peak.speed, peak.speed - needs.required * end]) * current().speed
                 axes.plot(ends, 2 * [peak.amplification], color=color, lw=1.4)
         if not self.criticals:
-            text = f"no critical speed up to {speed_with_unit(OF_INTEREST * self.high)}"
+            text = f"no critical speed up to {speed_with_unit(self.top)}"
             middle = {"xycoords": "axes fraction", "ha": "center", "color": LABEL}
             annotate(axes, text, (0.5, 0.7), (0, 0), **middle)
         axes.set_xlim(left=0)

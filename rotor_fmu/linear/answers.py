@@ -28,7 +28,14 @@ from ..plotting.labels import write_labels
 from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed, rotor_of
 from .linear_plots import FAINT, WHIRL_COLORS, curve, dotted, draw_whirling, shade
-from .linear_tables import clean_damping, peaks, shown_either_way, state_in_words, without_rounding
+from .linear_tables import (
+    clean_damping,
+    peaks,
+    shown_either_way,
+    state_in_words,
+    whirls_where,
+    without_rounding,
+)
 from .mode_answers import Modes
 
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
@@ -56,11 +63,13 @@ class Campbell(Displayed, linear.Campbell):
 
     @property
     def stability(self) -> str:
-        """From which speed on the machine is unstable, in words."""
+        """At which speeds the machine is unstable, in words."""
         if self.threshold is None:
             return "stable at all these speeds"
-        already = "already at" if self.threshold in self.speeds else "above"
-        return f"unstable {already} {shown_either_way(self.threshold)}"
+        if not self.turns:
+            return f"unstable already at {shown_either_way(self.threshold)}"
+        turns = [shown_either_way(speed) for speed in self.turns]
+        return whirls_where(self.threshold not in self.turns, turns, "unstable")
 
     @property
     def _orders(self) -> str:
@@ -82,10 +91,10 @@ class Campbell(Displayed, linear.Campbell):
         for place in places:
             above.plot(*place, "o", color="black", mfc="white", ms=5)
         below.axhline(0, color="black", lw=1.0)
-        if self.threshold is not None:
-            at = _speed(self.threshold)
+        whole = () if self.threshold is None else (self.threshold,)
+        for turn in self.turns or whole:
             for axes in panels:
-                axes.axvline(at, color=PURPLE, lw=1.2, ls=":")
+                axes.axvline(_speed(turn), color=PURPLE, lw=1.2, ls=":")
         seen = {word for words in self.whirl[1:] for word in words if word}
         handles = [
             Line2D([], [], color=c, lw=1.6, label=w) for w, c in WHIRL_COLORS.items() if w in seen

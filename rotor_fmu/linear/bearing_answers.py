@@ -25,11 +25,10 @@ from .bearing_columns import (
     speed_and_load,
     varies_load,
     what_varies,
-    whirls_where,
 )
 from .displayed import Displayed, answer_of
 from .linear_plots import plain_ticks
-from .linear_tables import shown_either_way
+from .linear_tables import shown_either_way, whirls_where
 
 
 class BearingCurves(Displayed, bearing_curves.BearingCurves):

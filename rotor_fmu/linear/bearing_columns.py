@@ -23,18 +23,6 @@ def varies_load(result: Curves) -> bool:
     return len(result.speeds) > 1 and bool(result.speeds[0] == result.speeds[-1])
 
 
-def whirls_where(is_first: bool, turns: Sequence[str], whirls: str) -> str:
-    """Return between which of these values a mass whirls, which at each of them begins to, or ends;
-    is_first: whether it does below them; whirls: the word for it."""
-    if not turns:
-        return whirls if is_first else "does not whirl"
-    places = [f"below {turns[0]}"] if is_first else []
-    rest = turns[is_first:]
-    places += [f"from {begin} to {end}" for begin, end in zip(rest[::2], rest[1::2], strict=False)]
-    places += [f"above {rest[-1]}"] if len(rest) % 2 else []
-    return f"{whirls} {' and '.join(places)}"
-
-
 def what_varies(result: Curves) -> tuple[np.ndarray, str, str]:
     """Return what varies, the speed or the load, in the unit that is shown, its unit and name."""
     d = current()

@@ -44,7 +44,9 @@ def inventory(rotor: Rotor) -> Inventory:
     parts = []
     for where, part in rotor.named_parts():
         node = getattr(part, "node", 0)
-        parts.append((where, part.TEXT, node, rotor.nodes[node - 1] if node > 0 else 0.0))
+        name = getattr(part, "name", None) or where  # of a housing, to which bearings refer
+        text = part.TEXT if name == where else f"{name}, {part.TEXT}"
+        parts.append((where, text, node, rotor.nodes[node - 1] if node > 0 else 0.0))
     return Inventory(
         name=rotor.name,
         mass=float(structure.mass_sum[::2].sum()),

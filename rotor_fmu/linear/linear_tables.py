@@ -1,6 +1,6 @@
 """What tables of linear analyses show, and their numbers for JSON."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,18 @@ _DERIVED = (
 def shown_either_way(speed: float) -> str:
     """Return a speed [rad/s] of either sense of rotation as it is shown, and in rad/s."""
     return f"{speed_with_unit(abs(speed))} ({abs(speed):.6g} rad/s)"
+
+
+def whirls_where(is_first: bool, turns: Sequence[str], whirls: str) -> str:
+    """Return between which of these values something whirls, which at each of them begins to, or
+    ends; is_first: whether it does below them; whirls: the word for it."""
+    if not turns:
+        return whirls if is_first else "does not whirl"
+    places = [f"below {turns[0]}"] if is_first else []
+    rest = turns[is_first:]
+    places += [f"from {begin} to {end}" for begin, end in zip(rest[::2], rest[1::2], strict=False)]
+    places += [f"above {rest[-1]}"] if len(rest) % 2 else []
+    return f"{whirls} {' and '.join(places)}"
 
 
 def state_in_words(speed: float, contacts: str) -> str:

@@ -22,7 +22,7 @@ from ..model.linear.modes import DEFAULT_COUNT, count_up_to
 from ..model.linear.places import Place, PlacedAmount, as_place
 from ..model.linear.subsynchronous import SubsynchronousWhirl, subsynchronous_whirl
 from ..model.linear.unbalance import steady_whirl
-from ..model.linear.unbalance_check import OF_INTEREST, SPEEDS, highest_of_interest
+from ..model.linear.unbalance_check import SPEEDS, highest_of_interest
 from ..model.machine.rotor import Rotor
 from ..report.report_tables import notice_html, table
 from ..report.run_page import figure_html, machine_html, page, template
@@ -78,7 +78,7 @@ def machine_report(
     impossible options."""
     low, high = options.low, options.high
     at_rest = answers.static(rotor, afloat=high)  # first, since it refuses what is not held
-    top = OF_INTEREST * high
+    top = highest_of_interest(rotor, high)
     first = lowest_speed(rotor, top)
     speeds = np.linspace(first, top, _SPEEDS)
     listed = inventory(rotor)
@@ -107,13 +107,12 @@ def machine_report(
     is_stable = not any(_unstable(diagram, high)) and all(c.is_met for c in _slower(whirl))
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0), say, is_stable)
     left = where_films_are_left(rotor, response)
-    looked_at = [*speeds, highest_of_interest(rotor, high)]
     conclusions = _conclusions(diagram, left, check, level_1, level_2, whirl, rub)
     sections = {
         "Machine": [machine_html(rotor), _html(listed.table())],
         "At rest": _at_rest(at_rest),
         "Critical speeds": [
-            *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, looked_at)),
+            *(f"<p>{escape(sentence)}</p>" for sentence in where_linearized(rotor, speeds)),
             _html(diagram.table()),
             figure_html(diagram.figure((low, high)), "Campbell diagram"),
             *_shown(over_stiffness, "Undamped critical speed map"),
@@ -272,9 +271,9 @@ def _critical_speeds(check: acceptance.UnbalanceCheck) -> Conclusion:
         return Conclusion(f"Critical speeds too near to the operating range: {speeds}.", False)
     if check.criticals:
         return Conclusion("All critical speeds have their separation margins.", True)
-    highest = speed_with_unit(OF_INTEREST * check.high)
-    share = f"{100 * OF_INTEREST:g} % of the highest one of the operating range"
-    return Conclusion(f"No critical speed up to {highest}, {share}.", True)
+    highest = speed_with_unit(check.top)
+    share = f"{100 * check.top / check.high:.4g} % of the highest one of the operating range"
+    return Conclusion(f"The response shows no critical speed up to {highest}, {share}.", True)
 
 
 def _probes(check: acceptance.UnbalanceCheck) -> Conclusion:
@@ -285,13 +284,13 @@ def _probes(check: acceptance.UnbalanceCheck) -> Conclusion:
     return Conclusion(f"All probes stay below {limit}.", True)
 
 
-def _clearances(check: acceptance.UnbalanceCheck, left: Sequence[str]) -> Iterator[Conclusion]:
-    """Yield what is said of clearances; left: sentences on those of films."""
+def _clearances(check: acceptance.UnbalanceCheck, are_films: bool) -> Iterator[Conclusion]:
+    """Yield what is said of clearances; are_films: whether something is said of those of films."""
     if tight := ", ".join(c.name for c in check.clearances if not c.is_met):
         yield Conclusion(f"More than 75 % of a clearance is taken: {tight}.", False)
     elif check.clearances:
         yield Conclusion("No clearance is taken by more than 75 %.", True)
-    elif not left:
+    elif not are_films:
         yield Conclusion(
             "No clearance was checked: no open contact and no --clearance is there.", None
         )
@@ -308,7 +307,11 @@ def _conclusions(
 ) -> tuple[Conclusion, ...]:
     messages = first_of_each(message for run in rub.runs for message in run.messages)
     unstable = tuple(_unstable(diagram, check.high))
-    steady = [_critical_speeds(check), _probes(check), *_clearances(check, left)]
+    steady = [
+        _critical_speeds(check),
+        _probes(check),
+        *_clearances(check, bool(left or rub.closings)),
+    ]
     contact = Conclusion(rub.conclusion, not (rub.closings or rub.touched))
     if unstable:  # what is kept by a response that is not reached says nothing
         *steady, contact = (c._replace(is_met=None) if c.is_met else c for c in (*steady, contact))

@@ -90,14 +90,15 @@ class RubRun(NamedTuple):
 class RubCheck:
     """What happens where the response closes a clearance, or the machine is unstable.
 
-    low, high: operating range [rad/s]; scale: factor on the unbalances [1]; closings: clearances
-    that the linear response closes; place: the part whose motion is shown, speed, linear: its
-    linear amplitude over the speed [rad/s], [m]; runs: with contacts, none of a stable machine
-    where nothing closes.
+    low, high: operating range [rad/s]; is_stable: whether the machine comes to its response there;
+    scale: factor on the unbalances [1]; closings: clearances that the linear response closes;
+    place: the part whose motion is shown, speed, linear: its linear amplitude over the speed
+    [rad/s], [m]; runs: with contacts, none of a stable machine where nothing closes.
     """
 
     low: float
     high: float
+    is_stable: bool
     scale: float
     closings: tuple[Closing, ...]
     place: str
@@ -114,14 +115,20 @@ class RubCheck:
     def conclusion(self) -> str:
         """What the runs say, in a sentence or two."""
         if not (self.closings or self.runs):
-            return "The linear response closes no contact; no run with contacts was needed."
+            if self.is_stable:
+                return "The linear response closes no contact; no run with contacts was needed."
+            return (
+                "The machine has no contact with which it could be run; `rotor-fmu run-up` says by "
+                "how much it whirls."
+            )
         for run in self.runs:
             if has_failed(run.status):
                 return f"The {run.direction} with contacts {run.status}."
         touched = self.touched
-        if not (touched or self.closings):
+        grow = any(message.code == "unstable" for run in self.runs for message in run.messages)
+        if not touched and (grow or not self.is_stable):
             size = max(float(run.amplitude.max(initial=0.0)) for run in self.runs)
-            far = f"{size * current().small:.3g} {current().small_word} 0-p"
+            far = f"{float(f'{size * current().small:.3g}'):g} {current().small_word} 0-p"
             return (
                 f"In the runs with contacts the machine whirls by up to {far}, and touches nothing."
             )
@@ -189,7 +196,7 @@ def rub_check(
     is_stable: whether the machine comes to its response up to `high`.
     """
     machine = with_unbalances(rotor, unbalances, scale)
-    top = max(1.25 * high, rotor.operation.trip_speed or 0.0)
+    top = max(high, rotor.operation.trip_speed or 1.25 * high)
     whirl = steady_whirl(rotor, None, unbalances)
     close = close_speeds(rotor, highest_of_interest(rotor, high))
     first = max(_FIRST * top, close[0])
@@ -209,7 +216,8 @@ def rub_check(
     for direction in ("run-up", "run-down") if is_run else ():
         say(f"{direction} with contacts, {_TURNS:g} turns: may take minutes")
         runs.append(_run(machine, direction, top, (low, high), place))
-    return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, tuple(runs))
+    shown = place, speeds, linear
+    return RubCheck(low, high, is_stable, scale, tuple(closings), *shown, tuple(runs))
 
 
 def _scaled(

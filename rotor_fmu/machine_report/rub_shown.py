@@ -56,9 +56,13 @@ def rub_figure(rub: RubCheck) -> Figure:
         label = f"{run.direction} with contacts"
         over = run.speed * speed
         axes.plot(over, run.amplitude * small, color=color, ls=dashes, lw=1.6, label=label)
-    gaps = sorted({c.clearance for c in rub.closings if not math.isnan(c.begin)})
-    for gap in gaps:
-        label = f"clearance {gap * small:.4g} {unit}"
+    gaps: dict[float, list[str]] = {}
+    for closing in rub.closings:
+        if not math.isnan(closing.begin):
+            gaps.setdefault(closing.clearance, []).append(closing.name)
+    for gap, (name, *others) in sorted(gaps.items()):
+        whose = f"{name} and {len(others)} more" if others else name
+        label = f"clearance {gap * small:.4g} {unit} of {whose}"
         axes.axhline(gap * small, color=GREEN, lw=1.0, ls=":", label=label)
     largest = max((float(run.amplitude.max(initial=0.0)) for run in rub.runs), default=0.0)
     linear = min(float(rub.linear.max(initial=0.0)), _HIGHEST * largest)

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import MOST_ROWS, InputError, check_one_of
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
-from ..fmi.solver_parameters import settings_of
+from ..fmi.solver_parameters import PREFIX, settings_of
 from ..fmi.variables import start_values
 from ..machine_file.loading import load_rotor, to_screen, warn_of_changes
 from ..model.machine.rotor import Rotor
@@ -173,13 +173,13 @@ def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run
 
 def difference(one: Run, other: Run) -> float:
     """Return the largest difference of two runs at their ends, relative to the scale of each column
-    [1]; infinite if one ends before the other. `one`, through an FMU, has no row, not even of the
-    start, if its first step failed."""
+    [1], but for the solver's own, such as its counts of steps; infinite if one ends before the
+    other. `one`, through an FMU, has no row, not even of the start, if its first step failed."""
     if (len(one.t) or 1) != len(other.t):
         return math.inf
     apart = [
         abs(float(column[-1] - other.columns[name][-1])) / (float(np.abs(column).max()) or 1.0)
         for name, column in one.columns.items()
-        if len(column)
+        if len(column) and not name.startswith(PREFIX)
     ]
     return max(apart, default=0.0)

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..display import current
 from ..run_status import DOUBTFUL, OK, has_failed, messages_and_codes
-from ..vibration import TURN
+from ..vibration import TURN, TooFewRows, TooFewTurns, full_spectrum_of
 from .measuring_points import display_name, probe_that_moves_most
-from .peaks import peak_index, start_up, why_no_peak
+from .peaks import largest_row, peak_index, start_up, why_no_peak
 from .recording import Recording
 from .run_down import Run
 from .synchronous_response import largest_synchronous_response
@@ -19,6 +19,9 @@ from .synchronous_response import largest_synchronous_response
 _NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
 _ROUNDING = 1e-9  # of a share, that may be missing to all of the time
 _NO_LOSS = 1e-12  # of the energies of a run: of less dissipation the ledger's rounding is a share
+# Turns of a spectrum, the distance from 1x and from rest [orders] at which its largest line is that
+# of another motion than one by unbalance or a drift, and the share of the motion that it then has.
+_TURNS, _AWAY, _MOVES = 64, 3.0 / 64.0, 0.2
 _OF_REST = ("y_static_um", "circulation_hz")  # of no machine that begins in the air
 _AXES = {"x": "horizontal", "y": "vertical"}
 
@@ -35,6 +38,10 @@ def summary(
     that is largest at an edge of the run, or of a run at one speed; x_largest_um, y_largest_um,
     r_largest_um: the largest after the start-up, peak or not, in x, in y, in any direction;
     y_static_um: where the place begins in y.
+
+    other_order, other_hz, other_um: order, negative backward, frequency and major semi-axis of the
+    largest whirl in the place's full spectrum where it moves most, if that is not 1x and a fifth of
+    the motion: its peak over the speed is then no resonance with the speed. Else None.
 
     synchronous_place: whose 1x response after the start-up is the largest; synchronous_um: major
     semi-axis of its ellipse, 0-p; synchronous_hz: the speed of it; amplification: factor of the
@@ -62,6 +69,7 @@ def summary(
     overdamped_at = last["solver.overdamped_at"]
     return {
         **(figures := _peaks(run, place)),
+        **_other_than_synchronous(run, figures["place"], recording),
         **_synchronous(recording),
         **_angles(recording or run, figures["x_peak_hz"]),
         **(dict.fromkeys(_OF_REST) if recording and recording.is_released else {}),
@@ -126,6 +134,34 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     return figures
 
 
+def _other_than_synchronous(
+    run: Run, place: str | None, recording: Recording | None
+) -> dict[str, Any]:
+    figures: dict[str, Any] = dict.fromkeys(("other_order", "other_hz", "other_um"))
+    if place is None or recording is None or not len(run.t):
+        return figures
+    t, size = run.t, run.columns[f"{place}.r_amp"]
+    at = largest_row(t, size, start_up(t, run.columns["w"]))
+    try:
+        signal = recording.resampled(recording.place(place))
+        seen = full_spectrum_of(signal, float(t[at]), turns=_TURNS)
+    except (TooFewRows, TooFewTurns):
+        return figures
+    lines = np.where(np.abs(seen.order) >= _AWAY, np.nan_to_num(seen.amplitude), 0.0)
+    majors = lines + np.interp(-seen.order, seen.order, lines)
+    top = int(np.argmax(majors + lines * 1e-6))  # of two alike the one in whose sense it whirls
+    order, amplitude = float(seen.order[top]), float(majors[top])
+    below, there, above = np.pad(lines, 1)[top : top + 3]
+    if there > 0.0:  # between lines, by those of Hann's window
+        ratio = min(max(below, above) / there, 1.0)
+        between = math.copysign(max(2.0 * ratio - 1.0, 0.0) / (ratio + 1.0), above - below)
+        order += between * seen.resolution
+    if abs(abs(order) - 1.0) < _AWAY or amplitude <= _MOVES * 1e6 * float(size[at]):
+        return figures
+    hz = order * abs(seen.speed) / TURN
+    return {"other_order": order, "other_hz": hz, "other_um": amplitude}
+
+
 def _synchronous(recording: Recording | None) -> dict[str, Any]:
     largest = largest_synchronous_response(recording) if recording else None
     resonance = largest and largest.resonance
@@ -175,6 +211,8 @@ def sentences(figures: Mapping[str, Any], recording: Recording, left: Path) -> l
     about = [_peak(figures, recording), _contacts(recording), _state(figures, left)]
     if figures.get("synchronous_place") is not None:
         about.insert(1, _once_a_turn(figures))
+    if figures.get("other_order") is not None:
+        about.insert(1, _not_once_a_turn(figures))
     return about
 
 
@@ -195,6 +233,13 @@ def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
         far = _length(figures["r_largest_um"])
         moved = f"; {display_name(place)} moved by at most {far} from {begin} after the start-up"
     return f"No peak, because {figures['no_peak']}{moved}."
+
+
+def _not_once_a_turn(figures: Mapping[str, Any]) -> str:
+    order, at = figures["other_order"], _speed(abs(figures["other_hz"])).replace("rpm", "cpm")
+    size = _length(figures["other_um"] * (2 if current().is_pp else 1))
+    measured, sense = current().amplitude_words.split()[-1], "backward" if order < 0 else "forward"
+    return f"Where it moves most it whirls {sense} at {abs(order):.2g}x, {at}: {size} {measured}."
 
 
 def _once_a_turn(figures: Mapping[str, Any]) -> str:

@@ -37,6 +37,7 @@ from .spectra import (
     cascade,
     cascade_of,
     full_spectrum,
+    full_spectrum_of,
     second_half,
     spectrum,
 )

@@ -196,7 +196,7 @@ def _resonance(n: np.ndarray, a: np.ndarray, t: np.ndarray, peak: int) -> Resona
     took = abs(t_high - t_low)
     rate = abs(width) / took if took else np.nan
     is_beat = abs(n[peak]) * took < _BLOCK * TURN
-    factor = np.nan if is_beat else abs(n[peak]) / width
+    factor = np.nan if is_beat or width == 0.0 else abs(n[peak]) / width
     return Resonance(float(n[peak]), float(a[peak]), float(factor), float(rate))
 
 

@@ -85,7 +85,19 @@ def full_spectrum(
     to 15 % less. Raises `TooFewTurns`.
     """
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
-    first = np.array([signal.nearest(speed, turns)])
+    return _full_spectrum(signal, signal.nearest(speed, turns), turns, most_order)
+
+
+def full_spectrum_of(
+    signal: Synchronous, t: float, *, turns: int = 16, most_order: float = MOST_ORDER
+) -> FullSpectrum:
+    """Return the full spectrum of the turns nearest to a time [s] of a signal that is already
+    resampled."""
+    return _full_spectrum(signal, signal.nearest_in_time(t, turns), turns, most_order)
+
+
+def _full_spectrum(signal: Synchronous, turn: int, turns: int, most_order: float) -> FullSpectrum:
+    first = np.array([turn])
     order, amplitude = _spectra(signal, first, turns, most_order)
     return FullSpectrum(float(signal.speed_of(first, turns)[0]), order, amplitude[0])
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from matplotlib.text import Text
+from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
@@ -250,7 +251,8 @@ def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(comm
     """The Jeffcott rotor's is at 955 rpm; looked at is one and a half times the highest speed."""
     rotor = load_rotor(Path(JEFFCOTT))[1]
     report = machine_report(rotor, ReportOptions(10.0, 20.0))
-    none = "No critical speed up to 4.7746 Hz, 150 % of the highest one of the operating range."
+    none = "The response shows no critical speed up to 4.7746 Hz, 150 % of the highest one of the "
+    none += "operating range."
     assert report.conclusions[0] == (none, True)
     assert "Gravity does not act across the shaft" in report.html
     assert "Deflection under gravity" not in report.html
@@ -259,6 +261,25 @@ def test_a_machine_far_below_its_critical_speeds_is_said_to_have_none_there(comm
     said = command("campbell", "--rotor", JEFFCOTT, "--speed", "0:20")
     assert said.startswith("No critical speed between 0 and 3.1831 Hz, contacts open; stable at")
     assert "log dec" not in said
+
+
+@pytest.mark.usefixtures("coarse_report", "without_runs")
+def test_what_is_looked_at_by_itself_reaches_a_trip_speed_beyond_half_above_the_range(
+    command, tmp_path
+):
+    """A runaway speed, as of a hydraulic turbine: the Jeffcott rotor's critical one is below it."""
+    file = tmp_path / "rotor.toml"
+    speeds = "minimum_speed = 40.0\nmaximum_continuous_speed = 60.0\ntrip_speed = 110.0\n"
+    file.write_text(f"{Path(JEFFCOTT).read_text()}\n[operation]\n{speeds}")
+    assert command("campbell", "--rotor", str(file)).startswith("Critical speeds between 0 and 17.")
+    report = machine_report(load_rotor(file)[1], ReportOptions(40.0, 60.0))
+    assert report.numbers["campbell"]["speeds"][-1] == pytest.approx(110.0)
+    low = load_rotor(Path(JEFFCOTT))[1]
+    low = replace(low, operation=Operation(trip_speed=50.0))
+    said = machine_report(low, ReportOptions(10.0, 20.0)).conclusions[0].text
+    assert said.startswith(
+        "The response shows no critical speed up to 7.9577 Hz, 250 % of the highest one of the "
+    )
 
 
 def _crosses(amplitude, below):

@@ -84,6 +84,12 @@ def test_show_lists_a_machine_in_us_units_and_the_next_command_in_its_own(comman
     assert "zigulic2003: 8 nodes, 330 mm, 5.6" in command("show")
 
 
+def test_show_names_housings_as_bearings_do(command):
+    text = command("show", "--rotor", str(EXAMPLES / "drop" / "compressor.toml"))
+    (line, *_) = (line for line in text.splitlines() if "housing[1]" in line)
+    assert " left, a mass on springs and dampers" in line
+
+
 @pytest.mark.usefixtures("without_peaks")
 def test_the_machine_file_may_say_the_units(command, tmp_path):
     file = tmp_path / "rig.toml"

@@ -133,6 +133,11 @@ def test_runs_differ_at_their_ends_by_a_share_of_each_column():
     assert difference(driven, run([0.0, 1.0], x=[3.0, 1.0], y=[0.0, 0.0])) == 0.25
     assert difference(driven, run([0.0], x=[-4.0], y=[0.0])) == math.inf
     assert difference(run([], x=[], y=[]), run([0.0], x=[-4.0], y=[0.0])) == 0.0
+    counted = {"x": [4.0], "solver.rejected": [21.0]}
+    assert (
+        difference(run([0.0], **counted), run([0.0], **counted | {"solver.rejected": [17.0]}))
+        == 0.0
+    )
 
 
 def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):

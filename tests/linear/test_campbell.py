@@ -12,6 +12,7 @@ from rotor_fmu.model.linear import (
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 
+from rotor_fmu.linear import answers
 from rotor_fmu.linear.linear_plots import draw_whirling
 from rotor_fmu.plotting.figure_style import new_panels
 from tests.machines import jeffcott
@@ -77,6 +78,28 @@ def test_no_branch_is_lost_where_bearings_overdamp_modes(most):
     assert nearest.min(axis=1).max() < 1e-6
     assert nearest[:, :8].min(axis=0).max() < 1e-6
     assert len(set(nearest.argmin(axis=1))) == len(last)
+
+
+def test_each_speed_at_which_stability_changes_is_told():
+    """A disc of damping c on a shaft of stiffness k is unstable where the cross coupling exceeds
+    c sqrt(k / m): here below 20 and above 125 rad/s."""
+    damper = jeffcott(damping=20.0)
+    most = 20.0 * modes(damper, 0.0, count=2).natural[0]
+    speeds = (0.0, 20.0, 50.0, 100.0, 125.0, 150.0)
+    coupling = tuple(share * most for share in (1.5, 1.0, 0.0, 0.0, 1.0, 2.0))
+    none = dict.fromkeys(("kxx", "kyy", "cxx", "cyy"), 0.0)
+    against = tuple(-k for k in coupling)
+    across = LinearBearing(node=2, speed=speeds, kxy=coupling, kyx=against, **none)
+    machine = replace(damper, parts=(*damper.parts, across))
+    found = answers.campbell(machine, np.linspace(0.0, 150.0, 7), count=2)
+    assert found.threshold == 0.0
+    assert found.turns == pytest.approx((20.0, 125.0), rel=1e-3)
+    low, high = (f"{n / (2 * np.pi):.5g} Hz ({n:.6g} rad/s)" for n in found.turns)
+    assert found.stability == f"unstable below {low} and above {high}"
+    figure = found.figure()
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    assert legend.get_window_extent().x1 < figure.bbox.x1
 
 
 def dense_oscillating(machine, speed, scale):

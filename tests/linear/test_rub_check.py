@@ -8,6 +8,7 @@ import pytest
 from rotor_fmu.model.linear import static, unbalance_response
 from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.message_templates import Message
 
 from rotor_fmu.api.simulate import simulate
 from rotor_fmu.machine_file.loading import load_rotor
@@ -119,8 +120,9 @@ def test_the_figure_shows_a_sensor_rather_than_the_bearing_at_its_node():
     assert rub_figure(found).axes[0].get_ylabel() == "Amplitude of probe 0-p [µm]"
 
 
-@pytest.mark.parametrize(("trip", "top"), [(None, 12.5), (11.0, 12.5), (17.0, 17.0)])
+@pytest.mark.parametrize(("trip", "top"), [(None, 12.5), (11.0, 11.0), (17.0, 17.0)])
 def test_what_is_looked_at_reaches_the_trip_speed(trip, top):
+    """Faster the machine never turns: a whirl that begins there says nothing of it."""
     rotor = _machine(1e4, 300.0, 0.0)
     checked = rub_check(replace(rotor, operation=Operation(trip_speed=trip)), 10.0, 10.0)
     assert checked.speed[-1] == pytest.approx(top)
@@ -182,6 +184,27 @@ def test_a_machine_past_its_threshold_is_run_though_its_response_closes_nothing(
     assert rub_figure(check).axes
 
 
+@pytest.mark.parametrize(("is_stable", "code"), [(False, ""), (True, "unstable")])
+def test_a_machine_that_whirls_is_not_said_to_pass_a_resonance(is_stable, code):
+    """Its threshold is in the operating range, or between that and its trip speed."""
+    messages = [Message("unstable: with all contacts open it whirls", code)] if code else []
+    films = module.ContactRun("film", math.nan, math.nan, 0.0, 0.0, 0.0, 0.0)
+    runs = (module.RubRun("run-up", "ok", messages, np.ones(1), np.array([1.4e-3]), (films,)),)
+    closings = (module.Closing("film", 2e-4, 1.8e-4, 6e-5, 88.0, 128.0),)
+    shown = ("disc[1]", np.ones(1), np.ones(1))
+    check = module.RubCheck(100.0, 110.0, is_stable, 1.0, closings, *shown, runs)
+    said = "In the runs with contacts the machine whirls by up to 1400 um 0-p, and touches "
+    assert check.conclusion == f"{said}nothing."
+
+
+def test_a_machine_that_whirls_without_contacts_is_told_that_a_run_says_by_how_much():
+    rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")[1]
+    said = rub_check(rotor, 4e3, 9e3, is_stable=False).conclusion
+    assert said.startswith("The machine has no contact with which it could be run; ")
+    assert said.endswith("says by how much it whirls.")
+    assert rub_check(rotor, 4e3, 9e3).conclusion.startswith("The linear response closes no contact")
+
+
 def _farthest(response, rest, node):
     """The largest distance of a node from the middle in a turn, at the first of the speeds."""
     turn = np.exp(2j * np.pi * np.arange(100_000) / 100_000)
@@ -211,6 +234,8 @@ def test_a_contact_in_which_the_shaft_lies_is_closed_at_all_speeds():
     assert (closing.begin, closing.end) == pytest.approx((37.5, 375.0))
     assert closing.sag > closing.clearance
     assert not check.conclusion.startswith("The linear response closes no contact")
+    labels = [line.get_label() for line in rub_figure(check).axes[0].lines]
+    assert "clearance 10 µm of contact[1]" in labels  # the picture's motion is that of a disc
 
 
 @pytest.mark.usefixtures("coarse_report", "without_runs")
@@ -231,3 +256,14 @@ def test_a_report_that_names_films_does_not_say_that_no_clearance_was_checked(e,
     texts = [c.text for c in machine_report(rotor, ReportOptions(250.0, 260.0)).conclusions]
     assert sum(text.startswith("No clearance was checked") for text in texts) == said
     assert sum("of the clearance of oil films" in text for text in texts) == 1 - said
+
+
+@pytest.mark.usefixtures("conclusions_alone", "without_runs")
+def test_a_report_of_films_that_close_does_not_say_that_no_clearance_was_checked():
+    """A journal that lies deep in its film closes it by a motion of less than half of it."""
+    rotor = module.with_unbalances(_on_films("oil_film", 0.002), None, 1.5)
+    report = machine_report(rotor, ReportOptions(250.0, 260.0))
+    assert report.numbers["contact"]["closings"]
+    texts = " ".join(c.text for c in report.conclusions)
+    assert "of the clearance of oil films" not in texts
+    assert "No clearance was checked" not in texts

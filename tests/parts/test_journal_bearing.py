@@ -63,6 +63,13 @@ def test_no_threshold_above_an_eccentricity_of_0_756():
     assert mass == math.inf
 
 
+def test_a_plain_bearing_without_a_load_whirls_at_half_the_speed():
+    """Its film's cross coupling is half its damping times the speed, and drives even no mass."""
+    of_film = BearingAlone(_bearing(short=True), 200.0).coefficients(0j)
+    K, C = (np.where(np.abs(of) > 1e-9 * np.abs(of).max(), of, 0.0) for of in of_film)
+    assert critical_mass(K, C) == (0.0, pytest.approx(100.0, rel=1e-9))
+
+
 def test_each_mass_is_unstable_where_the_bearing_does_not_even_hold_none():
     """The roots of m s^2 + C s + K: neither a stiffness of negative determinant nor one that pushes
     in both directions has a critical mass that is negative or infinite."""

@@ -20,6 +20,7 @@ from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.summary import sentences, summary, touching
 
+from ..known import EXAMPLES
 from ..recordings import recorded
 
 TURN = 2 * math.pi
@@ -182,6 +183,28 @@ def test_shares_of_sinks_are_of_what_is_dissipated():
     named = re.findall(r"<td[^>]*>(friction|structure|circulation)</td>(.*?)</tr>", text)
     shares = {sink: float(re.findall(r">([^<]+)</td>", row)[-1]) for sink, row in named}
     assert shares == {"friction": 80.0, "structure": 20.0, "circulation": -96.0}
+
+
+@pytest.mark.parametrize(("speed", "stop", "is_other"), [(800.0, 1.5, True), (400.0, 1.0, False)])
+def test_a_motion_that_is_not_synchronous_is_told_with_its_frequency(speed, stop, is_other):
+    """In oil films the shaft whips at 800 rad/s, and whirls with its unbalance at 400."""
+    rotor = EXAMPLES / "oil_film" / "rotor.toml"
+    run, recording = execute_recorded(
+        prepare(rotor, None, [f"speed={speed}"], None, stop, None), ""
+    )
+    figures = summary(run, recording=recording)
+    said = sentences(figures, recording, Path("report.html"))[1]
+    assert said.startswith("Where it moves most it whirls ") == is_other
+    if not is_other:
+        assert figures["other_order"] is figures["other_hz"] is figures["other_um"] is None
+        return
+    late = recording.t > 0.5 * stop
+    t, z = recording.t[late], recording.place(figures["place"]).z[late]
+    laps = np.ptp(np.unwrap(np.angle(z - z.mean()))) / TURN
+    assert figures["other_hz"] == pytest.approx(laps / (t[-1] - t[0]), rel=0.02)
+    assert figures["other_order"] == pytest.approx(figures["other_hz"] * TURN / speed)
+    assert figures["other_um"] == pytest.approx(1e6 * np.abs(z - z.mean()).max(), rel=0.2)
+    assert "it whirls forward at 0." in said
 
 
 def test_how_far_a_place_moved_is_told_of_the_way_that_it_went_farthest():

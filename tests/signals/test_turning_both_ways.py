@@ -2,6 +2,7 @@
 coarsely; whirls slower than the shaft, and resonances passed in a hurry."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -174,6 +175,16 @@ def test_displacements_of_a_single_turn_are_those_about_its_mean():
     t = np.linspace(0, 0.04, 400)
     result = vibration.displacement(t, 200 * t, 2e-4 + 30e-6 * np.exp(200j * t))
     assert result.s_max == pytest.approx(30e-6, rel=1e-3)
+
+
+def test_what_peaks_while_the_speed_is_held_has_no_amplification():
+    """A whirl that comes and goes: both of its half-power points are at one speed."""
+    t = np.linspace(0.0, 20.0, 401)
+    amplitude = 0.1 + np.exp(-((t - 15.0) ** 2))
+    with warnings.catch_warnings(action="error"):
+        (peak,) = vibration.resonances(np.minimum(20.0 * t, 200.0), amplitude, t=t)
+    assert peak.speed == 200.0
+    assert math.isnan(peak.amplification)
 
 
 def two_resonances(speed, apart):
