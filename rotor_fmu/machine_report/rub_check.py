@@ -5,7 +5,7 @@ say what the rub does."""
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -20,19 +20,19 @@ from ..linear.answers import static
 from ..model.linear.amplification import with_tops
 from ..model.linear.linearization import OPEN
 from ..model.linear.orbit import farthest, semi_axes
-from ..model.linear.places import PlacedAmount, as_place
+from ..model.linear.places import PlacedAmount
 from ..model.linear.supports import touching, walls
 from ..model.linear.unbalance import SteadyWhirl, steady_whirl
 from ..model.linear.unbalance_check import close_speeds, highest_of_interest
 from ..model.linear.unbalance_peaks import Gap, gaps, major_axis
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
-from ..model.parts.base import Part, ProbeElement
-from ..model.parts.unbalance import Unbalance
+from ..model.parts.base import ProbeElement
 from ..model.structure.assembly import assemble
 from ..model.structure.reduction_offer import reduction_offer
 from ..run_status import has_failed, on_numbers
 from ..runs.measuring_points import last_of_the_largest
+from .unbalanced import with_unbalances
 
 _OverSpeed = Callable[[float], Any]
 _TURNS = 1200.0  # of a run up or down
@@ -148,30 +148,6 @@ class RubCheck:
         return f"The rub lasts in the operating range ({names}), {how}. {force}"
 
 
-def with_unbalances(rotor: Rotor, unbalances: Sequence[PlacedAmount] | None, scale: float) -> Rotor:
-    """Return the machine with these unbalances, or with its own, times a factor.
-
-    unbalances: (node from 1 or place, amount [kg.m], angle [rad]).
-    """
-    if unbalances is None:
-        parts = [_times(part, scale) for part in rotor.parts]
-        return replace(rotor, parts=tuple(parts))
-    bare = [_times(part, 0.0) for part in rotor.parts if not isinstance(part, Unbalance)]
-    placed = [
-        Unbalance(node, scale * amount, phase, offset)
-        for (node, offset), amount, phase in ((as_place(at), a, phi) for at, a, phi in unbalances)
-    ]
-    return replace(rotor, parts=(*bare, *placed))
-
-
-def _times(part: Any, scale: float) -> Part:
-    """Return a part with its unbalance times a factor."""
-    for name in ("e", "amount"):
-        if hasattr(part, name):
-            part = replace(part, **{name: scale * getattr(part, name)})
-    return part
-
-
 def rub_check(
     rotor: Rotor,
     low: float,
@@ -195,10 +171,15 @@ def rub_check(
     first = max(_FIRST * top, close[0])
     close = np.unique([first, *close[(close > first) & (close < top)], top])
     closings = _closings(rotor, whirl, scale, close, high)
-    probes = {
+    probes: dict[str, Callable[[float], float]] = {
         name: _scaled(scale, whirl, 2 * of.node - 2, 2 * of.node - 1, of.offset)
         for name, of in rotor.elements_of_kind(ProbeElement)
     }
+    if not probes:  # a machine none of whose parts is seen to move but in its contacts
+        probes = {
+            gap.name: partial(_orbit, gap, scale, whirl)
+            for gap in gaps(whirl.machine, touching(rotor))
+        }
     speeds = with_tops(list(probes.values()), close)
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
     largest = [float(sizes.max()) for sizes in seen.values()]
@@ -242,6 +223,11 @@ def _across(gap: Gap, scale: float, of: Callable[[float], np.ndarray], speed: fl
     """Return how the ends of a gap are displaced against each other, times a factor, at a speed."""
     at = of(speed)
     return scale * (at[gap.dof] - at[gap.end])
+
+
+def _orbit(gap: Gap, scale: float, whirl: SteadyWhirl, speed: float) -> float:
+    """Return the major semi-axis of the orbit of a gap's ends against each other [m]."""
+    return float(semi_axes(*_across(gap, scale, whirl.at, speed))[0])
 
 
 def _closing(

@@ -1,6 +1,7 @@
 """The check of clearances with contacts: ranges of a single speed, and runs that fail."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from rotor_fmu.machine_report import rub_check as module
 from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
 from rotor_fmu.machine_report.rub_check import rub_check
 from rotor_fmu.machine_report.rub_shown import rub_figure, runs_table
+from rotor_fmu.machine_report.unbalanced import with_unbalances
 
 from ..known import EXAMPLES
 from ..toml_text import table
@@ -215,7 +217,7 @@ def test_a_contact_in_which_the_shaft_lies_is_closed_at_all_speeds():
 
 @pytest.mark.usefixtures("coarse_report", "without_runs")
 def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at_that_speed():
-    rotor = module.with_unbalances(_on_films("oil_film", 0.005), None, 30.0)
+    rotor = with_unbalances(_on_films("oil_film", 0.005), None, 30.0)
     for closing in rub_check(rotor, 400.0, 450.0).closings:
         response, rest = unbalance_response(rotor, [closing.begin]), static(rotor, closing.begin)
         node = next(part.node for name, part in rotor.named_parts() if name == closing.name) - 1
@@ -227,7 +229,21 @@ def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at
 @pytest.mark.usefixtures("conclusions_alone", "without_runs")
 @pytest.mark.parametrize(("e", "said"), [(1.0, 0), (0.01, 1)])
 def test_a_report_that_names_films_does_not_say_that_no_clearance_was_checked(e, said):
-    rotor = module.with_unbalances(_on_films("squeeze_film", 0.004), None, e)
+    rotor = with_unbalances(_on_films("squeeze_film", 0.004), None, e)
     texts = [c.text for c in machine_report(rotor, ReportOptions(250.0, 260.0)).conclusions]
     assert sum(text.startswith("No clearance was checked") for text in texts) == said
     assert sum("of the clearance of oil films" in text for text in texts) == 1 - said
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_of_a_machine_without_a_part_that_is_seen_to_move_its_contact_is_shown():
+    """A bare shaft with an unbalance, on supports: its picture was empty."""
+    bare = re.sub(r"(?s)\[\[disc\]\].*?(?=\[\[contact)", "", _JEFFCOTT)
+    bare += "k = 1e7\n[[unbalance]]\nnode = 2\namount = 1e-4\n"
+    held = (f"[[support]]\nnode = {n}\nstiffness = 1e6\ndamping = 200.0\n" for n in (1, 3))
+    rotor = parse_rotor(bare + "".join(held))
+    found = rub_check(rotor, 300.0, 310.0)
+    assert found.place == "contact[1]"
+    whirl = unbalance_response(rotor, [found.speed[-1]])
+    assert found.linear[-1] == pytest.approx(abs(whirl.x[0, 1]), rel=1e-6)
+    assert all(run.amplitude.max() > 0.9e-5 for run in found.runs)
