@@ -93,7 +93,7 @@ class RubCheck:
     low, high: operating range [rad/s]; scale: factor on the unbalances [1]; closings: clearances
     that the linear response closes; place: the part whose motion is shown, speed, linear: its
     linear amplitude over the speed [rad/s], [m]; runs: with contacts, none of a stable machine
-    where nothing closes.
+    where nothing closes; can_touch: whether there is a contact.
     """
 
     low: float
@@ -104,6 +104,7 @@ class RubCheck:
     speed: np.ndarray
     linear: np.ndarray
     runs: tuple[RubRun, ...]
+    can_touch: bool
 
     @property
     def touched(self) -> list[ContactRun]:
@@ -113,6 +114,8 @@ class RubCheck:
     @property
     def conclusion(self) -> str:
         """What the runs say, in a sentence or two."""
+        if not self.can_touch:
+            return "The machine has no contact to run with."
         if not (self.closings or self.runs):
             return "The linear response closes no contact; no run with contacts was needed."
         for run in self.runs:
@@ -190,7 +193,8 @@ def rub_check(
     for direction in ("run-up", "run-down") if is_run else ():
         say(f"{direction} with contacts, {_TURNS:g} turns: may take minutes")
         runs.append(_run(machine, direction, top, (low, high), place))
-    return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, tuple(runs))
+    shown = place, speeds, linear
+    return RubCheck(low, high, scale, tuple(closings), *shown, tuple(runs), bool(touching(rotor)))
 
 
 def _scaled(

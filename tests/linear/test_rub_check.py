@@ -108,6 +108,8 @@ def test_a_response_that_closes_no_contact_says_nothing_of_other_clearances():
     rotor = _machine(1e4, 300.0, 0.0)
     parts = tuple(part for part in rotor.parts if not hasattr(part, "mu"))
     conclusion = rub_check(replace(rotor, parts=parts), 299.0, 300.0).conclusion
+    assert conclusion == "The machine has no contact to run with."
+    conclusion = rub_check(_machine(1e4, 300.0, 0.0), 299.0, 300.0, [(2, 1e-9, 0.0)]).conclusion
     assert conclusion == "The linear response closes no contact; no run with contacts was needed."
 
 
