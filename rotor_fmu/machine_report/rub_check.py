@@ -32,6 +32,7 @@ from ..model.structure.assembly import assemble
 from ..model.structure.reduction_offer import reduction_offer
 from ..run_status import has_failed, on_numbers
 from ..runs.measuring_points import last_of_the_largest
+from .swept_amplitude import amplitude_over_speed
 from .unbalanced import with_unbalances
 
 _OverSpeed = Callable[[float], Any]
@@ -39,7 +40,6 @@ _TURNS = 1200.0  # of a run up or down
 _SETTLING = 60.0  # turns at the first speed, before the run begins
 _FIRST = 0.1  # of the highest speed: where a run begins
 _POINTS = 400
-_BINS = 120
 _LASTING = 0.02  # of the turns in the range, from which a rub lasts
 _NARROW = 0.01  # of the highest speed: what a run passes of a range that is a single speed
 
@@ -107,6 +107,11 @@ class RubCheck:
     can_touch: bool
 
     @property
+    def carries(self) -> bool:
+        """Whether contacts hold the machine, so that the linear response takes them as closed."""
+        return bool(self.closings) and all(math.isnan(c.begin) for c in self.closings)
+
+    @property
     def touched(self) -> list[ContactRun]:
         """What contacts did that touched in a run."""
         return [c for run in self.runs for c in run.contacts if c.share > 0]
@@ -122,9 +127,12 @@ class RubCheck:
             if has_failed(run.status):
                 return f"The {run.direction} with contacts {run.status}."
         touched = self.touched
+        size = max(float(run.amplitude.max(initial=0.0)) for run in self.runs)
+        far, linear = (
+            f"{each * current().small:.3g} {current().small_word} 0-p"
+            for each in (size, self.linear.max(initial=0.0))
+        )
         if not (touched or self.closings):
-            size = max(float(run.amplitude.max(initial=0.0)) for run in self.runs)
-            far = f"{size * current().small:.3g} {current().small_word} 0-p"
             return (
                 f"In the runs with contacts the machine whirls by up to {far}, and touches nothing."
             )
@@ -138,6 +146,11 @@ class RubCheck:
         largest = max(touched, key=lambda c: c.force)
         force = f"{largest.force * current().force:.4g} {current().force_unit}"
         force = f"The largest contact force is {force}, of {largest.name}."
+        if self.carries:
+            return (
+                f"Contacts carry the machine: in the runs {self.place} whirls by up to {far}, in "
+                f"the linear response, which takes them as closed, by {linear}. {force}"
+            )
         if not lasting:
             return f"The machine rubs, but not for long in the operating range. {force}"
         names = ", ".join(dict.fromkeys(c.name for c in lasting))
@@ -295,34 +308,12 @@ def _run(
             step=stop / _POINTS,
         )
     after = result.t >= settled
-    speed, amplitude = _amplitude(result, place, after)
+    speed, amplitude = amplitude_over_speed(result, place, after)
     wider = max(0.0, 0.5 * (_NARROW * top - (operating[1] - operating[0])))
     passed = (operating[0] - wider, operating[1] + wider)
     seen = tuple(_contact_run(result, name, passed, after) for name in contacts)
     messages = on_numbers(result.messages, result.codes)
     return RubRun(direction, result.status, messages, speed, amplitude, seen)
-
-
-def _amplitude(result: Result, place: str, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return speeds [rad/s] and the largest distance from the mean over time in each of `_BINS`
-    bins [m]."""
-    if not place or not after.any():
-        return np.zeros(0), np.zeros(0)
-    w = np.abs(result.speed)[after]
-    z = (result[f"{place}.x"] + 1j * result[f"{place}.y"])[after]
-    lasted = np.gradient(result.t)[after]
-    edges = np.linspace(w.min(), w.max(), _BINS + 1)
-    bins = np.clip(np.digitize(w, edges) - 1, 0, _BINS - 1)
-    middles = (edges[:-1] + edges[1:]) / 2
-    values = [_radius(z[bins == i], lasted[bins == i]) for i in range(_BINS)]
-    known = np.isfinite(values)
-    return middles[known], np.array(values)[known]
-
-
-def _radius(z: np.ndarray, lasted: np.ndarray) -> float:
-    if len(z) <= 2:
-        return math.nan
-    return float(np.abs(z - np.average(z, weights=lasted)).max())
 
 
 def _contact_run(

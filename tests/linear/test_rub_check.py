@@ -249,3 +249,17 @@ def test_of_a_machine_without_a_part_that_is_seen_to_move_its_contact_is_shown()
     whirl = unbalance_response(rotor, [found.speed[-1]])
     assert found.linear[-1] == pytest.approx(abs(whirl.x[0, 1]), rel=1e-6)
     assert all(run.amplitude.max() > 0.9e-5 for run in found.runs)
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_of_contacts_that_carry_the_machine_the_motion_is_said_and_no_rub():
+    """A shaft that lies in dry bearings touches them always, whatever it does there."""
+    lying = re.sub(r"(?s)gravity = 0.0|\[\[contact\]\].*", "", _JEFFCOTT)
+    contact = _JEFFCOTT.partition("[[contact]]")[2].replace("node = 2", "node = {node}")
+    lying += "".join(f"[[contact]]{contact}k = 1e7\n".format(node=node) for node in (1, 3))
+    found = rub_check(parse_rotor(lying), 300.0, 310.0)
+    most = 1e6 * max(run.amplitude.max() for run in found.runs)
+    said = f"disc[1] whirls by up to {most:.3g} um 0-p, in the linear response, which takes them"
+    assert said in found.conclusion
+    assert "rub" not in found.conclusion
+    assert "contacts that carry" in rub_figure(found).axes[0].get_title(loc="left")
