@@ -53,10 +53,10 @@ class CriticalMap:
 
     stiffness: of every bearing, shape (s,) [N/m]; speeds: forward critical speeds, or natural
     frequencies at standstill where `synchronous` is false, ascending, shape (s, m) [rad/s], NaN
-    where there are fewer; where pedestals differ in x and y each line is followed by its shape, is
-    NaN where it clearly whirls backward (see `forward_branches`), and is there if it is among those
-    asked for at any stiffness; bearings: names of what the
-    stiffness replaces; own: the stiffness of these bearings; crossings: where that meets a line;
+    where there are fewer or bearings do not hold the machine against what pulls; where pedestals
+    differ in x and y each line is followed by its shape, is NaN where it clearly whirls backward
+    (see `forward_branches`), and is there if it is among those asked for at any stiffness;
+    bearings: names of what the stiffness replaces; own: their own; crossings: where it meets lines;
     rigid: the first critical speed on rigid supports, housings included [rad/s].
     """
 
@@ -101,12 +101,15 @@ def critical_map(
             raise LinearError(
                 f"stiffness = {value:g} N/m: must be from {low:.2g} to {high:.2g} N/m"
             )
+    held = values[[machine.is_held(k) for k in values]]
+    if not len(held):
+        raise LinearError("the machine is not held by its bearings against what pulls")
     solve: Callable[[float], np.ndarray] = partial(machine.natural_frequencies, count=count)
     branches = None
     if synchronous and machine.is_circular:
         solve = partial(machine.forward_criticals, count=count)
     elif synchronous:
-        solve = branches = ForwardBranches(machine, values, count)
+        solve = branches = ForwardBranches(machine, held, count)
 
     @cache
     def lines(k: float) -> np.ndarray:
@@ -114,9 +117,11 @@ def critical_map(
         found = solve(k)[: None if branches else count]
         return np.append(found, np.full(max(count - len(found), 0), np.nan))
 
-    speeds = np.array([lines(k) for k in values])
+    speeds = np.array([lines(k) for k in held])
     if branches is not None:
         speeds[:, : branches.is_backward.shape[1]][branches.is_backward] = np.nan
+    softer = np.full((len(values) - len(held), speeds.shape[1]), np.nan)
+    speeds = np.concatenate([softer, speeds])
     known = speeds[speeds > 0.0]
     beside = np.zeros(1)  # or from below to above the critical ones, spaced as the map's axis is
     if len(known):
@@ -137,6 +142,8 @@ def first_rigid_critical(rotor: Rotor, contacts: str | None = None) -> float:
     """Return the first forward critical speed of the undamped rotor on rigid supports [rad/s]; NaN
     where there is none."""
     machine = UndampedMachine(rotor, contacts, rigid_pedestals=True)
+    if not machine.is_held(machine.rigid_stiffness):
+        return math.nan
     speeds = machine.forward_criticals(machine.rigid_stiffness, 1)
     return float(speeds[0]) if len(speeds) else math.nan
 

@@ -17,7 +17,8 @@ from .support_loads import support_loads
 
 _CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 _NO_LOAD = 1e-10  # of the rotor's weight: what films bear that nothing loads is their rounding
-_OF_PADS = 1e-7  # of the same: what pads leave whose angles are given to six digits
+# Of the same, and of a clearance: what pads leave whose angles are given to six digits.
+_OF_PADS, _UNMOVED = 1e-7, 1e-6
 Values = Sequence[float] | np.ndarray
 
 
@@ -72,7 +73,9 @@ def static(
     n = 2 * len(machine.nodes)
     bears = support_loads(machine, linear, machine.weight + force).real
     bears = without_rounding(bears, _least_load(machine))
+    sizes, moved = machine.structure.numbers[0], np.abs([x, y]).max()
     is_left = np.abs(bears).max(initial=0.0) <= _least_load(machine, _OF_PADS)
+    is_left &= moved <= _UNMOVED * min(sizes.clearance, sizes.small)
     if is_left and not (machine.weight + force).any():
         x, y, bears = 0.0 * x, 0.0 * y, 0.0 * bears
     return Static(

@@ -1,5 +1,8 @@
 """The undamped machine on isotropic bearings of any stiffness, its seals left out.
 
+A linear bearing whose stiffness is negative, such as the magnetic pull of a motor, holds nothing:
+it keeps its own stiffness.
+
 A motion u exp(i Omega t) of it at the speed Omega satisfies
 
     K u = Omega^2 (M - i G) u,    with the gyroscopic matrix G of Omega G u',
@@ -21,7 +24,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 from ..contact.wall import ContactQuantities
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, InterfaceElement, Part, SpringElement
-from ..parts.linear_bearing import Seal
+from ..parts.linear_bearing import LinearBearing, Seal
 from ..structure.strain_solver import Solve, StrainedMatrices
 from ..structure.structure import total_mass
 from .linear_machine import LinearError, LinearMachine, shared_machine
@@ -74,7 +77,10 @@ class UndampedMachine:
         if not held:
             raise LinearError("the machine has no bearing: add one that holds the shaft")
         self.bearings = {names[i]: named[names[i]] for i in held}
-        self._held = np.array(held)
+        pulls = {where: pull for where, part in bare.named_parts() if (pull := pull_of(part))}
+        pulling = [i for i, name in enumerate(names) if name in pulls]
+        self._pulls = np.array([pulls[names[i]] for i in pulling])
+        self._held = np.array(held + pulling)
         self.own_stiffness = cache(self._own_stiffness)
         self._set_matrices(machine, rigid_pedestals)
         mass = total_mass(machine.structure)
@@ -101,11 +107,21 @@ class UndampedMachine:
         K = K.tocoo()
         rows = x_and_y(self._held)
         self._between = Between(across[rows], K.row, K.col)
+        self._pulled = across[rows[2 * len(self.bearings) :]]
         places = self._between.places
         self.mass, self._gyroscopic = M, gyroscopic
         self._K = places.numbers(K.row, K.col, K.data)
         self._elastic = machine.elastic
         self._system = StrainedMatrices(places, machine.system.B[:, :n], machine.system.stiffness)
+
+    def is_held(self, stiffness: float) -> bool:
+        """Return whether bearings of this stiffness [N/m] hold the machine against what pulls."""
+        if not len(self._pulls):
+            return True
+        pulled = self._pulled.toarray()
+        yields = pulled @ self._solver(stiffness, 0.0)(pulled.T)[0]
+        share = np.sqrt(np.repeat(-self._pulls, 2))
+        return bool(np.linalg.eigvalsh(share[:, None] * yields * share).max() < 1.0)
 
     @property
     def is_circular(self) -> bool:
@@ -199,7 +215,8 @@ class UndampedMachine:
         except LinearError:
             interfaces = np.full((len(self._loaded.supports.interfaces), 2), np.nan)
         springs = self._loaded.structure.springs.stiffness
-        result = np.concatenate([np.column_stack([springs, springs]), interfaces])[self._held]
+        result = np.concatenate([np.column_stack([springs, springs]), interfaces])
+        result = result[self._held[: len(self.bearings)]]
         for i, part in enumerate(self.bearings.values()):
             if isinstance(part, ContactQuantities):
                 result[i] = part.k if part.exponent == 1.0 else self._wall(i, part, speed)
@@ -232,10 +249,11 @@ class UndampedMachine:
         solve = self._solver(stiffness)
         return solve(mass.real)[0] + 1j * solve(mass.imag)[0]
 
-    def _solver(self, stiffness: float | np.ndarray) -> Solve:
-        """Return the solver with K, with the stiffness in x and y of each bearing [N/m];
-        `LinearError` where nothing holds the machine."""
-        each = np.broadcast_to(stiffness, len(self.bearings))[:, None, None] * np.eye(2)
+    def _solver(self, stiffness: float | np.ndarray, pulling: float = 1.0) -> Solve:
+        """Return the solver with K, with the stiffness in x and y of each bearing [N/m], and that
+        share of what pulls; `LinearError` where nothing holds the machine."""
+        own = np.append(np.broadcast_to(stiffness, len(self.bearings)), pulling * self._pulls)
+        each = own[:, None, None] * np.eye(2)
         try:
             return self._system.factorized(self._K + self._between(each), self._elastic)
         except RuntimeError as error:
@@ -297,7 +315,17 @@ def bearings_of(rotor: Rotor, contacts: str) -> dict[str, Part]:
     for where, interface in rotor.elements_of_kind(InterfaceElement):
         if contacts == PINNED if interface.law.has_wall else interface.ring == GROUND:
             supports.append(where)
-    return {where: part for where, part in rotor.named_parts() if where in supports}
+    parts = {where: part for where, part in rotor.named_parts() if where in supports}
+    return {where: part for where, part in parts.items() if not pull_of(part)}
+
+
+def pull_of(part: Part) -> float:
+    """Return the mean stiffness of a linear bearing that pulls the shaft outwards at all its speeds
+    [N/m], which is negative; 0 of any other part."""
+    if not isinstance(part, LinearBearing):
+        return 0.0
+    stiffness = np.add(part.kxx, part.kyy) / 2
+    return float(stiffness.mean()) if (stiffness < 0.0).all() else 0.0
 
 
 def without_seals(rotor: Rotor) -> Rotor:

@@ -165,8 +165,8 @@ def recorded(machine: Machine) -> list[dict[str, Any]]:
 
 
 def places(machine: Machine) -> list[dict[str, str | None]]:
-    """Return the places that move, those with an amplitude first: titles, names of x and y, and of
-    the amplitude and the clearance where they have them."""
+    """Return the places that move, first those with a largest distance from the start in a turn:
+    titles, names of x and y, of that distance and of the clearance, where they have them."""
     names = {v.name for v in machine.table}
     parts = list(dict.fromkeys(v.name.rpartition(".")[0] for v in machine.table if v.is_observed))
     found = [
@@ -174,13 +174,13 @@ def places(machine: Machine) -> list[dict[str, str | None]]:
             "title": _title(part),
             "x": f"{part}.x",
             "y": f"{part}.y",
-            "amplitude": f"{part}.r_amp" if f"{part}.r_amp" in names else None,
+            "farthest": f"{part}.r_amp" if f"{part}.r_amp" in names else None,
             "clearance": f"{part}.clearance" if f"{part}.clearance" in names else None,
         }
         for part in parts
         if {f"{part}.x", f"{part}.y"} <= names
     ]
-    return sorted(found, key=lambda place: place["amplitude"] is None)
+    return sorted(found, key=lambda place: place["farthest"] is None)
 
 
 def machine_of_run(run: Recording) -> Machine:

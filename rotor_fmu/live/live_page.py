@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..about import __version__
-from ..display import current
 from ..fmi.machine_table import table_bytes
 from ..fmi.packing.machine_files import Machine
 from ..library.build import library, sources_digest
@@ -63,7 +62,6 @@ def page_data(machine: Machine) -> dict[str, Any]:
         "units": {
             "speed": shown_in("rad/s"),
             "displacement": shown_in("m"),
-            "amplitude": {"unit": current().amplitude_unit, "factor": current().amplitude},
         },
     }
 

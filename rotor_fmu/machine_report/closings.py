@@ -61,6 +61,12 @@ def _across(gap: Gap, scale: float, of: Callable[[float], np.ndarray], speed: fl
     return scale * (at[gap.dof] - at[gap.end])
 
 
+def orbit_across(gap: Gap, scale: float, whirl: SteadyWhirl, speed: float) -> float:
+    """Return the major semi-axis of the orbit of a gap's ends against each other, times a factor,
+    at a speed [rad/s] in m."""
+    return float(semi_axes(*_across(gap, scale, whirl.at, speed))[0])
+
+
 def _closing(
     gap: Gap, rest: _OverSpeed, motion: _OverSpeed, speeds: np.ndarray, is_open: bool
 ) -> Closing | None:

@@ -5,8 +5,9 @@ say what the rub does."""
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,27 +16,28 @@ from ..api.result import Result
 from ..api.simulate import simulate
 from ..display import current
 from ..model.linear.amplification import with_tops
-from ..model.linear.places import PlacedAmount, as_place
+from ..model.linear.places import PlacedAmount
 from ..model.linear.supports import touching
 from ..model.linear.unbalance import SteadyWhirl, steady_whirl
 from ..model.linear.unbalance_check import close_speeds, highest_of_interest
-from ..model.linear.unbalance_peaks import major_axis
+from ..model.linear.unbalance_peaks import gaps, major_axis
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
-from ..model.parts.base import Part, ProbeElement
-from ..model.parts.unbalance import Unbalance
+from ..model.parts.base import ProbeElement
 from ..model.structure.assembly import assemble
 from ..model.structure.reduction_offer import reduction_offer
 from ..run_status import has_failed, on_numbers
 from ..runs.measuring_points import last_of_the_largest
-from .closings import Closing, closings_of
+from .closings import Closing, closings_of, orbit_across
+from .swept_amplitude import amplitude_over_speed
+from .unbalanced import with_unbalances
 
 _TURNS = 1200.0  # of a run up or down
 _SETTLING = 60.0  # turns at the first speed, before the run begins
 _FIRST = 0.1  # of the highest speed: where a run begins
 _POINTS = 400
-_BINS = 120
 _LASTING = 0.02  # of the turns in the range, from which a rub lasts
+_ENDLESS = 1000.0  # times the amplitude of a run, above which that of a response is not told
 _NARROW = 0.01  # of the highest speed: what a run passes of a range that is a single speed
 
 
@@ -72,20 +74,27 @@ class RubCheck:
     """What happens where the response closes a clearance, or the machine is unstable.
 
     low, high: operating range [rad/s]; is_stable: whether the machine comes to its response there;
-    scale: factor on the unbalances [1]; closings: clearances that the linear response closes;
-    place: the part whose motion is shown, speed, linear: its linear amplitude over the speed
-    [rad/s], [m]; runs: with contacts, none of a stable machine where nothing closes.
+    can_touch: whether it has a contact; scale: factor on the unbalances [1]; closings: clearances
+    that the linear response closes; place: the part whose motion is shown, speed, linear: its
+    linear amplitude over the speed [rad/s], [m]; runs: with contacts, none of a stable machine
+    where nothing closes.
     """
 
     low: float
     high: float
     is_stable: bool
+    can_touch: bool
     scale: float
     closings: tuple[Closing, ...]
     place: str
     speed: np.ndarray
     linear: np.ndarray
     runs: tuple[RubRun, ...]
+
+    @property
+    def carries(self) -> bool:
+        """Whether contacts hold the machine, so that the linear response takes them as closed."""
+        return bool(self.closings) and all(math.isnan(c.begin) for c in self.closings)
 
     @property
     def touched(self) -> list[ContactRun]:
@@ -95,21 +104,25 @@ class RubCheck:
     @property
     def conclusion(self) -> str:
         """What the runs say, in a sentence or two."""
+        if not self.can_touch:
+            more = "" if self.is_stable else "; `rotor-fmu run-up` says by how much it whirls"
+            return f"The machine has no contact to run with{more}."
         if not (self.closings or self.runs):
-            if self.is_stable:
-                return "The linear response closes no contact; no run with contacts was needed."
-            return (
-                "The machine has no contact with which it could be run; `rotor-fmu run-up` says by "
-                "how much it whirls."
-            )
+            return "The linear response closes no contact; no run with contacts was needed."
         for run in self.runs:
             if has_failed(run.status):
                 return f"The {run.direction} with contacts {run.status}."
         touched = self.touched
+        size = max(float(run.amplitude.max(initial=0.0)) for run in self.runs)
+        largest_linear = float(self.linear.max(initial=0.0))
+        far, linear = (
+            f"{float(f'{each * current().small:.3g}'):g} {current().small_word} 0-p"
+            for each in (size, largest_linear)
+        )
+        if largest_linear > _ENDLESS * size:  # at a critical speed that hardly anything damps
+            linear = f"more than {_ENDLESS:g} times that"
         grow = any(message.code == "unstable" for run in self.runs for message in run.messages)
         if not touched and (grow or not self.is_stable):
-            size = max(float(run.amplitude.max(initial=0.0)) for run in self.runs)
-            far = f"{float(f'{size * current().small:.3g}'):g} {current().small_word} 0-p"
             return (
                 f"In the runs with contacts the machine whirls by up to {far}, and touches nothing."
             )
@@ -123,6 +136,11 @@ class RubCheck:
         largest = max(touched, key=lambda c: c.force)
         force = f"{largest.force * current().force:.4g} {current().force_unit}"
         force = f"The largest contact force is {force}, of {largest.name}."
+        if self.carries:
+            return (
+                f"Contacts carry the machine: in the runs {self.place} whirls by up to {far}, in "
+                f"the linear response, which takes them as closed, by {linear}. {force}"
+            )
         if not lasting:
             return f"The machine rubs, but not for long in the operating range. {force}"
         names = ", ".join(dict.fromkeys(c.name for c in lasting))
@@ -134,30 +152,6 @@ class RubCheck:
         if down and not up:
             how = "only running down: it depends on where the motion comes from"
         return f"The rub lasts in the operating range ({names}), {how}. {force}"
-
-
-def with_unbalances(rotor: Rotor, unbalances: Sequence[PlacedAmount] | None, scale: float) -> Rotor:
-    """Return the machine with these unbalances, or with its own, times a factor.
-
-    unbalances: (node from 1 or place, amount [kg.m], angle [rad]).
-    """
-    if unbalances is None:
-        parts = [_times(part, scale) for part in rotor.parts]
-        return replace(rotor, parts=tuple(parts))
-    bare = [_times(part, 0.0) for part in rotor.parts if not isinstance(part, Unbalance)]
-    placed = [
-        Unbalance(node, scale * amount, phase, offset)
-        for (node, offset), amount, phase in ((as_place(at), a, phi) for at, a, phi in unbalances)
-    ]
-    return replace(rotor, parts=(*bare, *placed))
-
-
-def _times(part: Any, scale: float) -> Part:
-    """Return a part with its unbalance times a factor."""
-    for name in ("e", "amount"):
-        if hasattr(part, name):
-            part = replace(part, **{name: scale * getattr(part, name)})
-    return part
 
 
 def rub_check(
@@ -183,22 +177,29 @@ def rub_check(
     first = max(_FIRST * top, close[0])
     close = np.unique([first, *close[(close > first) & (close < top)], top])
     closings = closings_of(rotor, whirl, scale, close, high)
-    probes = {
+    probes: dict[str, Callable[[float], float]] = {
         name: _scaled(scale, whirl, 2 * of.node - 2, 2 * of.node - 1, of.offset)
         for name, of in rotor.elements_of_kind(ProbeElement)
     }
+    if not probes:  # a machine none of whose parts is seen to move but in its contacts
+        probes = {
+            gap.name: partial(orbit_across, gap, scale, whirl)
+            for gap in gaps(whirl.machine, touching(rotor))
+        }
     speeds = with_tops(list(probes.values()), close)
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
     largest = [float(sizes.max()) for sizes in seen.values()]
     place = [*seen][last_of_the_largest(largest)] if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
     runs = []
-    is_run = closings or (touching(rotor) and not is_stable)
+    can_touch = bool(touching(rotor))
+    is_run = closings or (can_touch and not is_stable)
     for direction in ("run-up", "run-down") if is_run else ():
         say(f"{direction} with contacts, {_TURNS:g} turns: may take minutes")
         runs.append(_run(machine, direction, top, (low, high), place))
     shown = place, speeds, linear
-    return RubCheck(low, high, is_stable, scale, tuple(closings), *shown, tuple(runs))
+    known = low, high, is_stable, can_touch, scale, tuple(closings)
+    return RubCheck(*known, *shown, tuple(runs))
 
 
 def _scaled(
@@ -232,34 +233,12 @@ def _run(
             step=stop / _POINTS,
         )
     after = result.t >= settled
-    speed, amplitude = _amplitude(result, place, after)
+    speed, amplitude = amplitude_over_speed(result, place, after)
     wider = max(0.0, 0.5 * (_NARROW * top - (operating[1] - operating[0])))
     passed = (operating[0] - wider, operating[1] + wider)
     seen = tuple(_contact_run(result, name, passed, after) for name in contacts)
     messages = on_numbers(result.messages, result.codes)
     return RubRun(direction, result.status, messages, speed, amplitude, seen)
-
-
-def _amplitude(result: Result, place: str, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return speeds [rad/s] and the largest distance from the mean over time in each of `_BINS`
-    bins [m]."""
-    if not place or not after.any():
-        return np.zeros(0), np.zeros(0)
-    w = np.abs(result.speed)[after]
-    z = (result[f"{place}.x"] + 1j * result[f"{place}.y"])[after]
-    lasted = np.gradient(result.t)[after]
-    edges = np.linspace(w.min(), w.max(), _BINS + 1)
-    bins = np.clip(np.digitize(w, edges) - 1, 0, _BINS - 1)
-    middles = (edges[:-1] + edges[1:]) / 2
-    values = [_radius(z[bins == i], lasted[bins == i]) for i in range(_BINS)]
-    known = np.isfinite(values)
-    return middles[known], np.array(values)[known]
-
-
-def _radius(z: np.ndarray, lasted: np.ndarray) -> float:
-    if len(z) <= 2:
-        return math.nan
-    return float(np.abs(z - np.average(z, weights=lasted)).max())
 
 
 def _contact_run(

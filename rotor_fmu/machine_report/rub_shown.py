@@ -23,7 +23,7 @@ def closings_table(rub: RubCheck) -> Table:
     factors = np.array([d.small] * 3 + [d.speed] * 2)
     rows = [(name, *(factors * numbers).tolist()) for name, *numbers in rub.closings]
     title = f"Clearances that the linear response closes [{d.speed_unit}]"
-    if all(math.isnan(c.begin) for c in rub.closings):
+    if rub.carries:
         title = "Contacts that hold the machine: its linear response takes them as closed"
     return Table(title, heads, rows)
 
@@ -70,5 +70,6 @@ def rub_figure(rub: RubCheck) -> Figure:
     axes.set_xlabel(f"{current().speed_label}; the operating range is shaded")
     axes.set_ylabel(f"Amplitude of {rub.place} 0-p [{unit}]")
     axes.legend(frameon=False, fontsize=8)
-    entitle(axes, "Where a clearance closes")
+    title = "In the contacts that carry the machine" if rub.carries else "Where a clearance closes"
+    entitle(axes, title)
     return figure

@@ -8,6 +8,9 @@ import numpy as np
 
 from ..display import Shown, current
 from ..errors import InputError, check_one_of, known_name
+from ..model.linear.linear_machine import shared_machine
+from ..model.linear.supports import touching
+from ..model.linear.unbalance_peaks import gaps
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import ProbeElement
 from ..model.periodic.branch import Bifurcation, Solution
@@ -176,6 +179,13 @@ class ResponseCurves:
 
 
 def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
-    """Names of the places that are observed, with dof, slope and offset [m]."""
+    """Names of the places that are observed, with dof, slope and offset [m]; of a machine without
+    any, those of its contacts, where the other end of the gap, minus once, is in the slope's place.
+    """
     observed = rotor.elements_of_kind(ProbeElement)
-    return {where: (2 * p.node - 2, 2 * p.node - 1, p.offset) for where, p in observed}
+    if found := {where: (2 * p.node - 2, 2 * p.node - 1, p.offset) for where, p in observed}:
+        return found
+    return {
+        gap.name: (gap.dof, gap.end, -1.0) if gap.end >= 0 else (gap.dof, gap.dof, 0.0)
+        for gap in gaps(shared_machine(rotor), touching(rotor))
+    }

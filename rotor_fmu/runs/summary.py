@@ -37,6 +37,7 @@ def summary(
     the speed and the time of it; no_peak: why there is none, and these are None, as of an amplitude
     that is largest at an edge of the run, or of a run at one speed; x_largest_um, y_largest_um,
     r_largest_um: the largest after the start-up, peak or not, in x, in y, in any direction;
+    r_drop_um: the largest in the start-up of a machine that begins in the air, None of another;
     y_static_um: where the place begins in y.
 
     other_order, other_hz, other_um: order, negative backward, frequency and major semi-axis of the
@@ -72,7 +73,7 @@ def summary(
         **_other_than_synchronous(run, figures["place"], recording),
         **_synchronous(recording),
         **_angles(recording or run, figures["x_peak_hz"]),
-        **(dict.fromkeys(_OF_REST) if recording and recording.is_released else {}),
+        **(dict.fromkeys(_OF_REST) if recording and recording.is_released else {"r_drop_um": None}),
         "steps": int(steps),
         "rejected": int(last["solver.rejected"]),
         "newton_per_step": last["solver.newton"] / steps if steps else None,
@@ -108,7 +109,14 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     figures: dict[str, Any] = dict.fromkeys(
         (
             *("place", "x_peak_um", "x_peak_hz", "x_peak_s", "y_peak_um", "y_peak_hz", "y_peak_s"),
-            *("no_peak", "x_largest_um", "y_largest_um", "r_largest_um", "y_static_um"),
+            *(
+                "no_peak",
+                "x_largest_um",
+                "y_largest_um",
+                "r_largest_um",
+                "r_drop_um",
+                "y_static_um",
+            ),
         )
     )
     c, hz = run.columns, run.hz
@@ -119,7 +127,9 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     if not len(late):
         return figures | {"no_peak": why_no_peak(run.t, c["w"], run.status)}
     if place:
-        figures["r_largest_um"] = float(c[f"{place}.r_amp"][late].max()) * 1e6
+        before, after = np.split(c[f"{place}.r_amp"] * 1e6, late[:1])
+        figures["r_drop_um"] = float(before.max(initial=0.0))
+        figures["r_largest_um"] = float(after.max())
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
         largest = float(amplitude[late].max())
@@ -226,13 +236,17 @@ def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
         for axis in "xy"
         if (amount := figures[f"{axis}_peak_um"]) is not None
     ]
+    drop = ""
+    if (dropped := figures.get("r_drop_um")) is not None:
+        end = start_up(recording.t, recording.w)
+        drop = f" In the start-up, the first {end:.3g} s, it moved by at most {_length(dropped)}."
     if peaks:
-        return f"Peak of {display_name(place)}, 0-p from {begin}: {', '.join(peaks)}."
+        return f"Peak of {display_name(place)}, 0-p from {begin}: {', '.join(peaks)}.{drop}"
     moved = ""
     if figures["r_largest_um"] is not None:
         far = _length(figures["r_largest_um"])
         moved = f"; {display_name(place)} moved by at most {far} from {begin} after the start-up"
-    return f"No peak, because {figures['no_peak']}{moved}."
+    return f"No peak, because {figures['no_peak']}{moved}.{drop}"
 
 
 def _not_once_a_turn(figures: Mapping[str, Any]) -> str:

@@ -2,16 +2,25 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from .. import vibration
+from ..vibration.turns import TURN
 from .measuring_points import MeasuringPoint, last_of_the_largest
 from .peaks import largest_row, start_up
 from .recording import Recording
 
+# By how much the angle to the mark may change in a turn. A whirl of another frequency, which the
+# few turns of a block do not keep apart from 1x, changes it by more; so does 1x in a block in which
+# the speed changes by as large a share.
+_KEPT = TURN / 16
+_BLOCK = 4  # turns in which 1x is read
 _WIDE = 1.3  # ratio of the speeds between which a run may pass a resonance
 
 
 class SynchronousResponse(NamedTuple):
-    """The largest 1x vector of a place after the start-up.
+    """The largest 1x vector of a place after the start-up, of those that keep their angle to the
+    mark if any does.
 
     major: semi-axis of its ellipse, 0-p [m]; speed: at which it is largest [rad/s];
     resonance: the highest one of the place over the speed, None where the run passes none.
@@ -25,14 +34,29 @@ class SynchronousResponse(NamedTuple):
 
 def synchronous_response(run: Recording, place: MeasuringPoint) -> SynchronousResponse:
     """Return the synchronous response of a place; raises `TooFewTurns` as `Recording.resampled`."""
-    track = vibration.order_track_of(run.resampled(place), (1.0,))
+    track = vibration.order_track_of(run.resampled(place), (1.0,), turns=_BLOCK)
     major = track.major() * 1e-6  # recorded motions are resampled in um
-    at = largest_row(track.t, major, start_up(run.t, run.w))
+    keeps = _keeps_its_angle(track)
+    of_one = np.where(keeps, major, np.nan) if keeps.any() else major
+    at = largest_row(track.t, of_one, start_up(run.t, run.w))
     span, found = abs(track.speed), []
     if vibration.goes_one_way(track.speed) and span.max() > _WIDE * span.min():
         found = vibration.resonances(track.speed, major, t=track.t)
+        found = [each for each in found if keeps[np.argmin(abs(span - abs(each.speed)))]]
     largest = float(major[at]), float(track.speed[at])
     return SynchronousResponse(place, *largest, next(iter(found), None))
+
+
+def _keeps_its_angle(track: vibration.OrderTrack) -> np.ndarray:
+    """Return where the 1x vector keeps its angle to the mark from turn to turn, shape (m,)."""
+    if len(track.t) < 2:
+        return np.ones(len(track.t), bool)
+    forward, backward = track.forward[:, 0], track.backward[:, 0]
+    larger = np.where(abs(forward) >= abs(backward), forward, backward)
+    changes = abs(np.angle(larger[1:] * larger[:-1].conj()))
+    before, after = np.append(0.0, changes), np.append(changes, 0.0)
+    swept = _BLOCK * TURN * abs(np.gradient(track.speed) / track.speed)
+    return np.asarray(np.maximum(before, after) <= np.maximum(_KEPT, swept))
 
 
 def largest_synchronous_response(run: Recording) -> SynchronousResponse | None:

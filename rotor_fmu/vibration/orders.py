@@ -85,9 +85,9 @@ class Resonance(ShortRepr):
 
     speed [rad/s]; amplitude, 0-p [m]; amplification: the factor speed / (N2 - N1) between the
     half-power points (API RP 684), NaN where the response does not fall to one of them before the
-    run ends or another peak begins, or the run passes both within fewer turns than an order is read
-    in: that is a beat; rate: of the speed between them, without sign [rad/s2], NaN where it is not
-    known.
+    run ends or another peak begins, or the run passes both at one speed, or within fewer turns than
+    an order is read in: that is a beat; rate: of the speed between them, without sign [rad/s2], NaN
+    where it is not known.
     """
 
     speed: float
@@ -196,7 +196,7 @@ def _resonance(n: np.ndarray, a: np.ndarray, t: np.ndarray, peak: int) -> Resona
     took = abs(t_high - t_low)
     rate = abs(width) / took if took else np.nan
     is_beat = abs(n[peak]) * took < _BLOCK * TURN
-    factor = np.nan if is_beat or width == 0.0 else abs(n[peak]) / width
+    factor = np.nan if is_beat or not width else abs(n[peak]) / width
     return Resonance(float(n[peak]), float(a[peak]), float(factor), float(rate))
 
 

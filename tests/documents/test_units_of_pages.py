@@ -111,8 +111,8 @@ def test_the_page_on_which_a_machine_runs_is_in_the_units_that_were_chosen():
         us = page_data(machine)
     si = page_data(machine)
     units = {name: each["unit"] for name, each in us["units"].items()}
-    assert units == {"speed": "rpm", "displacement": "mil", "amplitude": "mil pp"}
-    assert us["units"]["amplitude"]["factor"] == pytest.approx(2e6 / 25.4)
+    assert units == {"speed": "rpm", "displacement": "mil"}
+    assert us["units"]["displacement"]["factor"] == pytest.approx(1e6 / 25.4)  # none is doubled
     shown = [c["unit"] for group in (us["course"], *us["groups"]) for c in group["controls"]]
     shown += [c["unit"] for c in us["recorded"]]
     assert {"rpm", "rpm/s", "mil", "lbf", "lbf/in", "lbf.s/in", "lb", "lbf.in"} <= set(shown)

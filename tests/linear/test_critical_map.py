@@ -13,6 +13,7 @@ from rotor_fmu.model.linear import (
     critical_map,
     critical_peaks,
     mean_stiffness,
+    modes,
     static,
 )
 from rotor_fmu.model.machine.toml import parse_rotor, rig
@@ -233,3 +234,20 @@ def test_bearings_without_stiffness_are_varied_about_that_of_the_rotor(heavier):
 def test_impossible_input_is_named(stiffness, count, expected):
     with pytest.raises(InputError, match=expected):
         critical_map(rig(), stiffness, count=count)
+
+
+def test_magnetic_pull_is_no_bearing_and_keeps_its_negative_stiffness():
+    """A motor whose air gap pulls its core outwards: on its bearings' stiffness the map has the
+    natural frequency of the whole machine, and none where they are too soft to hold it."""
+    pull = LinearBearing(node=4, kxx=-1e6, kyy=-1e6, cxx=0.0, cyy=0.0, name="pull")
+    rotor = parse_rotor(SHAFT + support(1, 3e6) + support(7, 3e6))
+    rotor = replace(rotor, eta_v=0.0, parts=(*rotor.parts, pull))
+    stiffness = [3e5, 3e6, 1e7]
+    result = critical_map(rotor, stiffness, count=2, synchronous=False)
+    expected = abs(modes(rotor, 0.0).eigenvalues[0])
+    assert result.bearings == ("support[1]", "support[2]")
+    assert result.speeds[1, 0] == pytest.approx(expected, rel=1e-9)
+    assert np.isnan(result.speeds[0]).all()
+    assert mean_stiffness(rotor) == pytest.approx(3e6)
+    with pytest.raises(InputError, match="not held by its bearings against what pulls"):
+        critical_map(rotor, [2e5, 3e5])

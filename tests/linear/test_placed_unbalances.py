@@ -8,7 +8,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.body import Body
 from rotor_fmu.model.parts.shaft import Material, Section
 
-from rotor_fmu.machine_report.rub_check import with_unbalances
+from rotor_fmu.machine_report.unbalanced import with_unbalances
 from tests.linear.api_617 import SHAFT, support
 
 

@@ -1,6 +1,7 @@
 """The check of clearances with contacts: ranges of a single speed, and runs that fail."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from rotor_fmu.machine_report import rub_check as module
 from rotor_fmu.machine_report.report_page import ReportOptions, machine_report
 from rotor_fmu.machine_report.rub_check import rub_check
 from rotor_fmu.machine_report.rub_shown import rub_figure, runs_table
+from rotor_fmu.machine_report.unbalanced import with_unbalances
 
 from ..known import EXAMPLES
 from ..toml_text import table
@@ -107,6 +109,8 @@ def test_a_response_that_closes_no_contact_says_nothing_of_other_clearances():
     rotor = _machine(1e4, 300.0, 0.0)
     parts = tuple(part for part in rotor.parts if not hasattr(part, "mu"))
     conclusion = rub_check(replace(rotor, parts=parts), 299.0, 300.0).conclusion
+    assert conclusion == "The machine has no contact to run with."
+    conclusion = rub_check(_machine(1e4, 300.0, 0.0), 299.0, 300.0, [(2, 1e-9, 0.0)]).conclusion
     assert conclusion == "The linear response closes no contact; no run with contacts was needed."
 
 
@@ -192,7 +196,7 @@ def test_a_machine_that_whirls_is_not_said_to_pass_a_resonance(is_stable, code):
     runs = (module.RubRun("run-up", "ok", messages, np.ones(1), np.array([1.4e-3]), (films,)),)
     closings = (module.Closing("film", 2e-4, 1.8e-4, 6e-5, 88.0, 128.0),)
     shown = ("disc[1]", np.ones(1), np.ones(1))
-    check = module.RubCheck(100.0, 110.0, is_stable, 1.0, closings, *shown, runs)
+    check = module.RubCheck(100.0, 110.0, is_stable, True, 1.0, closings, *shown, runs)
     said = "In the runs with contacts the machine whirls by up to 1400 um 0-p, and touches "
     assert check.conclusion == f"{said}nothing."
 
@@ -200,9 +204,9 @@ def test_a_machine_that_whirls_is_not_said_to_pass_a_resonance(is_stable, code):
 def test_a_machine_that_whirls_without_contacts_is_told_that_a_run_says_by_how_much():
     rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")[1]
     said = rub_check(rotor, 4e3, 9e3, is_stable=False).conclusion
-    assert said.startswith("The machine has no contact with which it could be run; ")
+    assert said.startswith("The machine has no contact to run with; ")
     assert said.endswith("says by how much it whirls.")
-    assert rub_check(rotor, 4e3, 9e3).conclusion.startswith("The linear response closes no contact")
+    assert rub_check(rotor, 4e3, 9e3).conclusion == "The machine has no contact to run with."
 
 
 def _farthest(response, rest, node):
@@ -240,7 +244,7 @@ def test_a_contact_in_which_the_shaft_lies_is_closed_at_all_speeds():
 
 @pytest.mark.usefixtures("coarse_report", "without_runs")
 def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at_that_speed():
-    rotor = module.with_unbalances(_on_films("oil_film", 0.005), None, 30.0)
+    rotor = with_unbalances(_on_films("oil_film", 0.005), None, 30.0)
     for closing in rub_check(rotor, 400.0, 450.0).closings:
         response, rest = unbalance_response(rotor, [closing.begin]), static(rotor, closing.begin)
         node = next(part.node for name, part in rotor.named_parts() if name == closing.name) - 1
@@ -252,7 +256,7 @@ def test_a_film_closes_where_its_journal_reaches_its_wall_from_where_it_rests_at
 @pytest.mark.usefixtures("conclusions_alone", "without_runs")
 @pytest.mark.parametrize(("e", "said"), [(1.0, 0), (0.01, 1)])
 def test_a_report_that_names_films_does_not_say_that_no_clearance_was_checked(e, said):
-    rotor = module.with_unbalances(_on_films("squeeze_film", 0.004), None, e)
+    rotor = with_unbalances(_on_films("squeeze_film", 0.004), None, e)
     texts = [c.text for c in machine_report(rotor, ReportOptions(250.0, 260.0)).conclusions]
     assert sum(text.startswith("No clearance was checked") for text in texts) == said
     assert sum("of the clearance of oil films" in text for text in texts) == 1 - said
@@ -261,9 +265,38 @@ def test_a_report_that_names_films_does_not_say_that_no_clearance_was_checked(e,
 @pytest.mark.usefixtures("conclusions_alone", "without_runs")
 def test_a_report_of_films_that_close_does_not_say_that_no_clearance_was_checked():
     """A journal that lies deep in its film closes it by a motion of less than half of it."""
-    rotor = module.with_unbalances(_on_films("oil_film", 0.002), None, 1.5)
+    rotor = with_unbalances(_on_films("oil_film", 0.002), None, 1.5)
     report = machine_report(rotor, ReportOptions(250.0, 260.0))
     assert report.numbers["contact"]["closings"]
     texts = " ".join(c.text for c in report.conclusions)
     assert "of the clearance of oil films" not in texts
     assert "No clearance was checked" not in texts
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_of_a_machine_without_a_part_that_is_seen_to_move_its_contact_is_shown():
+    """A bare shaft with an unbalance, on supports: its picture was empty."""
+    bare = re.sub(r"(?s)\[\[disc\]\].*?(?=\[\[contact)", "", _JEFFCOTT)
+    bare += "k = 1e7\n[[unbalance]]\nnode = 2\namount = 1e-4\n"
+    held = (f"[[support]]\nnode = {n}\nstiffness = 1e6\ndamping = 200.0\n" for n in (1, 3))
+    rotor = parse_rotor(bare + "".join(held))
+    found = rub_check(rotor, 300.0, 310.0)
+    assert found.place == "contact[1]"
+    whirl = unbalance_response(rotor, [found.speed[-1]])
+    assert found.linear[-1] == pytest.approx(abs(whirl.x[0, 1]), rel=1e-6)
+    assert all(run.amplitude.max() > 0.9e-5 for run in found.runs)
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_of_contacts_that_carry_the_machine_the_motion_is_said_and_no_rub():
+    """A shaft that lies in dry bearings touches them always, whatever it does there."""
+    lying = re.sub(r"(?s)gravity = 0.0|\[\[contact\]\].*", "", _JEFFCOTT)
+    contact = _JEFFCOTT.partition("[[contact]]")[2].replace("node = 2", "node = {node}")
+    lying += "".join(f"[[contact]]{contact}k = 1e7\n".format(node=node) for node in (1, 3))
+    found = rub_check(parse_rotor(lying), 300.0, 310.0)
+    most = 1e6 * max(run.amplitude.max() for run in found.runs)
+    said = f"disc[1] whirls by up to {float(f'{most:.3g}'):g} um 0-p, in the linear response, which"
+    assert said in found.conclusion
+    assert "as closed, by more than 1000 times that" in found.conclusion  # nothing damps it
+    assert "rub" not in found.conclusion
+    assert "contacts that carry" in rub_figure(found).axes[0].get_title(loc="left")

@@ -22,6 +22,8 @@ from ..documents.browser import NASTY, RIGHT, look
 from .live import LivePage
 from .wasm import Native, rows_of
 
+START = "start-up, the first 0.1 s"  # a fifth of half a second
+
 
 @pytest.mark.parametrize(("width", "dark"), [(400, True), (1500, False)])
 def test_the_page_is_small_and_silent_and_fits_its_width(silent, rig, width, dark):
@@ -79,12 +81,16 @@ def test_its_numbers_are_the_native_librarys_bit_for_bit(silent, rig):
     assert np.array(lines[1:], float).tobytes() == native.tobytes()
     # what is drawn is what was computed
     at = names.index("disc[1].r_amp")
-    highest = page.run("return charts.amplitude.view.ys[1]")
+    highest = page.run("return charts.distance.view.ys[1]")
     assert highest == pytest.approx(1.04 * 1e6 * native[:, at].max(), rel=1e-6)
     settled = native[:, 0] > start_up(native[:, 0], native[:, names.index("w")])
+    ends = page.run("return abscissa(now)[rowAt(now, startUp(now))]")
+    assert ends == native[~settled, names.index("w")][-1] / math.tau
     largest = native[settled, at].max()
     assert largest < 0.99 * native[:, at].max()
-    assert f"of disc 1 after the start-up: {1e6 * largest:.4g} " in page.text("state")
+    assert f"of disc 1 from its start after the start-up: {1e6 * largest:.4g} " in page.text(
+        "state"
+    )
 
 
 def test_a_slider_moved_by_the_keys_runs_again_beside_the_run_before(silent, rig):
@@ -104,11 +110,14 @@ def test_a_slider_moved_by_the_keys_runs_again_beside_the_run_before(silent, rig
         0.04,
         clearance,
     ]
-    keys = page.run("return document.querySelector('#amplitude .key').textContent")
-    assert keys == "the run beforethis run"
+    keys = page.run("return document.querySelector('#distance .key').textContent")
+    assert keys == "the run beforethis run" + START
     assert "; the run before: " in page.text("state")
     page.find("compare").click()
-    assert page.run("return document.querySelector('#amplitude .key').textContent") == "this run"
+    assert (
+        page.run("return document.querySelector('#distance .key').textContent")
+        == "this run" + START
+    )
     page.find("reset").click()
     assert page.run("return Object.keys(values)") == []
 
@@ -119,12 +128,12 @@ def test_a_ramp_stands_over_time_beside_a_run_at_constant_speed(silent, rig):
     page.find("run").click()
     page.ended(2)
     assert page.run("return before.plan.duration") == pytest.approx(0.5)
-    assert page.run("return charts.amplitude.view.xs") == pytest.approx([0, 0.5])
+    assert page.run("return charts.distance.view.xs") == pytest.approx([0, 0.5])
     page.find("reset").click()
     page.run("change(byName.get('course.to'), 395)")
     page.find("run").click()
     page.ended(3)
-    speeds = page.run("return charts.amplitude.view.xs")
+    speeds = page.run("return charts.distance.view.xs")
     assert speeds == pytest.approx([395 / math.tau, 400 / math.tau])
 
 
@@ -148,7 +157,7 @@ def test_pictures_of_a_run_that_ended_early_show_no_more_than_it(silent, rig):
         "return [now.t[now.n - 1], [now.n - 1, 0].map((row) => speedAt(now, row))]"
     )
     assert page.run("return charts.time.view.xs") == pytest.approx([0.0, end])
-    assert page.run("return charts.amplitude.view.xs") == pytest.approx(speeds)
+    assert page.run("return charts.distance.view.xs") == pytest.approx(speeds)
     page.set("cursor", "500")
     assert page.run("return picked") == pytest.approx(0.5 * end)
 
@@ -231,19 +240,19 @@ def test_a_machines_name_is_shown_and_runs_nothing(silent, tmp_path):
 
 def test_the_picture_of_a_run_at_one_speed_is_over_time_and_says_so(silent, rig):
     page = LivePage(silent, rig, "#course.to=400&course.hold=0.2").ended()
-    caption = "return document.querySelector('#amplitude figcaption').textContent"
-    label = "return document.querySelector('#amplitude svg').getAttribute('aria-label')"
-    assert page.run(caption) == "Amplitude over time"
+    caption = "return document.querySelector('#distance figcaption').textContent"
+    label = "return document.querySelector('#distance svg').getAttribute('aria-label')"
+    assert page.run(caption) == "Distance from its start, largest in a turn, over time"
     assert page.run(label).startswith(
-        "Amplitude over time. Amplitude, disc 1 [µm 0-p] over Time [s]"
+        "Distance from its start, largest in a turn, over time. Distance, disc 1 [µm] over Time [s]"
     )
     page = LivePage(silent, rig).ended()
-    assert page.run(caption) == "Amplitude over speed"
+    assert page.run(caption) == "Distance from its start, largest in a turn, over speed"
     page.run(
         "field('place').value = data.places.findIndex((place) => place.clearance);"
         "field('place').dispatchEvent(new Event('change'))"
     )
-    assert page.run(caption) == "Distance from the centre over speed"
+    assert page.run(caption) == "Distance from the centre, over speed"
     keys = "return [...document.querySelectorAll('#orbit .key span')].map((one) => one.textContent)"
     assert page.run(keys) == ["this run", "clearance of this run"]
 

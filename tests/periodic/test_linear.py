@@ -1,5 +1,7 @@
 """A machine without nonlinear parts, or whose parts touch nothing, has the linear answers."""
 
+import re
+
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import response_with_peaks
@@ -144,3 +146,19 @@ def test_a_resonance_of_a_disc_is_drawn_that_the_contacts_hardly_notice():
     assert contact.max() < 1e-4 * 1e-4
     drawn = np.interp(linear.speeds, [p.value for p in branch.points], disc)
     assert np.abs(drawn - linear.major[:, 2]).max() < 0.05 * linear.major[:, 2].max()
+
+
+@pytest.mark.parametrize("housing", ["", 'housing = "frame"\n'])
+def test_of_a_machine_without_a_part_that_is_seen_to_move_the_contact_is_shown(housing):
+    """Across its gap, where the frame, which nothing touches, rests: the picture was empty."""
+    frame = '[[housing]]\nname = "frame"\nmass = 1.0\nkx = 1e6\nky = 1e6\ncx = 10.0\ncy = 10.0\n'
+    gap = "node = 4\njournal_radius = 0.01\nclearance = 1.0\nmu = 0.1\nk = 1e7\n"
+    text = UNBALANCED.replace("[[sensor]]\nnode = 4\n", "").replace(SEAL, "")
+    held = "".join(f"[[support]]\nnode = {n}\nstiffness = 1e6\ndamping = 100.0\n" for n in (1, 3))
+    bare = re.sub(r"(?s)\[\[(disc|body|linear_bearing)\]\].*?(?=\[\[|$)", "", text) + held
+    machine = rf.parse(f"{bare}[[contact]]\n{gap}{housing}{frame if housing else ''}")
+    result = rf.response(machine, speed=(50.0, 100.0))
+    linear = machine.unbalance_response([p.value for p in result.points])
+    assert list(result.probes) == ["contact[1]"]
+    once = result.curve("contact[1]", "x_1x").value
+    assert once == pytest.approx(abs(linear.x[:, 3]), rel=1e-6)

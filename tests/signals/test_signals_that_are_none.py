@@ -1,6 +1,8 @@
 """What is no signal, or what one cannot be asked for, is refused by its argument's name; what was
 not recorded is left out."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -128,6 +130,14 @@ def test_resonances_of_a_speed_that_rises_and_falls_are_refused():
     speed, amplitude = (np.append(values, values[::-1]) for values in (PHI, PEAK))
     with pytest.raises(InputError, match=r"^speed: 0 to 100 rad/s, up and down; must go one way$"):
         vibration.resonances(speed, amplitude)
+
+
+def test_a_transient_at_one_speed_is_no_resonance():
+    """Such as of a rotor that is dropped at its speed, which is held: its factor was infinite."""
+    t = np.linspace(0.0, 30.0, 301)
+    amplitude = np.exp(-(((t - 10.0) / 2.0) ** 2))
+    (found,) = vibration.resonances(np.minimum(300.0, 315.0 - t), amplitude, t=t)
+    assert math.isnan(found.amplification)
 
 
 @pytest.mark.parametrize(("back", "one_way"), [(5.0, True), (20.0, False)])

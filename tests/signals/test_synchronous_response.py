@@ -63,6 +63,19 @@ def test_a_resonance_is_found_beside_a_larger_drift():
         assert ", 20 um pp at 14" in sentences(figures, recording, Path("report.html"))[1]
 
 
+def test_a_whip_beyond_the_resonance_is_no_synchronous_response():
+    """At its natural frequency, ten times as large: at 1.33 times the resonance half of it was
+    read as 1x."""
+    run, recording = sinking()
+    w = recording.columns["w"]
+    whip = 100e-6 * np.clip((w - 190.0) / 10.0, 0.0, 1.0) * np.exp(1j * NATURAL * recording.t)
+    moved = {"disc.x": whip.real, "disc.y": whip.imag}
+    moved = {name: recording.columns[name] + more for name, more in moved.items()}
+    figures = summary(run, recording=replace(recording, columns=recording.columns | moved))
+    assert figures["synchronous_um"] == pytest.approx(10.0, rel=0.01)
+    assert figures["synchronous_hz"] == pytest.approx(NATURAL / (2 * math.pi), rel=0.02)
+
+
 @pytest.mark.parametrize(("stop", "rate", "is_seen"), [(40.0, 0.0, True), (0.05, -9.0, False)])
 def test_a_run_at_one_speed_passes_no_resonance_and_a_short_one_has_no_response(
     stop, rate, is_seen

@@ -141,7 +141,7 @@ async function open() {
   data.places.forEach((place, i) => field("place").append(new Option(place.title, i)));
   data.recorded.forEach((each, i) => field("signal").append(new Option(each.label, i)));
   const first = data.places[0];
-  const ofPlaces = [field("place").parentElement, charts.amplitude.figure, charts.orbit.figure];
+  const ofPlaces = [field("place").parentElement, charts.distance.figure, charts.orbit.figure];
   for (const each of ofPlaces) each.hidden = !first;
   field("signal").value = Math.max(0, columnOf.get(first?.x) ?? 0);
   const notes = readHash();

@@ -1,7 +1,7 @@
 // The pictures of the run, and of the one before.
 
 const charts = {
-  amplitude: new Chart("amplitude", (speed) => pickWhere(abscissa(now), speed)),
+  distance: new Chart("distance", (speed) => pickWhere(abscissa(now), speed)),
   orbit: new Chart("orbit"),
   time: new Chart("time", (t) => pickWhere(now.t.subarray(0, now.n), t)),
   near: new Chart("near", (t) => pickWhere(now.t.subarray(0, now.n), t)),
@@ -21,21 +21,18 @@ const speedsOf = (run) => {
   return [speedAt(run, 0), speedAt(run, run.n - 1)];
 };
 const scaled = (list, factor) => list.map((value) => value * factor);
-const { speed: SPEED, displacement: SMALL, amplitude: AMPLITUDE } = data.units;
-// A distance from the centre is no amplitude, which may be shown peak-to-peak.
-const sizeOf = (place) => (place.amplitude ? AMPLITUDE : SMALL);
-const nameOf = (place) => `${place.amplitude ? "amplitude" : "distance from the centre"} of ${place.title}`;
+const { speed: SPEED, displacement: SMALL } = data.units;
+const nameOf = (place) => `distance of ${place.title} from ${place.farthest ? "its start" : "the centre"}`;
 
 // Of both runs the time, or of both the speed: they share the picture's axis.
 function abscissa(run) {
   return isSteady(now) ? run.t.subarray(0, run.n) : scaled(column(run, "w"), SPEED.factor);
 }
 
-function amplitude(run, place) {
-  const { factor } = sizeOf(place);
-  if (place.amplitude) return scaled(column(run, place.amplitude), factor);
+function distance(run, place) {
+  if (place.farthest) return scaled(column(run, place.farthest), SMALL.factor);
   const [x, y] = [column(run, place.x), column(run, place.y)];
-  return x.map((value, i) => factor * Math.hypot(value, y[i]));
+  return x.map((value, i) => SMALL.factor * Math.hypot(value, y[i]));
 }
 
 // Index of the last row at or before a time.
@@ -71,26 +68,25 @@ function turnsUpTo(run, row, turns) {
   return [first, row + 1];
 }
 
-// Row from which the transient of the start is over; the first of a run that ends before.
-function settledRow(run) {
+// Time until which a run is in its start-up.
+function startUp(run) {
   const { turns, share } = data.startUp;
   const settled = (turns * TURN) / Math.max(...run.plan.speeds.map(Math.abs));
-  const over = Math.min(settled, share * run.plan.duration);
-  const row = run.t.subarray(0, run.n).findIndex((t) => t > over);
-  return Math.max(0, row);
+  return Math.min(settled, share * durationOf(run));
 }
 
-// Row of the largest amplitude after the start-up.
+// Row of the largest distance after the start-up.
 function largestRow(run, place) {
-  const list = amplitude(run, place);
-  let best = settledRow(run);
+  const list = distance(run, place);
+  const over = startUp(run);
+  let best = Math.max(0, run.t.subarray(0, run.n).findIndex((t) => t > over));
   for (let i = best; i < list.length; i++) if (list[i] > list[best]) best = i;
   return best;
 }
 
 function largestOf(run, place) {
   const row = largestRow(run, place);
-  const largest = `${digits(amplitude(run, place)[row], 4)} ${sizeOf(place).unit}`;
+  const largest = `${digits(distance(run, place)[row], 4)} ${SMALL.unit}`;
   return `${largest} at ${digits(speedAt(run, row), 4)} ${SPEED.unit}`;
 }
 
@@ -100,7 +96,7 @@ function speedAt(run, row) {
   return Math.abs(w) < 1e-9 * Math.max(...run.plan.speeds.map(Math.abs)) ? 0 : w * SPEED.factor;
 }
 
-// The time picked; without one the last, and that of the largest amplitude in a run that has ended.
+// The time picked; without one the last, and that of the largest distance in a run that has ended.
 function shownTime(place) {
   if (picked !== null) return picked;
   return now.t[place && now.seconds !== undefined ? largestRow(now, place) : now.n - 1];
@@ -145,12 +141,17 @@ function redraw() {
   const speeds = runs.flatMap(speedsOf);
   const steady = isSteady(now);
   if (place) {
-    const size = place.amplitude ? "Amplitude" : "Distance from the centre";
-    charts.amplitude.caption.textContent = `${size} over ${steady ? "time" : "speed"}`;
-    charts.amplitude.draw({
-      series: series((run) => thinned(abscissa(run), amplitude(run, place), columns)),
+    const size = `Distance from ${place.farthest ? "its start, largest in a turn" : "the centre"}`;
+    charts.distance.caption.textContent = `${size}, over ${steady ? "time" : "speed"}`;
+    const drawn = (run, ...rows) =>
+      thinned(abscissa(run).slice(...rows), distance(run, place).slice(...rows), columns);
+    const endOf = (run) => rowAt(run, startUp(run));
+    const early = runs.map((run) => ({ ...drawn(run, 0, endOf(run) + 1), kind: "early" }));
+    early.at(-1).label = `start-up, the first ${digits(startUp(now), 3)} s`;
+    charts.distance.draw({
+      series: [...series((run) => drawn(run, endOf(run))), ...early],
       xLabel: steady ? "Time [s]" : `Speed [${SPEED.unit}]`,
-      yLabel: `${size}, ${place.title} [${sizeOf(place).unit}]`,
+      yLabel: `Distance, ${place.title} [${SMALL.unit}]`,
       cursor: steady ? t : speedAt(now, row),
       from: 0,
       xRange: steady ? null : [Math.min(...speeds), Math.max(...speeds)],
@@ -202,8 +203,8 @@ function redraw() {
   const value = column(now, signal.name)[row] * signal.factor;
   const parts = [`t = ${digits(now.t[row], 6)} s, ${speed}`];
   if (place) {
-    const size = `${digits(amplitude(now, place)[row], 4)} ${sizeOf(place).unit}`;
-    parts.push(`${nameOf(place)} ${size}`);
+    const size = `${digits(distance(now, place)[row], 4)} ${SMALL.unit}`;
+    parts.push(`${nameOf(place)}${place.farthest ? ", largest in the last turn:" : ""} ${size}`);
   }
   parts.push(`${signal.label} ${digits(value)} ${signal.unit}`);
   field("reading").textContent = parts.join("; ");
