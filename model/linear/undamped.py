@@ -74,10 +74,10 @@ class UndampedMachine:
         named = bearings_of(bare, self.contacts)
         names = (*machine.supports.springs, *machine.supports.interfaces)
         held = [i for i, name in enumerate(names) if name in named]
-        if not held:
+        pulls = {where: pull for where, part in bare.named_parts() if (pull := pull_of(part))}
+        if not (held or pulls):
             raise LinearError("the machine has no bearing: add one that holds the shaft")
         self.bearings = {names[i]: named[names[i]] for i in held}
-        pulls = {where: pull for where, part in bare.named_parts() if (pull := pull_of(part))}
         pulling = [i for i, name in enumerate(names) if name in pulls]
         self._pulls = np.array([pulls[names[i]] for i in pulling])
         self._held = np.array(held + pulling)
@@ -116,8 +116,8 @@ class UndampedMachine:
 
     def is_held(self, stiffness: float) -> bool:
         """Return whether bearings of this stiffness [N/m] hold the machine against what pulls."""
-        if not len(self._pulls):
-            return True
+        if not len(self._pulls) or not self.bearings:
+            return bool(self.bearings)
         pulled = self._pulled.toarray()
         yields = pulled @ self._solver(stiffness, 0.0)(pulled.T)[0]
         share = np.sqrt(np.repeat(-self._pulls, 2))
