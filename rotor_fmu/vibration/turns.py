@@ -141,6 +141,21 @@ class Synchronous(Turns):
         """The angle turned since the mark, shape (per_turn,) [rad]."""
         return np.arange(self.per_turn) * (TURN / self.per_turn)
 
+    def drift_of(self, first: np.ndarray, turns: int) -> np.ndarray:
+        """Return by how much the mean position moves a turn in blocks that begin with the turns
+        `first`: between the means of their halves, in which what repeats with them is 0."""
+        half = turns // 2
+        if not half:
+            return np.zeros(len(first))
+        summed = np.concatenate([[0.0], np.cumsum(self.values.mean(axis=1))])
+        early = summed[first + half] - summed[first]
+        late = summed[first + turns] - summed[first + turns - half]
+        return (late - early) / (half * (turns - half))
+
+    def ramp(self, turns: int) -> np.ndarray:
+        """Return the turns made since the middle of a block, shape (turns, per_turn)."""
+        return np.arange(turns)[:, None] + self.angle / TURN - turns / 2
+
 
 def turns_of(t: np.ndarray, phi: np.ndarray) -> Turns:
     """Return the whole turns of a shaft whose angle is phi [rad], recorded at t [s], both finite
