@@ -8,7 +8,7 @@ import numpy as np
 
 from ..model.contact.wall import ContactQuantities
 from ..studies.study import Cell
-from ..vibration import TooFewTurns, order_track
+from ..vibration import TooFewRows, TooFewTurns, displacement, order_track
 from . import held_metrics
 from .metric import (
     ROUNDING,
@@ -84,6 +84,28 @@ def _averaged(t: np.ndarray, values: np.ndarray) -> float:
 def _peak(metric: Metric, window: Window) -> float:
     values = np.abs(_late_values(metric, window)[1])
     return float(values.max()) if len(values) else math.nan
+
+
+def _check_along(metric: Metric, how: Excitation) -> None:
+    if metric.of.endswith(".r"):
+        raise metric.error(f"{metric.of}: vibration is peak-to-peak along an axis, as PART.x")
+
+
+@_kind(
+    "largest peak-to-peak value in 16 turns of {of}",
+    optional=_AFTER,
+    check=_check_along,
+    also=("phi",),
+    is_fine=True,
+)
+def _peak_to_peak(metric: Metric, window: Window) -> float:
+    """Return the vibration as ISO 20816-1 has it, wherever the shaft lies; nan without a turn."""
+    t, values = _late_values(metric, window)
+    phi = window.steps.columns["phi"][_late(metric, window)]
+    try:
+        return float(displacement(t, phi, values).x_pp.max())
+    except (TooFewRows, TooFewTurns):
+        return math.nan
 
 
 @_kind("root of the mean square over time of {of}", optional=_AFTER)
