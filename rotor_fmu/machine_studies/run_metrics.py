@@ -116,7 +116,11 @@ def _rms(metric: Metric, window: Window) -> float:
 
 @_kind("mean over time of {of}", optional=_AFTER, least=_rms)
 def _mean(metric: Metric, window: Window) -> float:
-    return _averaged(*_late_values(metric, window))
+    t, values = _late_values(metric, window)
+    if not metric.is_direction:
+        return _averaged(t, values)
+    mean = math.atan2(_averaged(t, np.sin(values)), _averaged(t, np.cos(values)))
+    return mean % math.tau if (values >= 0).all() else mean
 
 
 def _around(metric: Metric, window: Window, at: int) -> np.ndarray:
@@ -170,7 +174,10 @@ def _value(metric: Metric, window: Window) -> float:
     if passage is None:
         return math.nan
     at, share = passage
-    return float(values[at] + share * (values[at + 1] - values[at]))
+    rise = values[at + 1] - values[at]
+    return float(
+        values[at] + share * (math.remainder(rise, math.tau) if metric.is_direction else rise)
+    )
 
 
 def _bin_axis(metric: Metric, how: Excitation) -> ListAxis:
