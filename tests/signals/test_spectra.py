@@ -26,7 +26,7 @@ def test_a_motion_that_repeats_after_some_turns_has_its_amplitude(order):
 def test_a_shaft_that_rises_on_its_oil_film_has_no_orders_of_that(sense):
     """By 1 um a turn, in 1x of 1 um: the drift was read as 0.21 um of 0.5x, and as 1.9 um beside
     the mean."""
-    phi = sense * np.arange(40 * 64 + 1) * (2 * math.pi / 64)
+    phi = sense * np.arange(60 * 64 + 1) * (2 * math.pi / 64)
     z = 1e-6 * np.exp(1j * phi) + (0.5 + 1j) * 1e-6 * abs(phi) / (2 * math.pi)
     t = abs(phi) / 100.0
     track = vibration.order_track(t, phi, z)
@@ -34,6 +34,9 @@ def test_a_shaft_that_rises_on_its_oil_film_has_no_orders_of_that(sense):
     assert np.abs(track.y()) == pytest.approx(1e-6, rel=1e-5)
     found = vibration.full_spectrum(t, phi, z, sense * 100.0)
     assert found.order[found.amplitude > 1e-9] == pytest.approx([0.9375, 1.0, 1.0625])
+    direct = vibration.displacement(t, phi, z)
+    assert [direct.x_pp, direct.y_pp] == pytest.approx(np.full((2, 45), 2e-6), rel=2e-3)
+    assert direct.s_max == pytest.approx(np.full(45, 1e-6), rel=2e-3)
 
 
 @pytest.mark.parametrize(("sunk", "label", "width"), [(5, "rest", 5), (80, "rest: 80 µm away", 2)])
