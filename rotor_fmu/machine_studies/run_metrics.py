@@ -216,7 +216,7 @@ def _passed_spread(metric: Metric, window: Window) -> float:
 
 
 @_kind(
-    "amplitude of order {order:g} where {speed:g} rad/s is first passed, of {of}",
+    "amplitude of order {order:g} where {speed:g} rad/s is first passed, 0-p, of {of}",
     "order",
     "speed",
     check=_check_passing,
