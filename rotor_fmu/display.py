@@ -93,11 +93,12 @@ class Display:
         return f"Rotational speed n [{self.speed_unit}]"
 
     def of_si(self, unit: str) -> Shown:
-        """How a quantity in an SI unit is shown, metres as displacements; what has no other unit is
-        shown as it is."""
+        """How a quantity in an SI unit is shown, metres as displacements, angles in degrees; what
+        has no other unit is shown as it is."""
         shown = {
             "rad/s": (self.speed, self.speed_unit),
             "rad/s2": (self.speed, f"{self.speed_unit}/s"),
+            "rad": (180.0 / math.pi, "deg"),
             "m": (self.small, self.small_unit),
             "kg": (self.mass, self.mass_unit),
             "N": (self.force, self.force_unit),

@@ -47,7 +47,7 @@ def _check_order(metric: Metric, how: Excitation) -> None:
 
 
 @_kind(
-    "amplitude of order {order:g} of the speed, of {of}",
+    "amplitude of order {order:g} of the speed, 0-p, of {of}",
     "order",
     check=_check_order,
     least=_spread,
@@ -100,7 +100,7 @@ def _spectrum_axis(metric: Metric, how: Excitation) -> ListAxis:
 
 
 @_kind(
-    "full spectrum, negative orders backward, of {of}",
+    "full spectrum, 0-p, negative orders backward, of {of}",
     "orders",
     unit="m",
     axis=_spectrum_axis,

@@ -153,7 +153,8 @@ class MachineRuns:
         finer_result, *_ = self._run({**values, **finer(settings)})
         if has_failed(finer_result.status):
             return Result(not_confirmed(result.status), result.cells)
-        difference = _difference(result.cells, finer_result.cells, least)
+        directions = {metric.name for metric in self.metrics if metric.is_direction}
+        difference = _difference(result.cells, finer_result.cells, least, directions)
         is_near = difference <= allowed(settings)
         status = result.status if is_near else not_confirmed(result.status)
         return Result(status, {**result.cells, VERIFICATION: difference})
@@ -243,10 +244,13 @@ class MachineRuns:
 
 
 def _difference(
-    cells: Mapping[str, Cell], finer_cells: Mapping[str, Cell], least: Mapping[str, float]
+    cells: Mapping[str, Cell],
+    finer_cells: Mapping[str, Cell],
+    least: Mapping[str, float],
+    directions: Collection[str],
 ) -> float:
     """Return the largest difference of two runs' cells, relative to the size of each, which is at
-    least `least` [1]; infinite where only one run has a value."""
+    least `least`, of directions to a radian [1]; infinite where only one run has a value."""
     largest = 0.0
     for name, cell in cells.items():
         one, other = np.atleast_1d(cell), np.atleast_1d(finer_cells[name])
@@ -254,5 +258,7 @@ def _difference(
             return math.inf
         size = np.nanmax(np.abs(other), initial=least[name])
         apart = np.nanmax(np.abs(one - other), initial=0.0)
+        if name in directions:
+            size, apart = 1.0, np.nanmax(np.abs(np.exp(1j * one) - np.exp(1j * other)), initial=0.0)
         largest = max(largest, float(apart / size) if size else float(apart > 0))
     return largest

@@ -4,7 +4,7 @@ A quantity is an output by its name, or PART.r, the distance of PART.x and PART.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +16,8 @@ from .run_excitation import Excitation
 
 ROUNDING = 1e-9  # of a speed as a share of the highest, and of whole periods
 # Kinds that a study file writes as other ones.
+# Outputs that are angles which begin anew after a turn.
+_DIRECTIONS = ("psi", "x_1x_phase", "y_1x_phase", "attitude", "film_angle", "bow_angle")
 VARIANTS = {"passing": "order with speed", "slid": "dissipated"}
 
 
@@ -99,6 +101,11 @@ class Metric:
     options: tuple[tuple[str, Any], ...] = ()
     contact: ContactQuantities | None = None
 
+    @property
+    def is_direction(self) -> bool:
+        """Whether its values are angles that begin anew after a turn."""
+        return not self.kind.unit and self.of.rpartition(".")[2] in _DIRECTIONS
+
     def option(self, name: str) -> Any:
         """Return an option, its default where it was not given, None where it has none."""
         return dict(self.options).get(name, self.kind.optional.get(name))
@@ -107,7 +114,8 @@ class Metric:
         """Return its column; unit: the quantity's; axis: of a list; shown: options in its text."""
         options = {**self.kind.optional, **dict(self.options), "of": self.of, **shown}
         text = self.kind.text.format(**options)
-        return Column(self.name, self.kind.unit or unit, text, *(axis or ()))
+        head = Column(self.name, self.kind.unit or unit, text, *(axis or ()))
+        return replace(head, is_direction=self.is_direction)
 
     def least_size(self, windows: Sequence[Any], unit: str, still: float) -> float:
         """Return the size to which differences of its cells are relative at least, in its unit: of

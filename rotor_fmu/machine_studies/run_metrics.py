@@ -8,7 +8,7 @@ import numpy as np
 
 from ..model.contact.wall import ContactQuantities
 from ..studies.study import Cell
-from ..vibration import TooFewTurns, order_track
+from ..vibration import TooFewRows, TooFewTurns, displacement, order_track
 from . import held_metrics
 from .metric import (
     ROUNDING,
@@ -86,6 +86,28 @@ def _peak(metric: Metric, window: Window) -> float:
     return float(values.max()) if len(values) else math.nan
 
 
+def _check_along(metric: Metric, how: Excitation) -> None:
+    if metric.of.endswith(".r"):
+        raise metric.error(f"{metric.of}: vibration is peak-to-peak along an axis, as PART.x")
+
+
+@_kind(
+    "largest peak-to-peak value in 16 turns of {of}",
+    optional=_AFTER,
+    check=_check_along,
+    also=("phi",),
+    is_fine=True,
+)
+def _peak_to_peak(metric: Metric, window: Window) -> float:
+    """Return the vibration as ISO 20816-1 has it, wherever the shaft lies; nan without a turn."""
+    t, values = _late_values(metric, window)
+    phi = window.steps.columns["phi"][_late(metric, window)]
+    try:
+        return float(displacement(t, phi, values).x_pp.max())
+    except (TooFewRows, TooFewTurns):
+        return math.nan
+
+
 @_kind("root of the mean square over time of {of}", optional=_AFTER)
 def _rms(metric: Metric, window: Window) -> float:
     t, values = _late_values(metric, window)
@@ -94,7 +116,11 @@ def _rms(metric: Metric, window: Window) -> float:
 
 @_kind("mean over time of {of}", optional=_AFTER, least=_rms)
 def _mean(metric: Metric, window: Window) -> float:
-    return _averaged(*_late_values(metric, window))
+    t, values = _late_values(metric, window)
+    if not metric.is_direction:
+        return _averaged(t, values)
+    mean = math.atan2(_averaged(t, np.sin(values)), _averaged(t, np.cos(values)))
+    return mean % math.tau if (values >= 0).all() else mean
 
 
 def _around(metric: Metric, window: Window, at: int) -> np.ndarray:
@@ -148,7 +174,10 @@ def _value(metric: Metric, window: Window) -> float:
     if passage is None:
         return math.nan
     at, share = passage
-    return float(values[at] + share * (values[at + 1] - values[at]))
+    rise = values[at + 1] - values[at]
+    return float(
+        values[at] + share * (math.remainder(rise, math.tau) if metric.is_direction else rise)
+    )
 
 
 def _bin_axis(metric: Metric, how: Excitation) -> ListAxis:
@@ -187,7 +216,7 @@ def _passed_spread(metric: Metric, window: Window) -> float:
 
 
 @_kind(
-    "amplitude of order {order:g} where {speed:g} rad/s is first passed, of {of}",
+    "amplitude of order {order:g} where {speed:g} rad/s is first passed, 0-p, of {of}",
     "order",
     "speed",
     check=_check_passing,

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..display import Shown, current
+from ..display import current
 from ..model.periodic.branch import Bifurcation, Solution
 from ..report.packed import COARSE, packed
 from ..report.report_tables import notices_html, table
@@ -46,7 +46,7 @@ def response_page(result: "ResponseResult", name: str) -> str:
         "whirl": packed(np.array([p.orbit.omega for p in points]) * current().speed),
         "frequency": current().frequency_unit if result.is_whirl else "",
         "samples": samples,
-        "quantities": {q: _shown(unit).unit for q, unit in _units(result).items()},
+        "quantities": {q: current().of_si(unit).unit for q, unit in _units(result).items()},
         "line": {
             "value": packed(np.array([v.motion.value for v in every]) * axis.factor),
             "branch": [i for i, branch in enumerate(branches) for _ in branch],
@@ -63,11 +63,6 @@ def response_page(result: "ResponseResult", name: str) -> str:
 def _units(result: "ResponseResult") -> dict[str, str]:
     """Return the quantities that the motions have, with their units."""
     return {q: u for q, u in UNITS.items() if not (result.is_whirl and q in ONCE_A_TURN)}
-
-
-def _shown(unit: str) -> Shown:
-    """Return how a quantity is shown, angles in degrees."""
-    return Shown(180.0 / np.pi, "deg") if unit == "rad" else current().of_si(unit)
 
 
 def _largest(point: Solution | Bifurcation) -> float:
@@ -90,7 +85,7 @@ def _place(
     def curves(motions: Iterable[Solution | Bifurcation]) -> dict[str, Any]:
         values = [result.quantities(motion, place) for motion in motions]
         return {
-            q: packed(_shown(unit).factor * np.array([each[q] for each in values]))
+            q: packed(current().of_si(unit).factor * np.array([each[q] for each in values]))
             for q, unit in _units(result).items()
         }
 

@@ -14,6 +14,7 @@ from ..files import write_text
 from ..run_status import OK
 from ..runs.recording import RECORDING
 from ..saved_results import read_run, read_summary
+from ..studies.analysis import about_their_mean
 from .packed import COARSE, packed
 from .report_tables import notices_html, table
 from .run_page import page, runs_page, template
@@ -48,7 +49,11 @@ def study_page(
     ]
     columns = [_head(column) for column in (*varied, *retained)]
     scales = {column["name"]: _shown_in(column["unit"]).factor for column in (*varied, *retained)}
-    values = {n: scale * np.asarray(rows[n].to_numpy(), float) for n, scale in scales.items()}
+    values = {n: np.asarray(rows[n].to_numpy(), float) for n in scales}
+    for column in retained:
+        if column.get("is_direction"):
+            values[column["name"]] = about_their_mean(values[column["name"]])
+    values = {n: scale * values[n] for n, scale in scales.items()}
     status = rows["status"].to_pylist()
     data = {
         "axes": axes,

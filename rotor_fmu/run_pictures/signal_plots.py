@@ -25,6 +25,9 @@ from .view import View, angle_axis, broken_at_reversals, displacement_axes, two_
 
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
 _ORBIT_TURNS, _BLOCK_TURNS = 4, 16
+# Radii of an orbit beyond which the place of rest, drawn, would leave a dot of it; what is farther
+# from it still is a place that stands.
+_FAR, _STANDS = 10, 1e5
 FINE = 24  # rows a turn, below which a curve between them is drawn, not computed
 
 
@@ -120,6 +123,9 @@ def orbit(view: View, caption: str = "") -> Figure:
         arrow = {"arrowstyle": "-|>", "color": ORANGE, "lw": 1.4}
         axes.annotate("", (ahead.real, ahead.imag), (z[0].real, z[0].imag), arrowprops=arrow)
     rest, begin = place.z[0] * small, "release" if view.run.is_released else "rest"
+    away, radius = abs(rest - z.mean()), np.abs(z - z.mean()).max()
+    if _FAR * radius < away < _STANDS * radius and place.clearance is None:
+        begin, rest = f"{begin}: {away:.3g} {current().small_unit} away", np.complex128(np.nan)
     axes.plot(rest.real, rest.imag, "+", color=GREY, ms=10, mew=1.5, label=begin)
     displacement_axes(axes, place)
     legend_below(figure, 2)

@@ -31,6 +31,10 @@ def analyse(folder: Path) -> dict[str, Any]:
     about, data = about_of(folder), open_dataset(folder)
     design = design_of(about["design"])
     numbers = [c["name"] for c in about["columns"] if not c["dimension"]]
+    raw = data.copy()
+    for name in (c["name"] for c in about["columns"] if c.get("is_direction")):
+        if name in numbers:
+            data[name] = data[name].dims, about_their_mean(data[name].values)
     status = data.status.values.astype(str)
     failed = np.char.startswith(status, FAILED)
     rows = np.arange(len(status))
@@ -39,7 +43,7 @@ def analyse(folder: Path) -> dict[str, Any]:
     count_failed = int(failed[rows].sum())
     columns = {name: statistics(data[name].values[rows]) for name in numbers}
     limits = {
-        name: exceedance(data[name].values[rows], limit, count_failed)
+        name: exceedance(raw[name].values[rows], limit, count_failed)
         for name, limit in about["limits"].items()
     }
     meaningless = {"interval"} if design.listed else set()
@@ -122,6 +126,13 @@ def design_of(design: dict[str, Any]) -> Design:
         axes.append(Axis(axis["name"], targets, values, drawn, axis.get("unit", "")))
     kind, size, seed = design["kind"], design["size"], design["seed"]
     return Design(tuple(axes), kind, size, seed, levels=design["levels"])
+
+
+def about_their_mean(angles: np.ndarray) -> np.ndarray:
+    """Return angles [rad], which begin anew after a turn, within half a turn of their mean
+    direction, shape (n,)."""
+    mean = np.angle(np.exp(1j * angles[np.isfinite(angles)]).sum())
+    return mean + np.angle(np.exp(1j * (angles - mean)))
 
 
 def statistics(values: np.ndarray) -> dict[str, Any]:

@@ -28,7 +28,8 @@ def table_of(tables: Tables, key: str) -> dict[str, Any]:
 class Column:
     """A column of the rows: a number, or a list along a dimension.
 
-    dimension: its name, empty of a number; coordinate: its values, empty where they only count.
+    dimension: its name, empty of a number; coordinate: its values, empty where they only count;
+    is_direction: whether it is an angle [rad] that begins anew after a turn.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Column:
     dimension: str = ""
     coordinate: tuple[float, ...] = ()
     coordinate_unit: str = "1"
+    is_direction: bool = False
 
 
 @dataclass(frozen=True)

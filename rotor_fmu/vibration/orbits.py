@@ -57,7 +57,8 @@ class Whirl(ShortRepr):
 
 @dataclass(frozen=True, repr=False)
 class Displacement(ShortRepr):
-    """Unfiltered ("direct") displacements of blocks of turns, as ISO 20816-1 has them.
+    """Unfiltered ("direct") displacements of blocks of turns, as ISO 20816-1 has them, without
+    the steady drift of the mean position over three blocks, which is no vibration.
 
     begin, t: begins and middles of the blocks [s]; speed [rad/s]; x_pp, y_pp: peak-to-peak [m];
     s_max: largest distance from the mean position of the block, 0-p [m]; shape (blocks,).
@@ -152,19 +153,16 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
     one = np.full((1, signal.per_turn), 1 / signal.per_turn)
     window = hann(turns, signal.per_turn) if turns > 1 else one
     centre = summed(signal.values, window, first)[:, None]
+    drift, ramp = signal.drift_of(first, turns)[:, None], signal.ramp(turns)
     farthest = np.zeros(len(first))
+    ends = np.full((4, len(first)), -np.inf)
     for k in range(turns):
-        distance = np.abs(signal.values[first + k] - centre).max(axis=1)
-        np.maximum(farthest, distance, out=farthest)
-
-    def range_of(values: np.ndarray) -> np.ndarray:
-        ends = values.max(axis=1), values.min(axis=1)
-        high, low = (np.lib.stride_tricks.sliding_window_view(end, turns)[first] for end in ends)
-        return high.max(axis=1) - low.min(axis=1)
-
+        z = signal.values[first + k] - drift * ramp[k]
+        np.maximum(farthest, np.abs(z - centre).max(axis=1), out=farthest)
+        for end, values in zip(ends, (z.real, -z.real, z.imag, -z.imag), strict=True):
+            np.maximum(end, values.max(axis=1), out=end)
     at = signal.begin[first], signal.middle_of(first, turns), signal.speed_of(first, turns)
-    ranges = range_of(signal.values.real), range_of(signal.values.imag)
-    return Displacement(*at, *ranges, farthest)
+    return Displacement(*at, ends[0] + ends[1], ends[2] + ends[3], farthest)
 
 
 def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:

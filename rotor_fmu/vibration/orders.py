@@ -114,7 +114,8 @@ def order_track(
     """Follow orders through a run, in blocks of `turns` turns under Hann's window, one a turn.
 
     z: x + i y [m], or any real signal, whose forward and backward halves are alike. With 4 turns
-    the orders that are multiples of 0.5 do not leak into one another, nor does the mean. Raises
+    the orders that are multiples of 0.5 do not leak into one another, nor does the mean, or
+    a steady drift of it, as that of a shaft that rises on its oil film with the speed. Raises
     `TooFewTurns`, `TooFewRows` where 1x, or every order asked for, cannot be resolved, and
     `ValueError` for an order that the block cannot hold.
     """
@@ -147,9 +148,13 @@ def order_track_of(
     is_positive = signal.sense[first] > 0
     forward = np.empty((len(first), len(orders)), complex)
     backward = np.empty_like(forward)
+    drift, ramp = signal.drift_of(first, turns), signal.ramp(turns)
     for i, order in enumerate(orders):
         kernel = window * np.exp(-1j * order * angle)
-        ahead, behind = (summed(signal.values, k, first) for k in (kernel, kernel.conj()))
+        ahead, behind = (
+            summed(signal.values, k, first) - drift * (k * ramp).sum()
+            for k in (kernel, kernel.conj())
+        )
         # from the angle's own zero: an order of a half changes its sign from turn to turn
         count = np.exp(-1j * order * TURN * signal.mark[first])
         count[rows < LEAST_ROWS * order] = np.nan

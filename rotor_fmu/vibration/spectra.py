@@ -23,7 +23,7 @@ class FullSpectrum(ShortRepr):
     """Amplitudes over signed orders of a block of turns at one speed [rad/s].
 
     order: ascending, negative ones whirl backward [1]; amplitude: radius of the circle that each
-    draws, 0-p, without the mean position [m]; shape (k,).
+    draws, 0-p, without the mean position and its steady drift [m]; shape (k,).
     """
 
     speed: float
@@ -142,8 +142,9 @@ def _spectra(
     order = np.fft.fftshift(np.fft.fftfreq(turns * per_turn, 1 / per_turn))
     retained = np.abs(order) <= most_order
     amplitude = np.empty((len(first), np.count_nonzero(retained)))
+    drift, ramp = signal.drift_of(first, turns), signal.ramp(turns)
     for row, begin in enumerate(first):
-        block = signal.values[begin : begin + turns]
+        block = signal.values[begin : begin + turns] - drift[row] * ramp
         if signal.sense[begin] < 0:  # seen from behind, forward stays forward
             block = block.conj()
         around = window * (block - (window * block).sum())

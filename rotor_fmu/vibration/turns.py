@@ -141,6 +141,28 @@ class Synchronous(Turns):
         """The angle turned since the mark, shape (per_turn,) [rad]."""
         return np.arange(self.per_turn) * (TURN / self.per_turn)
 
+    def drift_of(self, first: np.ndarray, turns: int) -> np.ndarray:
+        """Return by how much the mean position moves a turn in blocks that begin with the turns
+        `first`, from the blocks before each to those behind it, since within one a slow whirl is no
+        other; 0 in a passage without so many."""
+        blocks = self.blocks(turns)
+        mean = summed(self.values, hann(turns, self.per_turn), blocks)
+        apart = np.arange(-turns, turns + 1)
+        weights = np.sin(np.pi * apart / (turns + 1))
+        weights /= weights @ apart
+        result = np.zeros_like(mean)
+        for passage in np.unique(self.passage[blocks]):
+            rows = np.flatnonzero(self.passage[blocks] == passage)
+            last = len(rows) - len(apart)
+            if last >= 0:
+                slope = np.convolve(mean[rows], weights[::-1], "valid")
+                result[rows] = slope[np.clip(np.arange(len(rows)) - turns, 0, last)]
+        return result[np.searchsorted(blocks, first)]
+
+    def ramp(self, turns: int) -> np.ndarray:
+        """Return the turns made since the middle of a block, shape (turns, per_turn)."""
+        return np.arange(turns)[:, None] + self.angle / TURN - turns / 2
+
 
 def turns_of(t: np.ndarray, phi: np.ndarray) -> Turns:
     """Return the whole turns of a shaft whose angle is phi [rad], recorded at t [s], both finite

@@ -262,11 +262,13 @@ def test_the_table_of_a_study_is_in_the_units_that_were_chosen(command, tmp_path
     (tmp_path / "study.toml").write_text(
         'machine = "rig.toml"\n[run]\nkind = "constant"\nspeed = 100.0\nsettle = 0.05\n'
         'turns = 2\n[vary]\n"bearing[1].clearance" = { values = [4e-5, 6e-5] }\n'
+        '"disc[1].phase" = { values = ["0 deg"] }\n'
         '[keep]\npeak = { peak = "disc[1].r" }\n[limits]\npeak = 1.0\n'
     )
     given = ("study", str(tmp_path / "study.toml"), "--jobs", "1", "--analyse")
     mil, um = command(*given), command(*given, "--units", "si")
     assert "bearing[1].clearance [mil]" in mil
+    assert "disc[1].phase [deg]" in mil  # as the file says it
     assert "peak > 39370.1 mil" in mil
     assert "peak > 1e+06 um" in um
     small, large = ([float(v) for v in re.findall(r"(\d+\.\d+) ok", text)] for text in (mil, um))

@@ -123,6 +123,7 @@ def test_columns_say_what_they_are_with_the_options_they_have(rig):
         "value when the speed first passes 190 rad/s, of disc[3].x_amp"
     )
     assert data["1x at 190"].long_name.startswith("amplitude of order 1 where 190 rad/s is first")
+    assert data["1x at 190"].long_name.endswith("passed, 0-p, of disc[3].x")
     assert (data.at_190.units, data.loss_1.units, data.clearance.units) == ("m", "J", "m")
 
 

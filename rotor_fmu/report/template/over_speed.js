@@ -191,7 +191,7 @@ class OverSpeed {
       chart.plot.below[0].axis_label = `Horizontal [${of}]`;
       chart.plot.left[0].axis_label = `Vertical [${of}]`;
     }
-    this.base.plot.left[0].axis_label = `Displacement [${of}]`;
+    this.base.plot.left[0].axis_label = `Displacement from the mean [${of}]`;
     this.spectrum.plot.left[0].axis_label = `Amplitude [${unit}]`;
     this.polar.plot.below[0].axis_label = `1x of x, real part [${unit}]`;
     this.polar.plot.left[0].axis_label = `imaginary part [${unit}]`;
@@ -282,8 +282,13 @@ class OverSpeed {
       const marks = (values) => values.filter((_, i) => i % run.orbit.points === 0);
       part.marks.data = { x: marks(x), y: marks(y) };
       const turns = x.map((_, i) => i / run.orbit.points);
-      [x, y].forEach((values, axis) => { part.base[axis].data = { x: turns, y: values }; });
-      part.baseMarks.data = { x: marks(turns), y: marks(x) };
+      // about the mean, since on an oil film a shaft lies farther from zero than it vibrates
+      const vibration = [x, y].map((values) => {
+        const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+        return values.map((value) => value - mean);
+      });
+      vibration.forEach((values, axis) => { part.base[axis].data = { x: turns, y: values }; });
+      part.baseMarks.data = { x: marks(turns), y: marks(vibration[0]) };
       const second = this.others[r]?.orbits;
       part.otherOrbit.data = second
         ? this.sized(slice(second.re), slice(second.im)) : { x: [], y: [] };
