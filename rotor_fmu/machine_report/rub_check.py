@@ -27,7 +27,7 @@ from ..model.parts.base import ProbeElement
 from ..model.structure.assembly import assemble
 from ..model.structure.reduction_offer import reduction_offer
 from ..run_status import has_failed, on_numbers, status_of
-from ..runs.measuring_points import last_of_the_largest
+from ..runs.measuring_points import bearings_of, last_of_the_largest
 from .closings import Closing, closings_of, orbit_across
 from .swept_amplitude import amplitude_over_speed
 from .unbalanced import with_unbalances
@@ -188,7 +188,8 @@ def rub_check(
         }
     speeds = with_tops(list(probes.values()), close)
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
-    largest = [float(sizes.max()) for sizes in seen.values()]
+    bearings = bearings_of(rotor)
+    largest = [(float(sizes.max()), name in bearings) for name, sizes in seen.items()]
     place = [*seen][last_of_the_largest(largest)] if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
     runs: tuple[RubRun, ...] = ()
