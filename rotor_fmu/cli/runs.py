@@ -119,7 +119,7 @@ class _Outcome(NamedTuple):
     result: "Run"
     recording: "Recording"
     apart: float | None
-    said: str
+    otherwise: str
 
 
 def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outcome:
@@ -140,11 +140,11 @@ def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outco
             messages = (*result.messages, *recorded.messages[said:])
             result = replace(result, status=recorded.status, messages=messages)
     apart = None if driven is None else jobs.difference(driven, recorded)
-    said = "" if driven is None else apart_from_fmu(job, driven, recorded)
-    if said and is_held and not has_failed(result.status):
-        why = f"not confirmed: the run through the FMU {said}, though it is the same"
+    otherwise = "" if driven is None else apart_from_fmu(job, driven, recorded)
+    if otherwise and is_held and not has_failed(result.status):
+        why = f"not confirmed: the run through the FMU {otherwise}, though it is the same"
         result, recording = doubted(result, recording, Message(why, NOT_CONFIRMED))
-    return _Outcome(job, result, recording, apart, "" if is_held else said)
+    return _Outcome(job, result, recording, apart, "" if is_held else otherwise)
 
 
 def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[str, Any]:
@@ -175,9 +175,9 @@ def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
     from ..runs.summary import sentences
     from ..runs.verify_run import table_of
 
-    if outcome.said:
+    if outcome.otherwise:
         to_screen(
-            f"the FMU, which holds its inputs over a communication step, {outcome.said}; all "
+            f"the FMU, which holds its inputs over a communication step, {outcome.otherwise}; all "
             "results are of the run without it, whose inputs are exact"
         )
     page = out / "report.html"
