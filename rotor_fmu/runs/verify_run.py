@@ -156,12 +156,14 @@ def apart_from_fmu(job: Job, driven: Run, recorded: Run) -> str:
     beyond what agrees by `allowed`, or another end; else nothing."""
     if len(driven.t) and len(driven.t) != len(recorded.t):
         return f"ends at t = {driven.t[-1]:g} s, without it at t = {recorded.t[-1]:g} s"
-    worst = compare(recorded, driven, job.settings, job.rotor.length).differing
+    compared = compare(recorded, driven, job.settings, job.rotor.length)
+    worst = compared.differing
     if worst is None:
         return ""
     d = current()
     here, there = (f"{float(f'{x * d.small:.3g}'):g} {d.small_word}" for x in worst[1:3])
-    return f"gives {worst.name} = {there}, without it {here}"
+    when = "at most" if worst in compared.peaks else "in the last turn"
+    return f"gives {worst.name} = {there} {when}, without it {here}"
 
 
 def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run, Recording]:

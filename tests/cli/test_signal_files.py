@@ -221,7 +221,9 @@ def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(process,
     assert ends[0] == pytest.approx(ends[1], rel=2e-3)
 
 
-@pytest.mark.parametrize(("share", "doubt"), [(1.01, ""), (1.05, "gives disc.x_amp = 10.5 um, ")])
+@pytest.mark.parametrize(
+    ("share", "doubt"), [(1.01, ""), (1.05, "gives disc.x_amp = 10.5 um at most, ")]
+)
 def test_a_run_whose_amplitudes_the_fmu_does_not_confirm_is_doubtful(share, doubt):
     """Not one that ends elsewhere, as a chaotic rub does which moves as far."""
     t, job = np.array([0.0, 1.0]), prepare(None, None, [], None, 1.0, None)
