@@ -142,7 +142,9 @@ class RubCheck:
                 f"the linear response, which takes them as closed, by {linear}. {force}"
             )
         if not lasting:
-            return f"The machine rubs, but not for long in the operating range. {force}"
+            is_inside = any(c.turns_in_range > 0 for c in touched)
+            where = "for long in the operating range" if is_inside else "in the operating range"
+            return f"The machine rubs, but not {where}. {force}"
         names = ", ".join(dict.fromkeys(c.name for c in lasting))
         up, down = (
             max((c.turns_in_range for c in run.contacts), default=0.0) > _LASTING

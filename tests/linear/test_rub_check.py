@@ -216,6 +216,19 @@ def test_a_machine_that_whirls_is_not_said_to_pass_a_resonance(is_stable, code):
     assert check.conclusion == f"{said}nothing."
 
 
+@pytest.mark.parametrize(("turns", "said"), [(0.0, "not in the"), (0.01, "not for long in the")])
+def test_a_rub_beside_the_operating_range_is_told_as_such(turns, said):
+    tips = module.ContactRun("tips", 180.0, 200.0, 0.0, 0.01, turns, 140.0)
+    runs = tuple(
+        module.RubRun(direction, "ok", [], np.ones(1), np.ones(1), (tips,))
+        for direction in ("run-up", "run-down")
+    )
+    closings = (module.Closing("tips", 4e-5, 0.0, 5e-5, 185.0, 197.0),)
+    shown = ("wheel", np.ones(1), np.ones(1))
+    check = module.RubCheck(300.0, 375.0, True, True, 1.0, closings, *shown, runs)
+    assert check.conclusion.startswith(f"The machine rubs, but {said} operating range. ")
+
+
 def test_a_machine_that_whirls_without_contacts_is_told_that_a_run_says_by_how_much():
     rotor = load_rotor(EXAMPLES / "turbocharger" / "rotor.toml")[1]
     said = rub_check(rotor, 4e3, 9e3, is_stable=False).conclusion
