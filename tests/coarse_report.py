@@ -44,7 +44,7 @@ def without_runs(monkeypatch):
     """Checks of clearances that say where these close, and run no machine with its contacts."""
     module = import_module("rotor_fmu.machine_report.rub_check")
     nothing = module.RubRun("run-up", "ok", [], np.zeros(0), np.zeros(0), ())
-    monkeypatch.setattr(module, "_run", lambda *_: nothing)
+    monkeypatch.setattr(module, "_up_and_down", lambda *_: (nothing,))
 
 
 @pytest.fixture

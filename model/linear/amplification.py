@@ -25,6 +25,9 @@ from ..prominent_peaks import prominent_peaks
 
 HALF_POWER = math.sqrt(0.5)
 DAMPED = 2.5  # amplification factor below which a peak is critically damped
+# The logarithmic decrement at an amplification factor 1 / (2 zeta) of that, above which API 684
+# calls a mode critically damped. Larger ones, which have no limit, say nothing more.
+CRITICALLY_DAMPED = 2 * math.pi / math.sqrt((2 * DAMPED) ** 2 - 1)
 _PRECISE = 1e-10  # of a speed
 _UNDAMPED = 1e-8  # of a speed: a peak that is not as wide has no damping but rounding
 _FALLEN = 0.5  # of a peak: so far away on both sides one that is not as wide is lower
@@ -67,6 +70,14 @@ class Peak:
         elif math.isnan(self.above):
             width = 2 * (self.speed - self.below)
         return math.inf if math.isinf(self.amplitude) else abs(self.speed) / width
+
+    @property
+    def between(self) -> tuple[float, float]:
+        """The speeds between which it has half its power [rad/s]: a missing one as far away as the
+        other, NaN where both are."""
+        half = abs(self.speed) / self.amplification / 2
+        low = self.speed - half if math.isnan(self.below) else self.below
+        return low, self.speed + half if math.isnan(self.above) else self.above
 
     @property
     def is_one_sided(self) -> bool:

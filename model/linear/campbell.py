@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from ..arguments import numbers
 from ..machine.rotor import Rotor
+from .amplification import CRITICALLY_DAMPED
 from .following import Following
 from .linear_machine import LinearError, LinearMachine, shared_machine
 from .modes import (
@@ -44,6 +45,11 @@ class CriticalSpeed:
     whirl: str
     log_dec: float
     harmonic: float = 1.0
+
+    @property
+    def is_critically_damped(self) -> bool:
+        """Whether its amplification factor is below 2.5, so that API 684 asks nothing of it."""
+        return self.log_dec >= CRITICALLY_DAMPED
 
 
 @dataclass(frozen=True)

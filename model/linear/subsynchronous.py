@@ -11,13 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..machine.rotor import Rotor
-from .amplification import DAMPED
+from .amplification import CRITICALLY_DAMPED
 from .linear_machine import shared_machine
 from .modes import LEAST_GROWTH, modes_up_to
-
-# The logarithmic decrement at an amplification factor 1 / (2 zeta) of 2.5, below which API 684
-# calls a mode critically damped. Larger ones, which have no limit, say nothing more.
-CRITICALLY_DAMPED = 2 * math.pi / math.sqrt((2 * DAMPED) ** 2 - 1)
 
 
 class SubsynchronousWhirl(NamedTuple):

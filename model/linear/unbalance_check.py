@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import check_positive, listed, mapped, number
 from ..machine.rotor import Rotor
-from .amplification import Margin, Peak, largest, margin, peaks
+from .amplification import DAMPED, Margin, Peak, largest, margin, peaks
 from .linear_machine import LinearError
 from .linearization import OPEN
 from .modes import checked_speed
@@ -18,7 +18,7 @@ from .places import PlacedAmount
 from .static import check_node, lowest_speed
 from .supports import walls
 from .unbalance import SteadyWhirl, steady_whirl
-from .unbalance_peaks import Gap, gaps, major_axis, with_criticals
+from .unbalance_peaks import Gap, damped_criticals, gaps, major_axis, with_criticals
 from .unbalance_placement import vibration_limit
 
 SPEEDS = 301  # of a grid, that critical speeds are looked for from
@@ -26,6 +26,8 @@ SPEEDS = 301  # of a grid, that critical speeds are looked for from
 # beyond the largest margin that may be required, 26 %, with their points of half the power.
 OF_INTEREST = 1.5
 _ROUNDING = 1e-10  # of the largest displacement: a smaller one has no peaks
+_TURNS = math.radians(15.0)  # of the phase across a peak, less than which no mode is there
+_ACROSS = 15  # speeds at which that is looked at
 _CLEARANCE = 0.75  # of a clearance, which the motion may take
 
 
@@ -131,9 +133,10 @@ def unbalance_check(
     trip = max(high, rotor.operation.trip_speed or high)
     top = highest_of_interest(rotor, high)
     speeds = close_speeds(rotor, top, contacts)
+    modes = damped_criticals(rotor, _grid(rotor, top, contacts), contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
-        for critical in _criticals(whirl, probes, speeds)
+        for critical in _criticals(whirl, probes, speeds, modes)
     ]
     limit = vibration_limit(high)
     within = np.unique(np.append(speeds[(speeds > low) & (speeds < high)], [low, high]))
@@ -175,7 +178,9 @@ def critical_peaks(
     check_positive("speed", abs(checked_speed(top)), "rad/s", LinearError)
     whirl = _driven_whirl(rotor, contacts, unbalances)
     nodes = listed("nodes", nodes, "nodes")
-    return tuple(_criticals(whirl, nodes, close_speeds(rotor, top, contacts)))
+    speeds = close_speeds(rotor, top, contacts)
+    modes = damped_criticals(rotor, _grid(rotor, top, contacts), contacts)
+    return tuple(_criticals(whirl, nodes, speeds, modes))
 
 
 def _driven_whirl(
@@ -191,22 +196,44 @@ def _driven_whirl(
     return whirl
 
 
-def _criticals(whirl: SteadyWhirl, nodes: Sequence[int], speeds: np.ndarray) -> list[ProbeCritical]:
+def _criticals(
+    whirl: SteadyWhirl, nodes: Sequence[int], speeds: np.ndarray, modes: Sequence[float]
+) -> list[ProbeCritical]:
+    """Return the peaks of nodes over speeds; modes: the damped critical speeds [rad/s]."""
     result = []
     for node in nodes:
         check_node(whirl.machine, node)
         for axis in (0, 1):
             seen = peaks(partial(_amplitude, whirl, node, axis), speeds)
-            result += [ProbeCritical(node, "xy"[axis], peak, None) for peak in seen]
+            of_modes = (peak for peak in seen if _is_of_a_mode(whirl, node, axis, peak, modes))
+            result += [ProbeCritical(node, "xy"[axis], peak, None) for peak in of_modes]
     return sorted(result, key=lambda c: (float(f"{c.peak.speed:.6g}"), c.node, c.axis))
+
+
+def _is_of_a_mode(
+    whirl: SteadyWhirl, node: int, axis: int, peak: Peak, modes: Sequence[float]
+) -> bool:
+    """Return whether a mode resonates at a peak of a node in x or y: a damped critical speed lies
+    between its half-power points, or the phase turns there, by 90 deg where a mode is alone. Where
+    neither is so the response of other modes has a largest value before an antiresonance, which is
+    no critical speed by API 684; modes: the damped critical speeds [rad/s]."""
+    low, high = peak.between
+    is_sharp = peak.amplification >= DAMPED and low < high
+    if not is_sharp or any(low <= speed <= high for speed in modes):
+        return True
+    motion = [whirl.at(speed)[2 * (node - 1), axis] for speed in np.linspace(low, high, _ACROSS)]
+    return float(np.ptp(np.unwrap(np.angle(motion)))) > _TURNS
 
 
 def close_speeds(rotor: Rotor, top: float, contacts: str | None = None) -> np.ndarray:
     """Return speeds from 0 to `top` so close together that no peak lies between them: those of a
     grid, and more of them about the damped critical speeds."""
-    first = lowest_speed(rotor, top, contacts)
-    close = with_criticals(rotor, np.linspace(first, top, SPEEDS), contacts)
+    close = with_criticals(rotor, _grid(rotor, top, contacts), contacts)
     return close[close != 0.0]
+
+
+def _grid(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
+    return np.linspace(lowest_speed(rotor, top, contacts), top, SPEEDS)
 
 
 def _amplitude(whirl: SteadyWhirl, node: int, axis: int, speed: float) -> float:

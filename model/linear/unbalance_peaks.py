@@ -51,10 +51,23 @@ def with_criticals(
     """Return speeds [rad/s], ascending, with more of them about the damped critical speeds between,
     so that no peak of the response to unbalance lies between two."""
     at = np.unique(np.asarray(speeds, dtype=float))
-    low, high = (float(end) for end in at[[0, -1]])
-    first = lowest_speed(rotor, high, contacts) if low == 0.0 else low
-    result = with_modes(at, _criticals(rotor, first, high, contacts))
+    first, _ = ends = _ends(rotor, at, contacts)
+    result = with_modes(at, _criticals(rotor, *ends, contacts))
     return result[(result >= first) | np.isin(result, at)]
+
+
+def damped_criticals(
+    rotor: Rotor, speeds: Sequence[float] | np.ndarray, contacts: str | None = None
+) -> list[float]:
+    """Return the damped critical speeds [rad/s] between the least and the largest of speeds, and
+    those whose flank reaches there."""
+    ends = _ends(rotor, np.unique(np.asarray(speeds, dtype=float)), contacts)
+    return [speed for speed, _ in _criticals(rotor, *ends, contacts)]
+
+
+def _ends(rotor: Rotor, at: np.ndarray, contacts: str | None) -> tuple[float, float]:
+    low, high = (float(end) for end in at[[0, -1]])
+    return lowest_speed(rotor, high, contacts) if low == 0.0 else low, high
 
 
 @lru_cache(maxsize=2)  # a response and its check look for the same ones

@@ -14,7 +14,6 @@ from ..display import in_its_units
 from ..errors import check_one_of, path_of, switch
 from ..plotting.notebook import png, shown
 from ..runs import check_options
-from ..runs.measuring_points import probe_that_moves_most
 from ..runs.recording import RECORDING, load_recording
 from ..runs.run_down import Run
 from .machine import Machine
@@ -242,7 +241,7 @@ class Result(RecordedSignals):
     def _picture(self) -> str:
         from ..run_pictures.run_folder import motion
 
-        place = probe_that_moves_most(self.recording.columns)
+        place = self.recording.probe
         if len(self.t) < 3 or place is None:
             return ""
         image = base64.b64encode(png(motion(self.recording, place, ""))).decode()

@@ -54,11 +54,11 @@ def clearances_of(texts: list[str] | None) -> dict[int, float]:
     result = {}
     for text in texts or []:
         node, (radius,) = _at_node("--clearance", text, "NODE:RADIUS", ("m",))
-        ask_if_meant("--clearance", text, "clearance", radius, "m")
         if not radius > 0:
             raise InputError(f"--clearance {text}: must be NODE:RADIUS, RADIUS above 0")
         if node in result:
             raise InputError(f"--clearance {text}: node {node} has another one already")
+        ask_if_meant("--clearance", text, "clearance", radius, "m")
         result[node] = radius
     return result
 

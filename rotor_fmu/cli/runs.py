@@ -12,8 +12,10 @@ import typer
 
 from ..display import choose
 from ..errors import InputError, writable_folder
+from ..model.message_templates import Message
 from ..model.settings import PRESETS
 from ..output_options import with_options_of, with_output_options, write_json
+from ..run_status import NOT_CONFIRMED, has_failed
 from ..units import in_si
 from .shared import Free, RotorFile, Units, one_of, settable
 
@@ -109,25 +111,28 @@ def _run(
 
 
 class _Outcome(NamedTuple):
-    """A run that was carried out: its result, the recording of the run without the FMU, and by how
-    much the latter ends apart from the FMU's, as a share of full scale; None without an FMU."""
+    """A run that was carried out: its result, the recording of the run without the FMU, by how much
+    the latter ends apart from the FMU's, as a share of full scale, None without an FMU, and what
+    the FMU that holds inputs does otherwise, nothing where that does not matter."""
 
     job: "Job"
     result: "Run"
     recording: "Recording"
     apart: float | None
+    otherwise: str
 
 
 def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outcome:
     """Make the run through the FMU, if there is one, and recorded without it."""
     from ..runs import job as jobs
-    from ..runs.verify_run import verified
+    from ..runs.verify_run import apart_from_fmu, doubted, verified
 
     driven = None if fmu is None else jobs.execute(job, fmu, label)
     what, is_silent = f"{label}, recorded", driven is not None
     recorded, recording = jobs.execute_recorded(job, what, is_silent=is_silent)
     # an FMU holds its loads between two communication points
-    result = driven if driven is not None and job.signals.is_held(job.stop) else recorded
+    is_held = job.signals.is_held(job.stop)
+    result = driven if driven is not None and is_held else recorded
     if verify:
         said = len(recorded.messages)
         recorded, recording = verified(job, recorded, recording, f"{label}, finer")
@@ -135,7 +140,11 @@ def _carry_out(job: "Job", fmu: Path | None, label: str, verify: bool) -> _Outco
             messages = (*result.messages, *recorded.messages[said:])
             result = replace(result, status=recorded.status, messages=messages)
     apart = None if driven is None else jobs.difference(driven, recorded)
-    return _Outcome(job, result, recording, apart)
+    otherwise = "" if driven is None else apart_from_fmu(job, driven, recorded)
+    if otherwise and is_held and not has_failed(result.status):
+        why = f"not confirmed: the run through the FMU {otherwise}, though it is the same"
+        result, recording = doubted(result, recording, Message(why, NOT_CONFIRMED))
+    return _Outcome(job, result, recording, apart, "" if is_held else otherwise)
 
 
 def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[str, Any]:
@@ -146,7 +155,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
     from ..runs.run_files import write_points
     from ..runs.summary import summary
 
-    job, result, recording, apart = outcome
+    job, result, recording, apart, _ = outcome
     report = summary(result, recording=recording) | {
         "recorded_steps": len(recording.t),
         "recorded_apart": apart,
@@ -166,12 +175,10 @@ def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
     from ..runs.summary import sentences
     from ..runs.verify_run import table_of
 
-    if outcome.apart:
-        is_held = outcome.job.signals.is_held(outcome.job.stop)
-        why = "" if is_held else ", which holds its inputs over a communication step"
+    if outcome.otherwise:
         to_screen(
-            f"the run recorded without the FMU ends {outcome.apart:.2g} of full scale apart from "
-            f"the FMU's{why}; the pictures are of the recorded one"
+            f"the FMU, which holds its inputs over a communication step, {outcome.otherwise}; all "
+            "results are of the run without it, whose inputs are exact"
         )
     page = out / "report.html"
     for sentence in sentences(report, outcome.recording, page if page.exists() else out):

@@ -49,16 +49,23 @@ class Campbell(Displayed, linear.Campbell):
     def table(self) -> Table:
         """Return a table with one row for each critical speed, headed by the stability."""
         d = current()
-        heads = ("mode", "order", "speed [rad/s]", f"[{d.speed_unit}]", "log dec", "whirl")
-        rows = [
+        heads = ["mode", "order", "speed [rad/s]", f"[{d.speed_unit}]", "log dec", "whirl"]
+        rows: list[tuple[object, ...]] = [
             (c.mode + 1, c.harmonic, c.speed, c.speed * d.speed, clean_damping(c.log_dec), c.whirl)
             for c in self.critical
         ]
+        damped = [c.is_critically_damped for c in self.critical]
+        if any(damped):
+            heads.append("damped")
+            marked = zip(rows, damped, strict=True)
+            rows = [(*row, "critically" if is_damped else "") for row, is_damped in marked]
         low, high = self.speeds[[0, -1]] * d.speed
         between = f"{five_digits(low)} and {five_digits(high)} {d.speed_unit}"
         harmonic = "" if self.harmonics == (1.0,) else f" of {self._orders} times the speed"
         what = "Critical speeds" if rows else "No critical speed"
         title = f"{what}{harmonic} between {between}, contacts {self.contacts}"
+        if any(damped):
+            title += f", {sum(damped)} of them critically damped (AF below 2.5)"
         return Table(f"{title}; {self.stability}", heads, rows)
 
     @property
@@ -88,8 +95,9 @@ class Campbell(Displayed, linear.Campbell):
         for order in self.harmonics:
             above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=LIMIT)
         places = [(_speed(c.speed), c.harmonic * abs(_speed(c.speed))) for c in self.critical]
-        for place in places:
-            above.plot(*place, "o", color="black", mfc="white", ms=5)
+        for place, critical in zip(places, self.critical, strict=True):
+            color = GREY if critical.is_critically_damped else "black"
+            above.plot(*place, "o", color=color, mfc="white", ms=5)
         below.axhline(0, color="black", lw=1.0)
         whole = () if self.threshold is None else (self.threshold,)
         for turn in self.turns or whole:
@@ -102,6 +110,9 @@ class Campbell(Displayed, linear.Campbell):
         if (np.isfinite(frequency) & ~self.has_peak).any():
             label = "damping ratio above 0.71: no peak"
             handles.append(Line2D([], [], color=GREY, lw=1.6, alpha=FAINT, label=label))
+        if any(c.is_critically_damped for c in self.critical):
+            dots: Any = {"marker": "o", "ls": "", "color": GREY, "mfc": "white", "ms": 5}
+            handles.append(Line2D([], [], label="critically damped: AF below 2.5", **dots))
         label = "1x, the speed" if self.harmonics == (1.0,) else f"{self._orders} times the speed"
         handles.append(Line2D([], [], color="black", lw=1.0, ls=LIMIT, label=label))
         if self.threshold is not None:

@@ -8,10 +8,11 @@ import numpy as np
 
 from ..display import speed_with_unit
 from ..model.laws_at_rest.oil import machine_with_oil
+from ..model.linear.amplification import CRITICALLY_DAMPED
 from ..model.linear.linear_machine import shared_machine
 from ..model.linear.modes import LEAST_GROWTH, modes, modes_up_to
 from ..model.linear.orbit import semi_axes
-from ..model.linear.subsynchronous import CRITICALLY_DAMPED, subsynchronous_whirl
+from ..model.linear.subsynchronous import subsynchronous_whirl
 from ..model.linear.unbalance import UnbalanceResponse
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges

@@ -196,7 +196,7 @@ def settings_of_run(run: Recording, machine: Machine) -> dict[str, float]:
     its loads and the course of its speed.
 
     Raises `InputError` for a load that changes, and for a speed that is neither constant nor
-    changes at one rate.
+    changes at one rate, and then stays.
     """
     starts = start_values(v for v in machine.table if v.causality == "parameter")
     parameters = {
@@ -218,11 +218,17 @@ def settings_of_run(run: Recording, machine: Machine) -> dict[str, float]:
 def _course(run: Recording) -> dict[str, float]:
     t, w = run.t - run.t[0], run.w
     duration, first, last = float(t[-1]), float(w[0]), float(w[-1])
-    line = first + (last - first) * t / (duration or 1.0)
-    if np.abs(w - line).max() > _STRAIGHT * np.abs(w).max():
+    near = _STRAIGHT * float(np.abs(w).max())
+    at = int(np.argmax(np.abs(w - last) <= near))  # where the last speed is reached
+    line = np.interp(t, [0.0, t[at]], [first, float(w[at])])
+    if np.abs(w - line).max() > 2.0 * near:
         raise InputError(
-            f"{run.name}: its speed does not change at one rate; a page has no other course"
+            f"{run.name}: its speed does not change at one rate and then stay; a page has no other "
+            "course"
         )
-    if abs(last - first) <= _STRAIGHT * abs(first):
+    if at == 0:
         return {"course.from": first, "course.to": first, "course.hold": duration}
-    return {"course.from": first, "course.to": last, "course.rate": abs(last - first) / duration}
+    rate = abs(float(w[at]) - first) / float(t[at])
+    course = {"course.from": first, "course.to": last, "course.rate": rate}
+    held = duration - abs(last - first) / rate
+    return course | ({"course.hold": held} if at < len(t) - 1 and held > 0.0 else {})

@@ -26,16 +26,16 @@ from ..model.message_templates import Message
 from ..model.parts.base import ProbeElement
 from ..model.structure.assembly import assemble
 from ..model.structure.reduction_offer import reduction_offer
-from ..run_status import has_failed, on_numbers
-from ..runs.measuring_points import last_of_the_largest
+from ..run_status import has_failed, on_numbers, status_of
+from ..runs.measuring_points import bearings_of, last_of_the_largest
 from .closings import Closing, closings_of, orbit_across
 from .swept_amplitude import amplitude_over_speed
 from .unbalanced import with_unbalances
 
 _TURNS = 1200.0  # of a run up or down
-_SETTLING = 60.0  # turns at the first speed, before the run begins
+_SETTLING = 60.0  # turns at the first speed, before the run begins, and at the highest one
 _FIRST = 0.1  # of the highest speed: where a run begins
-_POINTS = 400
+_POINTS = 800
 _LASTING = 0.02  # of the turns in the range, from which a rub lasts
 _ENDLESS = 1000.0  # times the amplitude of a run, above which that of a response is not told
 _NARROW = 0.01  # of the highest speed: what a run passes of a range that is a single speed
@@ -142,7 +142,9 @@ class RubCheck:
                 f"the linear response, which takes them as closed, by {linear}. {force}"
             )
         if not lasting:
-            return f"The machine rubs, but not for long in the operating range. {force}"
+            is_inside = any(c.turns_in_range > 0 for c in touched)
+            where = "for long in the operating range" if is_inside else "in the operating range"
+            return f"The machine rubs, but not {where}. {force}"
         names = ", ".join(dict.fromkeys(c.name for c in lasting))
         up, down = (
             max((c.turns_in_range for c in run.contacts), default=0.0) > _LASTING
@@ -188,18 +190,18 @@ def rub_check(
         }
     speeds = with_tops(list(probes.values()), close)
     seen = {name: np.array([size(s) for s in speeds]) for name, size in probes.items()}
-    largest = [float(sizes.max()) for sizes in seen.values()]
+    bearings = bearings_of(rotor)
+    largest = [(float(sizes.max()), name in bearings) for name, sizes in seen.items()]
     place = [*seen][last_of_the_largest(largest)] if seen else ""
     linear = seen.get(place, np.zeros(len(speeds)))
-    runs = []
+    runs: tuple[RubRun, ...] = ()
     can_touch = bool(touching(rotor))
-    is_run = closings or (can_touch and not is_stable)
-    for direction in ("run-up", "run-down") if is_run else ():
-        say(f"{direction} with contacts, {_TURNS:g} turns: may take minutes")
-        runs.append(_run(machine, direction, top, (low, high), place))
+    if closings or (can_touch and not is_stable):
+        say(f"run-up and run-down with contacts, {_TURNS:g} turns each: may take minutes")
+        runs = _up_and_down(machine, top, (low, high), place)
     shown = place, speeds, linear
     known = low, high, is_stable, can_touch, scale, tuple(closings)
-    return RubCheck(*known, *shown, tuple(runs))
+    return RubCheck(*known, *shown, runs)
 
 
 def _scaled(
@@ -209,14 +211,18 @@ def _scaled(
     return lambda speed: scale * major_axis(whirl, dof, other, factor, speed)
 
 
-def _run(
-    rotor: Rotor, direction: str, top: float, operating: tuple[float, float], place: str
-) -> RubRun:
-    """Run the machine up or down with its contacts, by as few component modes as do."""
+def _up_and_down(
+    rotor: Rotor, top: float, operating: tuple[float, float], place: str
+) -> tuple[RubRun, ...]:
+    """Run the machine up, and down from where that has brought it, with its contacts, by as few
+    component modes as do. A start at the highest speed would be a transient that outlasts the
+    settling of a machine with little damping. A run-up that fails has no run-down."""
     first = _FIRST * top
-    ends = (first, top) if direction == "run-up" else (top, first)
-    settled = _SETTLING * 2 * math.pi / ends[0]  # until the start at this speed is forgotten
-    stop = settled + _TURNS * 4 * math.pi / (first + top)
+    settled = _SETTLING * 2 * math.pi / first  # until the start at this speed is forgotten
+    lasts = _TURNS * 4 * math.pi / (first + top)
+    reached = settled + lasts
+    left = reached + _SETTLING * 2 * math.pi / top
+    stop = left + lasts
     offer = reduction_offer(rotor, assemble(rotor), top)
     contacts = list(touching(rotor))
     record = [f"{name}.{what}" for name in contacts for what in ("fn", "contact")]
@@ -225,30 +231,37 @@ def _run(
         warnings.simplefilter("ignore")
         result = simulate(
             Machine(rotor, ""),
-            speed=([0.0, settled, stop], [ends[0], *ends]),
+            speed=([0.0, settled, reached, left, stop], [first, first, top, top, first]),
             tolerance=1e-3,
             parameters={"solver.reduction": offer.modes} if offer else {},
             record=record,
             per_turn=None,  # a hard contact lasts less than a 64th of a turn
             step=stop / _POINTS,
         )
-    after = result.t >= settled
-    speed, amplitude = amplitude_over_speed(result, place, after)
     wider = max(0.0, 0.5 * (_NARROW * top - (operating[1] - operating[0])))
     passed = (operating[0] - wider, operating[1] + wider)
-    seen = tuple(_contact_run(result, name, passed, after) for name in contacts)
     messages = on_numbers(result.messages, result.codes)
-    return RubRun(direction, result.status, messages, speed, amplitude, seen)
+    runs = []
+    for direction, begin, end in (("run-up", settled, reached), ("run-down", reached, stop)):
+        during = (result.t >= begin) & (result.t <= end)
+        is_last = not result.t[-1] > end
+        status = result.status if is_last else status_of(messages)
+        speed, amplitude = amplitude_over_speed(result, place, during)
+        seen = tuple(_contact_run(result, name, passed, during) for name in contacts)
+        runs.append(RubRun(direction, status, messages, speed, amplitude, seen))
+        if has_failed(status):
+            break
+    return tuple(runs)
 
 
 def _contact_run(
-    result: Result, name: str, passed: tuple[float, float], after: np.ndarray
+    result: Result, name: str, passed: tuple[float, float], during: np.ndarray
 ) -> ContactRun:
-    if np.count_nonzero(after) < 2:
+    if np.count_nonzero(during) < 2:
         return ContactRun(name, *6 * [math.nan])
-    w = np.abs(result.speed)[after]
-    touches = result[f"{name}.contact"][after] > 0.5
-    weight = np.gradient(result.t[after])
+    w = np.abs(result.speed)[during]
+    touches = result[f"{name}.contact"][during] > 0.5
+    weight = np.gradient(result.t[during])
     inside = (w >= passed[0]) & (w <= passed[1])
     where = np.flatnonzero(touches)
     first, last = (float(w[i]) for i in where[[0, -1]]) if len(where) else (math.nan, math.nan)
@@ -256,5 +269,5 @@ def _contact_run(
     share = weight[touches].sum() / weight.sum()
     turn = np.floor(np.cumsum(w * weight) / (2 * math.pi))
     turns = len(np.unique(turn[touches & inside])) / max(len(np.unique(turn[inside])), 1)
-    force = result[f"{name}.fn"][after].max(initial=0.0)
+    force = result[f"{name}.fn"][during].max(initial=0.0)
     return ContactRun(name, first, last, float(share_in_range), float(share), turns, float(force))

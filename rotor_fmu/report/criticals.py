@@ -78,11 +78,13 @@ def criticals_of(run: Recording) -> Criticals:
 
 
 def _within(rotor: Rotor, lowest: float, highest: float) -> list[float]:
-    """Return the critical speeds between two speeds of one sense of rotation [rad/s]."""
+    """Return the critical speeds between two speeds of one sense of rotation [rad/s], but for those
+    that are critically damped."""
     top = 1.05 * highest
     at = np.sort(np.linspace(lowest_speed(rotor, top), top, _SPEEDS))
     critical = campbell(rotor, at, count=count_up_to(rotor, top, _MODES)).critical
-    return [c.speed for c in critical if abs(lowest) <= abs(c.speed) <= abs(highest)]
+    inside = [c for c in critical if abs(lowest) <= abs(c.speed) <= abs(highest)]
+    return [c.speed for c in inside if not c.is_critically_damped]
 
 
 def _as_run(run: Recording) -> Rotor | None:

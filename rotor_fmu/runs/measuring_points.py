@@ -1,24 +1,27 @@
 """What is measured in a run: places that move, contacts, and how their names are shown."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import InputError, is_one_of, meant
+from ..model.machine.rotor import Rotor
+from ..model.parts.base import InterfaceElement
 
 _EQUAL = 0.02  # relative difference of two places' motions that are taken to be equal
 
 
 @dataclass(frozen=True)
 class MeasuringPoint:
-    """A place that moves: its name in the machine, x + i y, shape (n,) [m], and the radius of the
-    clearance about it [m], None where it has none."""
+    """A place that moves: its name in the machine, x + i y, shape (n,) [m], the radius of the
+    clearance about it [m], None where it has none, and whether it is a bearing or a seal."""
 
     name: str
     z: np.ndarray
     clearance: float | None = None
+    is_bearing: bool = False
 
     @property
     def label(self) -> str:
@@ -59,37 +62,54 @@ def display_name(name: str) -> str:
     return name.replace("[", " ").replace("]", "").replace(".", " ")
 
 
-def points_of(columns: Mapping[str, np.ndarray]) -> tuple[MeasuringPoint, ...]:
-    """Return everything with a horizontal and a vertical displacement, in the machine's order."""
+def bearings_of(rotor: Rotor | None) -> frozenset[str]:
+    """Return the names of a machine's bearings, seals and contacts; none of an unknown one."""
+    found = rotor.elements_of_kind(InterfaceElement) if rotor else []
+    return frozenset(name for name, _ in found)
+
+
+def points_of(
+    columns: Mapping[str, np.ndarray], bearings: Collection[str] = ()
+) -> tuple[MeasuringPoint, ...]:
+    """Return everything with a horizontal and a vertical displacement, in the machine's order;
+    bearings: names of those that are bearings."""
     names = [name.removesuffix(".x") for name in columns if name.endswith(".x")]
     return tuple(
-        MeasuringPoint(name, columns[f"{name}.x"] + 1j * columns[f"{name}.y"])
+        MeasuringPoint(
+            name, columns[f"{name}.x"] + 1j * columns[f"{name}.y"], is_bearing=name in bearings
+        )
         for name in names
         if f"{name}.y" in columns
     )
 
 
-def probe_that_moves_most(columns: Mapping[str, np.ndarray]) -> str | None:
+def probe_that_moves_most(
+    columns: Mapping[str, np.ndarray], bearings: Collection[str] = ()
+) -> str | None:
     """Return the name of the place that stands for a machine: of all whose amplitude or velocity is
-    observed the one that moves most, None where there is none."""
+    observed the one that moves most, None where there is none; bearings: names of bearings."""
     probes = [
         point
-        for point in points_of(columns)
+        for point in points_of(columns, bearings)
         if {f"{point.name}.x_amp", f"{point.name}.vx"} & columns.keys()
     ]
     return moves_most(probes).name if probes else None
 
 
 def moves_most(points: Sequence[MeasuringPoint]) -> MeasuringPoint:
-    """Return the point that moves most, the last of several that move as much."""
-    return points[last_of_the_largest([point.motion for point in points])]
+    """Return the point that moves most, of several that move as much as `last_of_the_largest`."""
+    return points[last_of_the_largest([(p.motion, p.is_bearing) for p in points])]
 
 
-def last_of_the_largest(motions: Sequence[float]) -> int:
-    """Return the position of the largest motion, the last of several that are as large: a sensor
-    rather than the bearing or the disc at its node."""
-    least = (1 - _EQUAL) * max(motions)
-    return max(i for i, motion in enumerate(motions) if motion >= least)
+def last_of_the_largest(places: Sequence[tuple[float, bool]]) -> int:
+    """Return the position of the place that moves most. Of several that move as much it is the last
+    one that is no bearing: a sensor rather than the disc at its node, a disc rather than a seal.
+
+    places: the motion of each, and whether it is a bearing.
+    """
+    least = (1 - _EQUAL) * max(motion for motion, _ in places)
+    as_large = (i for i, (motion, _) in enumerate(places) if motion >= least)
+    return max(as_large, key=lambda i: (not places[i][1], i))
 
 
 def named(name: str, known: Sequence[Any], what: str) -> Any:

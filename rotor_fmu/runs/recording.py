@@ -22,6 +22,7 @@ from ..vibration import Synchronous, synchronous
 from .measuring_points import (
     ContactSignals,
     MeasuringPoint,
+    bearings_of,
     moves_most,
     named,
     points_of,
@@ -113,7 +114,7 @@ class Recording(ShortRepr):
         """Everything with a horizontal and a vertical displacement, in the machine's order."""
         return tuple(
             replace(point, clearance=self._clearance(point.name))
-            for point in points_of(self.columns)
+            for point in points_of(self.columns, bearings_of(self.rotor))
         )
 
     @property
@@ -162,12 +163,17 @@ class Recording(ShortRepr):
         """Return a place by its name; None: the probe that moves most, without probes whatever else
         of the shaft does, or else the journal. Raises `InputError` for an unknown name."""
         if name is None:
-            name = probe_that_moves_most(self.columns)
+            name = self.probe
         if name is not None:
             return named(name, self.places, "place")
         if not self.places:
             raise InputError(f"{self._called}: its recording has no place with x and y")
         return moves_most(self.shaft_places)
+
+    @property
+    def probe(self) -> str | None:
+        """The name of the probe that moves most, None where there is none."""
+        return probe_that_moves_most(self.columns, bearings_of(self.rotor))
 
     def contact(self, name: str | None = None, *, with_angle: bool = False) -> ContactSignals:
         """Return a contact by its name; None: the one with the largest mean force; with_angle: of

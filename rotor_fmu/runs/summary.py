@@ -10,7 +10,7 @@ import numpy as np
 from ..display import current
 from ..run_status import DOUBTFUL, OK, has_failed, messages_and_codes
 from ..vibration import TURN, TooFewRows, TooFewTurns, full_spectrum_of
-from .measuring_points import display_name, probe_that_moves_most
+from .measuring_points import bearings_of, display_name, probe_that_moves_most
 from .peaks import largest_row, peak_index, start_up, why_no_peak
 from .recording import Recording
 from .run_down import Run
@@ -69,7 +69,7 @@ def summary(
     residual = last["energy.residual"] / losses if losses > _NO_LOSS * stored else None
     overdamped_at = last["solver.overdamped_at"]
     return {
-        **(figures := _peaks(run, place)),
+        **(figures := _peaks(run, place or _probe(run, recording))),
         **_other_than_synchronous(run, figures["place"], recording),
         **_synchronous(recording),
         **_angles(recording or run, figures["x_peak_hz"]),
@@ -105,6 +105,11 @@ def last_contact(columns: Mapping[str, np.ndarray]) -> str | None:
     return next(reversed(touching or parts), None)
 
 
+def _probe(run: Run, recording: Recording | None) -> str | None:
+    rotor = recording.rotor if recording else None
+    return probe_that_moves_most(run.columns, bearings_of(rotor))
+
+
 def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     figures: dict[str, Any] = dict.fromkeys(
         (
@@ -120,7 +125,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         )
     )
     c, hz = run.columns, run.hz
-    figures["place"] = place = place or probe_that_moves_most(c)
+    figures["place"] = place
     if len(hz) and place:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > start_up(run.t, c["w"]))
@@ -230,7 +235,8 @@ def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
     begin = "where it was released" if recording.is_released else "rest"
     place = figures["place"]
     if place is None:
-        return "No part's motion was observed: give the machine a disc, a body or a sensor."
+        but = " but that of journals in their clearances" if recording.places else ""
+        return f"No part's motion was observed{but}: give the machine a disc, a body or a sensor."
     peaks = [
         f"{_AXES[axis]} {_length(amount)} at {_speed(figures[f'{axis}_peak_hz'])}"
         for axis in "xy"

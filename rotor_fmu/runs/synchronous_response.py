@@ -60,11 +60,11 @@ def _keeps_its_angle(track: vibration.OrderTrack) -> np.ndarray:
 
 
 def largest_synchronous_response(run: Recording) -> SynchronousResponse | None:
-    """Return the largest synchronous response of a run's shaft, the last of several places that
-    move as much; None of a run of too few turns, or without a place."""
+    """Return the largest synchronous response of a run's shaft, of several places that
+    move as much as `last_of_the_largest`; None of a run of too few turns, or without a place."""
     try:
         responses = [synchronous_response(run, place) for place in run.shaft_places]
     except vibration.TooFewTurns:
         return None
-    majors = [response.major for response in responses]
-    return responses[last_of_the_largest(majors)] if responses else None
+    places = [(each.major, each.place.is_bearing) for each in responses]
+    return responses[last_of_the_largest(places)] if responses else None

@@ -64,21 +64,26 @@ class Verification:
     @property
     def conclusion(self) -> str:
         """`CONFIRMED`, `SENSITIVE` or `NOT_CONFIRMED`."""
-        amplitudes = (*self.peaks, *(c for c in self.final if c.name.endswith("_amp")))
-        if self.status != OK or any(not c.difference <= self.allowed for c in amplitudes):
+        if self.status != OK or self.differing:
             return NOT_CONFIRMED
         is_same = all(c.difference <= _PLACES * self.allowed for c in self.final)
         return CONFIRMED if is_same else SENSITIVE
 
     @property
+    def differing(self) -> Comparison | None:
+        """The amplitude that differs most, None where all agree."""
+        amplitudes = (*self.peaks, *(c for c in self.final if c.name.endswith("_amp")))
+        apart = [c for c in amplitudes if not c.difference <= self.allowed]
+        return max(apart, key=lambda c: c.difference, default=None)
+
+    @property
     def message(self) -> Message:
         """Return in one sentence why it is not confirmed."""
         changed = ", ".join(f"{name} = {value:g}" for name, value in self.changed.items())
-        if self.status != OK:
+        worst = self.differing
+        if self.status != OK or worst is None:
             why = f"is itself {self.status}"
         else:
-            rated = [c for c in (*self.peaks, *self.final) if c.name.endswith("_amp")]
-            worst = max(rated, key=lambda c: c.difference)
             why = f"gives {worst.name} = {worst.finer:.3g} m instead of {worst.value:.3g} m"
         return Message(f"not confirmed: the same run with {changed} {why}", CODE)
 
@@ -146,6 +151,21 @@ def compare(run: Run, other: Run, settings: Settings, length: float) -> Verifica
     return Verification(finer(settings), other.status, *both, allowed(settings))
 
 
+def apart_from_fmu(job: Job, driven: Run, recorded: Run) -> str:
+    """Return in words that the run through the FMU has other amplitudes than the one without it,
+    beyond what agrees by `allowed`, or another end; else nothing."""
+    if len(driven.t) and len(driven.t) != len(recorded.t):
+        return f"ends at t = {driven.t[-1]:g} s, without it at t = {recorded.t[-1]:g} s"
+    compared = compare(recorded, driven, job.settings, job.rotor.length)
+    worst = compared.differing
+    if worst is None:
+        return ""
+    d = current()
+    here, there = (f"{float(f'{x * d.small:.3g}'):g} {d.small_word}" for x in worst[1:3])
+    when = "at most" if worst in compared.peaks else "in the last turn"
+    return f"gives {worst.name} = {there} {when}, without it {here}"
+
+
 def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run, Recording]:
     """Make a run and compare it with the same run, solved more finely; the comparison is added to
     the recording, and the run is doubtful if it is not confirmed. Raises `InputError` if there is
@@ -155,11 +175,17 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
     finer = finer_job(job)
     other = execute(finer, None, label, is_silent=True)
     verification = compare(run, other, job.settings, job.rotor.length)
+    about = {**recording.about, "verification": verification.figures}
+    recording = replace(recording, about=about)
     is_doubted = verification.conclusion == NOT_CONFIRMED
-    messages = (*run.messages, verification.message) if is_doubted else run.messages
+    return doubted(run, recording, verification.message) if is_doubted else (run, recording)
+
+
+def doubted(run: Run, recording: Recording, why: Message) -> tuple[Run, Recording]:
+    """Return a run that has not failed, and its recording, with a message that doubts it."""
+    messages = (*run.messages, why)
     status = status_of(messages)
-    said = {"status": status, **messages_and_codes(messages)}
-    about = {**recording.about, **said, "verification": verification.figures}
+    about = {**recording.about, "status": status, **messages_and_codes(messages)}
     return replace(run, status=status, messages=messages), replace(recording, about=about)
 
 

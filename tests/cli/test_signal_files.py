@@ -2,17 +2,22 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.message_templates import Message
 from rotor_fmu.model.quantities import LARGEST
 
 import rotor_fmu as rf
 from rotor_fmu.fmi.interface import interface
+from rotor_fmu.run_status import NOT_CONFIRMED
 from rotor_fmu.runs.input_signals import Ramp, Signals, make_signals, read_signals
 from rotor_fmu.runs.job import difference, prepare
+from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run
+from rotor_fmu.runs.verify_run import apart_from_fmu, doubted
 
 
 @pytest.mark.parametrize(
@@ -195,7 +200,8 @@ def test_signals_that_do_not_begin_with_the_run_are_said_to(tmp_path, capsys, fi
 
 
 def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(process, tmp_path):
-    """The FMU holds its loads over a step: it is driven beside, and how far it is off is said."""
+    """The FMU holds its loads over a step: it is driven beside, and where its amplitudes are others
+    that is said. With the shorter step it ends elsewhere, but moves as far within 2 %."""
     t = np.linspace(0.0, 0.2, 101)
     rows = np.column_stack([t, np.full(101, 150.0), 30 * np.cos(180 * t), 30 * np.sin(180 * t)])
     text = "time,speed,disc[2].fx,disc[2].fy\n" + "".join(
@@ -207,8 +213,29 @@ def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(process,
         given = ("--input", "loads.csv", "--stop", "0.2", "--step", step, "--out", ".")
         done = process("run-down", *given)
         assert done.returncode == 0, done.stderr
-        assert "which holds its inputs over a communication step" in done.stderr
+        is_said = "the FMU, which holds its inputs over a communication step, gives " in done.stderr
+        assert is_said == (step == "0.004")
         names, *_, last = (tmp_path / "run_down.csv").read_text().splitlines()
         ends.append(float(last.split(",")[names.split(",").index("disc[3].x [m]")]))
         assert json.loads((tmp_path / "summary.json").read_text())["recorded_apart"] > 1e-3
     assert ends[0] == pytest.approx(ends[1], rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("share", "doubt"), [(1.01, ""), (1.05, "gives disc.x_amp = 10.5 um at most, ")]
+)
+def test_a_run_whose_amplitudes_the_fmu_does_not_confirm_is_doubtful(share, doubt):
+    """Not one that ends elsewhere, as a chaotic rub does which moves as far."""
+    t, job = np.array([0.0, 1.0]), prepare(None, None, [], None, 1.0, None)
+    ends = {"disc.x": 8e-6, "disc.y": 0.0, "disc.x_amp": 1e-5, "disc.y_amp": 1e-5}
+    columns = {name: np.full(2, end) for name, end in ends.items()}
+    recorded = Run(t, columns, "ok", (), 0.0)
+    driven = replace(recorded, columns={n: share * of for n, of in columns.items()})
+    driven.columns["disc.x"][:] = -8e-6
+    said = apart_from_fmu(job, driven, recorded)
+    assert said == (f"{doubt}without it 10 um" if doubt else "")
+    about = {"status": "ok", "messages": [], "codes": []}
+    recording = Recording(t, columns, {}, about)
+    run, recording = doubted(driven, recording, Message(f"not confirmed: {said}", NOT_CONFIRMED))
+    assert run.status == recording.about["status"] == "doubtful: not-confirmed"
+    assert recording.about["codes"] == [NOT_CONFIRMED]

@@ -274,9 +274,11 @@ def test_ranges_and_what_stands_at_nodes_take_every_unit_of_their_quantity():
         (lambda: number_range("1:2 3 N/m", 2, "--stiffness", "N/m"), "the unit '3 N/m' is unknown"),
     ],
 )
-def test_a_unit_of_another_quantity_is_refused_in_options_too(read, message):
+def test_a_unit_of_another_quantity_is_refused_in_options_too(read, message, capsys):
+    """In one line: what is refused is not asked about before."""
     with pytest.raises(InputError, match=re.escape(message)):
         read()
+    assert not capsys.readouterr().err
 
 
 def test_the_units_that_a_message_gives_as_examples_are_read():

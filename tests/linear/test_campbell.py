@@ -1,5 +1,6 @@
 """Campbell diagrams: lines of modes followed by their shapes, and their critical speeds."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from rotor_fmu.linear.linear_plots import draw_whirling
 from rotor_fmu.plotting.figure_style import new_panels
 from tests.machines import jeffcott
 
+from ..parts.machines import shaft
 from ..toml_text import table
 from .test_linear import PRINTED, ROOT, two_discs
 
@@ -216,3 +218,23 @@ def test_of_two_lines_that_coincide_both_colours_are_seen():
     for mode, whirl in enumerate(("forward", "backward", "backward", "forward")):
         draw_whirling(axes, speed, values, mode, [whirl] * 3, is_clear)
     assert [line.is_dashed() for line in axes.lines] == [False] * 2 + [True] * 4 + [False] * 2
+
+
+@pytest.mark.parametrize(("damping", "is_damped"), [(1e3, False), (1.7e3, True)])
+def test_a_critical_speed_whose_amplification_is_below_2_5_is_said_to_be_damped(damping, is_damped):
+    """As the unbalance check says of its peak; of a rigid rotor on springs and dampers."""
+    held = {"kxx": 1e6, "kyy": 1e6, "cxx": damping, "cyy": damping}
+    rotor = parse_rotor(
+        f"gravity = 0.0\n{shaft(0.0, 0.1, 0.2, diameter=0.1)}"
+        + table("[body]", node=2, mass=10.0, I_d=1.0, I_p=0.1, e=1e-5)
+        + "".join(table("[linear_bearing]", node=node, **held) for node in (1, 3))
+    )
+    diagram = answers.campbell(rotor, np.linspace(1.0, 600.0, 7), count=4)
+    first = [c for c in diagram.critical if 200.0 < c.speed < 400.0]
+    assert first
+    zeta = math.sqrt(1.0 / (1.0 + (2 * math.pi / first[0].log_dec) ** 2))
+    assert (1.0 / (2.0 * zeta) < 2.5) == is_damped
+    assert [c.is_critically_damped for c in first] == [is_damped] * len(first)
+    assert ("critically damped (AF below 2.5)" in diagram.table().title) == is_damped
+    legend = diagram.figure().legends[0].get_texts()
+    assert any("critically damped" in text.get_text() for text in legend) == is_damped

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import static, unbalance_response
+from rotor_fmu.model.linear import modes, static, unbalance_response
 from rotor_fmu.model.machine.operating_speeds import Operation
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.message_templates import Message
@@ -90,18 +90,33 @@ def test_the_force_of_a_hard_contact_is_the_largest_of_all_steps(monkeypatch):
 
     def seen(*arguments, **options):
         whole = simulate(*arguments, **options | {"per_turn": None})
-        runs.append((whole, whole.t >= options["speed"][0][1]))
+        _, begin, reached, _, end = options["speed"][0]
+        up = (whole.t >= begin) & (whole.t <= reached)
+        runs.extend(((whole, up), (whole, (whole.t >= reached) & (whole.t <= end))))
         return simulate(*arguments, **options)
 
     monkeypatch.setattr(module, "simulate", seen)
     hard = f"{_JEFFCOTT}k = 1e9\n".replace("gravity = 0.0", "").replace("1e-5", "2e-4")
     bearings = "".join(_BEARING.format(node=node, c=300.0, crossed=0.0) for node in (1, 3))
     check = rub_check(parse_rotor(hard + bearings), 299.0, 300.0)
-    for run, (whole, settled) in zip(check.runs, runs, strict=True):
-        touched = settled & (whole["contact[1].contact"] > 0.5)
+    for run, (whole, during) in zip(check.runs, runs, strict=True):
+        touched = during & (whole["contact[1].contact"] > 0.5)
         assert run.contacts[0].first == whole.speed[touched][0]
         assert run.contacts[0].last == whole.speed[touched][-1]
-        assert run.contacts[0].force == whole["contact[1].fn"][settled].max()
+        assert run.contacts[0].force == whole["contact[1].fn"][during].max()
+
+
+@pytest.mark.usefixtures("coarse_report")
+def test_the_run_down_of_a_machine_with_little_damping_begins_where_the_run_up_ends():
+    """Below its critical speed, with a log dec of 0.02. A start at the highest speed doubled the
+    motion there, and 60 turns of it damped hardly any of that."""
+    machine = _machine(100.0, 160.0, 0.0)
+    assert modes(machine, 140.0, count=1).log_dec[0] == pytest.approx(0.02, rel=0.05)
+    check = rub_check(machine, 130.0, 140.0)
+    for run in check.runs:
+        seen = (run.speed >= check.low) & (run.speed <= check.high)
+        linear = np.interp(run.speed[seen], check.speed, check.linear)
+        assert run.amplitude[seen] == pytest.approx(linear, rel=0.17)
 
 
 def test_a_response_that_closes_no_contact_says_nothing_of_other_clearances():
@@ -167,13 +182,13 @@ def test_films_that_the_response_closes_are_run_too(viscosity, touches):
 
 @pytest.mark.usefixtures("coarse_report")
 @pytest.mark.parametrize(
-    ("ring", "said"),
+    ("ring", "high", "said"),
     [
-        ("", "um 0-p, and touches nothing."),
-        (1e-4, "The rub lasts in the operating range (ring), "),
+        ("", 640.0, "um 0-p, and touches nothing."),
+        (1e-4, 800.0, "The rub lasts in the operating range (ring), "),
     ],
 )
-def test_a_machine_past_its_threshold_is_run_though_its_response_closes_nothing(ring, said):
+def test_a_machine_past_its_threshold_is_run_though_its_response_closes_nothing(ring, high, said):
     """Its films whip, and keep its whirl within bounds that a ring about the shaft may not have."""
     text = (EXAMPLES / "oil_film" / "rotor.toml").read_text(encoding="utf-8")
     if ring:
@@ -181,8 +196,8 @@ def test_a_machine_past_its_threshold_is_run_though_its_response_closes_nothing(
             "[contact]", name="ring", node=2, journal_radius=0.02, clearance=ring, mu=0.1, k=1e6
         )
     rotor = parse_rotor(text)
-    assert not rub_check(rotor, 750.0, 800.0, scale=0.1).runs
-    check = rub_check(rotor, 750.0, 800.0, scale=0.1, is_stable=False)
+    assert not rub_check(rotor, high - 40.0, high, scale=0.1).runs
+    check = rub_check(rotor, high - 40.0, high, scale=0.1, is_stable=False)
     assert not check.closings
     assert said in check.conclusion
     assert rub_figure(check).axes
@@ -199,6 +214,19 @@ def test_a_machine_that_whirls_is_not_said_to_pass_a_resonance(is_stable, code):
     check = module.RubCheck(100.0, 110.0, is_stable, True, 1.0, closings, *shown, runs)
     said = "In the runs with contacts the machine whirls by up to 1400 um 0-p, and touches "
     assert check.conclusion == f"{said}nothing."
+
+
+@pytest.mark.parametrize(("turns", "said"), [(0.0, "not in the"), (0.01, "not for long in the")])
+def test_a_rub_beside_the_operating_range_is_told_as_such(turns, said):
+    tips = module.ContactRun("tips", 180.0, 200.0, 0.0, 0.01, turns, 140.0)
+    runs = tuple(
+        module.RubRun(direction, "ok", [], np.ones(1), np.ones(1), (tips,))
+        for direction in ("run-up", "run-down")
+    )
+    closings = (module.Closing("tips", 4e-5, 0.0, 5e-5, 185.0, 197.0),)
+    shown = ("wheel", np.ones(1), np.ones(1))
+    check = module.RubCheck(300.0, 375.0, True, True, 1.0, closings, *shown, runs)
+    assert check.conclusion.startswith(f"The machine rubs, but {said} operating range. ")
 
 
 def test_a_machine_that_whirls_without_contacts_is_told_that_a_run_says_by_how_much():

@@ -21,6 +21,9 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.linear import acceptance, answers, linear_tables
 from rotor_fmu.machine_report.rub_check import rub_check
 
+from ..parts.machines import shaft
+from ..toml_text import table
+
 OVERHUNG = """
 [material]
 young = 2.1e11
@@ -241,6 +244,23 @@ def test_a_response_and_its_check_look_for_the_critical_speeds_once(monkeypatch)
     response_with_peaks(rotor, np.linspace(0.0, 450.0, 21), nodes=[4])
     unbalance_check(rotor, 200.0, 300.0, [4])
     assert len(diagrams) == 1
+
+
+def test_a_largest_value_before_an_antiresonance_is_no_critical_speed():
+    """Two discs with unbalances that oppose each other, on a shaft whose modes are forward at 233
+    rad/s and backward at 217: the end's motion is largest at 182 rad/s, and hardly any at 212."""
+    disc = "[[disc]]\ndiameter = 0.2\nwidth = 0.02\n"
+    rotor = parse_rotor(
+        f"gravity = 0.0\n{shaft(0.0, 0.3, 0.6, diameter=0.02)}"
+        f"{disc}node = 1\ne = 2e-5\n{disc}node = 2\ne = 1e-5\nphase = {math.pi}\n"
+        + "".join(
+            table("[linear_bearing]", node=n, kxx=1e6, kyy=1e6, cxx=50.0, cyy=50.0) for n in (1, 3)
+        )
+    )
+    rising, most, fallen = unbalance_response(rotor, [150.0, 182.0, 212.0]).major[:, 0]
+    assert most > 1.2 * rising > 4.0 * fallen
+    criticals = critical_peaks(rotor, 300.0, [1])
+    assert [c.peak.speed for c in criticals] == pytest.approx([233.0, 233.0], rel=0.01)
 
 
 def test_unbalances_that_take_each_other_away_drive_nothing():

@@ -9,6 +9,7 @@ from rotor_fmu.model.parts.support import Support
 import rotor_fmu as rf
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.run_down import usual
+from rotor_fmu.runs.synchronous_response import largest_synchronous_response
 
 from ..parts.machines import shaft
 from ..toml_text import refusal_of, table
@@ -124,3 +125,15 @@ def test_probes_bodies_and_linear_bearings_are_recorded_and_the_one_that_moves_m
     assert [p.name for p in places] == ["hub", "linear_bearing[1]", "tip"]
     result.plot("orbit", "hub")
     assert result.orbit("linear_bearing[1]").z.size > 0
+
+
+def test_of_places_that_move_as_much_a_body_stands_for_a_machine_and_no_bearing_at_its_node():
+    """A motor's core rather than its magnetic pull, which is given as a bearing and comes last."""
+    pull = "[[linear_bearing]]\nname = 'pull'\nnode = 2\nkxx = -1e4\nkyy = -1e4\ncxx = 0\ncyy = 0\n"
+    core = "[[body]]\nname = 'core'\nnode = 2\nmass = 5.0\nI_d = 0.01\nI_p = 0.02\ne = 1e-4\n"
+    recording = rf.simulate(rf.parse(SIMPLE + core + pull), speed=60.0, stop=1.0).recording
+    assert [place.name for place in recording.places] == ["core", "pull"]
+    assert recording.place().name == "core"
+    response = largest_synchronous_response(recording)
+    assert response
+    assert response.place.name == "core"

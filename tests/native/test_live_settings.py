@@ -166,6 +166,15 @@ def test_a_page_repeats_what_was_set_in_a_run_and_the_course_of_its_speed(rate, 
     assert settings_of_run(run, machine) == pytest.approx(expected)
 
 
+def test_a_page_repeats_a_run_up_with_a_hold_at_its_end():
+    run = recorded(rate=20.0)
+    t = np.append(run.t, np.linspace(run.t[-1], run.t[-1] + 2.0, 1001)[1:])
+    columns = {name: np.pad(of, (0, 1000), "edge") for name, of in run.columns.items()}
+    course = settings_of_run(replace(run, t=t, columns=columns), machine_of())
+    expected = {"from": run.w[0], "to": run.w[-1], "rate": 20.0, "hold": 2.0}
+    assert course == pytest.approx({f"course.{name}": value for name, value in expected.items()})
+
+
 @pytest.mark.parametrize("rate", [0.1, 50.0])
 def test_a_machine_that_runs_down_for_an_hour_has_no_more_points_than_there_may_be(rate):
     """A turbogenerator loses a revolution a minute each second: the page would open refused."""

@@ -165,7 +165,7 @@ def test_spectra_of_a_run_whose_speed_does_not_go_one_way_are_drawn_over_time():
 
 def test_the_place_that_moves_most_stands_for_a_machine():
     """Of all that are observed, whatever their kind, not of the journals in their bearings; of two
-    that move as much the last."""
+    that move as much the last that is no bearing."""
     t = np.linspace(0, 1, 101)
 
     def columns(**amplitudes):
@@ -176,6 +176,9 @@ def test_the_place_that_moves_most_stands_for_a_machine():
     assert probe_that_moves_most(columns(disc=1.0, probe=2.0, bearing=9.0)) == "probe"
     assert probe_that_moves_most(columns(probe=1.0, disc=2.0)) == "disc"
     assert probe_that_moves_most(columns(first=1.0, second=1.001, third=1.0)) == "third"
+    pull = columns(core=1.0, end=0.5, pull=1.0)
+    assert probe_that_moves_most(pull, {"end", "pull"}) == "core"
+    assert probe_that_moves_most(columns(core=0.9, pull=1.0), {"pull"}) == "pull"
     assert probe_that_moves_most(columns(bearing=1.0)) is None
 
 
