@@ -172,7 +172,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
 
 def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
     from ..machine_file.loading import to_screen
-    from ..runs.summary import sentences
+    from ..runs.conclusions import sentences
     from ..runs.verify_run import table_of
 
     if outcome.otherwise:

@@ -17,7 +17,8 @@ from rotor_fmu.api.simulate import simulate
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.run_pictures.signal_plots import contact_force
 from rotor_fmu.run_pictures.view import View
-from rotor_fmu.runs.summary import last_contact, sentences
+from rotor_fmu.runs.conclusions import sentences
+from rotor_fmu.runs.summary import last_contact
 
 from ..parts.machines import bouncing
 

@@ -8,8 +8,9 @@ import pytest
 import rotor_fmu as rf
 from rotor_fmu.run_pictures.signal_plots import orbit
 from rotor_fmu.run_pictures.view import View
+from rotor_fmu.runs.conclusions import sentences
 from rotor_fmu.runs.peaks import start_up
-from rotor_fmu.runs.summary import sentences, summary
+from rotor_fmu.runs.summary import summary
 
 from ..known import EXAMPLES
 

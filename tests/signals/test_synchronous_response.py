@@ -12,9 +12,10 @@ from rotor_fmu.display import choose, restored
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.run_pictures.run_folder import distance_from_start
 from rotor_fmu.run_status import OK
+from rotor_fmu.runs.conclusions import sentences
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run
-from rotor_fmu.runs.summary import sentences, summary
+from rotor_fmu.runs.summary import summary
 
 from ..recordings import recorded
 

@@ -24,13 +24,14 @@ from rotor_fmu.run_pictures.signal_plots import (
     spectrum,
 )
 from rotor_fmu.run_pictures.view import View, speed_axis
+from rotor_fmu.runs.conclusions import sentences
 from rotor_fmu.runs.input_signals import Signals
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.measuring_points import probe_that_moves_most
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import Run, run_recorded
 from rotor_fmu.runs.run_files import clear
-from rotor_fmu.runs.summary import last_contact, sentences
+from rotor_fmu.runs.summary import last_contact
 
 from ..recordings import recorded
 
