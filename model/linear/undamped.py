@@ -119,7 +119,10 @@ class UndampedMachine:
         if not len(self._pulls) or not self.bearings:
             return bool(self.bearings)
         pulled = self._pulled.toarray()
-        yields = pulled @ self._solver(stiffness, 0.0)(pulled.T)[0]
+        try:
+            yields = pulled @ self._solver(stiffness, 0.0)(pulled.T)[0]
+        except LinearError:  # not even without what pulls
+            return False
         share = np.sqrt(np.repeat(-self._pulls, 2))
         return bool(np.linalg.eigvalsh(share[:, None] * yields * share).max() < 1.0)
 

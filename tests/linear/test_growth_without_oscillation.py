@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear import campbell, level_1, level_2, modes
+from rotor_fmu.model.linear import LinearError, campbell, critical_map, level_1, level_2, modes
 from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 
@@ -119,6 +119,19 @@ def test_rounding_of_what_nothing_holds_is_no_logarithmic_decrement():
 def test_a_seal_that_pulls_makes_its_case_of_level_2_unstable():
     cases = level_2(pulled("seal"), 300.0).cases
     assert [case.log_dec == -math.inf for case in cases] == [False, True]
+
+
+@pytest.mark.parametrize("nodes", [(7,), (1, 7)])
+def test_a_shaft_that_is_not_held_against_what_pulls_has_no_critical_speed_on_rigid_supports(nodes):
+    """One bearing, about which it turns, or none: its stability is judged all the same."""
+    held = "" if 1 in nodes else PULLING.format(kind="linear_bearing", node=1, k=1e7, ky=1e7)
+    pulls = (PULLING.format(kind="linear_bearing", node=n, k=-5e5, ky=-5e5) for n in nodes)
+    rotor = parse_rotor("gravity = 0.0\n" + SHAFT + held + "".join(pulls))
+    one = level_1(rotor, 300.0, node=4)
+    assert math.isnan(one.critical_speed_ratio)
+    assert one.is_level_2_required
+    with pytest.raises(LinearError, match="not held by its bearings against what pulls"):
+        critical_map(rotor, [1e6, 1e7])
 
 
 def test_what_grows_without_oscillating_has_no_sensitivity_to_cross_coupling():
