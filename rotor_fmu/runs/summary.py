@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..run_status import messages_and_codes
-from ..vibration import TURN, TooFewRows, TooFewTurns, full_spectrum_of
+from ..vibration import TURN
 from .measuring_points import bearings_of, probe_that_moves_most
+from .other_whirl import other_whirl
 from .peaks import largest_row, peak_index, start_up, why_no_peak
 from .recording import Recording
 from .run_down import Run
@@ -16,9 +17,10 @@ from .synchronous_response import largest_synchronous_response
 
 _NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a peak
 _NO_LOSS = 1e-12  # of the energies of a run: of less dissipation the ledger's rounding is a share
-# Turns of a spectrum, the distance from 1x and from rest [orders] at which its largest line is that
-# of another motion than one by unbalance or a drift, and the share of the motion that it then has.
-_TURNS, _AWAY, _MOVES = 64, 3.0 / 64.0, 0.2
+_PEAKS = (
+    *("place", "x_peak_um", "x_peak_hz", "x_peak_s", "y_peak_um", "y_peak_hz", "y_peak_s"),
+    *("no_peak", "x_largest_um", "y_largest_um", "r_largest_um", "r_drop_um", "y_static_um"),
+)
 _OF_REST = ("y_static_um", "circulation_hz")  # of no machine that begins in the air
 
 
@@ -107,19 +109,7 @@ def _probe(run: Run, recording: Recording | None) -> str | None:
 
 
 def _peaks(run: Run, place: str | None) -> dict[str, Any]:
-    figures: dict[str, Any] = dict.fromkeys(
-        (
-            *("place", "x_peak_um", "x_peak_hz", "x_peak_s", "y_peak_um", "y_peak_hz", "y_peak_s"),
-            *(
-                "no_peak",
-                "x_largest_um",
-                "y_largest_um",
-                "r_largest_um",
-                "r_drop_um",
-                "y_static_um",
-            ),
-        )
-    )
+    figures: dict[str, Any] = dict.fromkeys(_PEAKS)
     c, hz = run.columns, run.hz
     figures["place"] = place
     if len(hz) and place:
@@ -148,29 +138,16 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
 def _other_than_synchronous(
     run: Run, place: str | None, recording: Recording | None
 ) -> dict[str, Any]:
-    figures: dict[str, Any] = dict.fromkeys(("other_order", "other_hz", "other_um"))
+    names = ("other_order", "other_hz", "other_um")
     if place is None or recording is None or not len(run.t):
-        return figures
-    t, size = run.t, run.columns[f"{place}.r_amp"]
-    at = largest_row(t, size, start_up(t, run.columns["w"]))
-    try:
-        signal = recording.resampled(recording.place(place))
-        seen = full_spectrum_of(signal, float(t[at]), turns=_TURNS)
-    except (TooFewRows, TooFewTurns):
-        return figures
-    lines = np.where(np.abs(seen.order) >= _AWAY, np.nan_to_num(seen.amplitude), 0.0)
-    majors = lines + np.interp(-seen.order, seen.order, lines)
-    top = int(np.argmax(majors + lines * 1e-6))  # of two alike the one in whose sense it whirls
-    order, amplitude = float(seen.order[top]), float(majors[top])
-    below, there, above = np.pad(lines, 1)[top : top + 3]
-    if there > 0.0:  # between lines, by those of Hann's window
-        ratio = min(max(below, above) / there, 1.0)
-        between = math.copysign(max(2.0 * ratio - 1.0, 0.0) / (ratio + 1.0), above - below)
-        order += between * seen.resolution
-    if abs(abs(order) - 1.0) < _AWAY or amplitude <= _MOVES * 1e6 * float(size[at]):
-        return figures
-    hz = order * abs(seen.speed) / TURN
-    return {"other_order": order, "other_hz": hz, "other_um": amplitude}
+        return dict.fromkeys(names)
+    size = run.columns[f"{place}.r_amp"]
+    at = largest_row(run.t, size, start_up(run.t, run.columns["w"]))
+    found = other_whirl(recording, recording.place(place), float(run.t[at]), float(size[at]))
+    if found is None:
+        return dict.fromkeys(names)
+    values = found.order, found.frequency / TURN, found.major * 1e6
+    return dict(zip(names, values, strict=True))
 
 
 def _synchronous(recording: Recording | None) -> dict[str, Any]:

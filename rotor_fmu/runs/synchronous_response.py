@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import vibration
+from ..vibration.orders import BLOCK
 from ..vibration.turns import TURN
 from .measuring_points import MeasuringPoint, last_of_the_largest
 from .peaks import largest_row, start_up
@@ -14,7 +15,6 @@ from .recording import Recording
 # few turns of a block do not keep apart from 1x, changes it by more; so does 1x in a block in which
 # the speed changes by as large a share.
 _KEPT = TURN / 16
-_BLOCK = 4  # turns in which 1x is read
 _WIDE = 1.3  # ratio of the speeds between which a run may pass a resonance
 
 
@@ -34,7 +34,7 @@ class SynchronousResponse(NamedTuple):
 
 def synchronous_response(run: Recording, place: MeasuringPoint) -> SynchronousResponse:
     """Return the synchronous response of a place; raises `TooFewTurns` as `Recording.resampled`."""
-    track = vibration.order_track_of(run.resampled(place), (1.0,), turns=_BLOCK)
+    track = vibration.order_track_of(run.resampled(place), (1.0,))
     major = track.major() * 1e-6  # recorded motions are resampled in um
     keeps = _keeps_its_angle(track)
     of_one = np.where(keeps, major, np.nan) if keeps.any() else major
@@ -55,7 +55,7 @@ def _keeps_its_angle(track: vibration.OrderTrack) -> np.ndarray:
     larger = np.where(abs(forward) >= abs(backward), forward, backward)
     changes = abs(np.angle(larger[1:] * larger[:-1].conj()))
     before, after = np.append(0.0, changes), np.append(changes, 0.0)
-    swept = _BLOCK * TURN * abs(np.gradient(track.speed) / track.speed)
+    swept = BLOCK * TURN * abs(np.gradient(track.speed) / track.speed)
     return np.asarray(np.maximum(before, after) <= np.maximum(_KEPT, swept))
 
 

@@ -15,7 +15,7 @@ from ..short_repr import ShortRepr
 from .recorded import finite
 from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
-_BLOCK = 4  # turns in which an order is read
+BLOCK = 4  # turns in which an order is read
 _HALF_POWER = 0.5**0.5
 _BACK = 0.1  # share of its range by which a speed that goes one way may go back
 _RIPPLE = 0.05  # share of a peak by which its flank may rise again
@@ -108,7 +108,7 @@ def order_track(
     z: np.ndarray,
     orders: Sequence[float] = (0.5, 1.0, 2.0),
     *,
-    turns: int = _BLOCK,
+    turns: int = BLOCK,
     per_turn: int | None = None,
 ) -> OrderTrack:
     """Follow orders through a run, in blocks of `turns` turns under Hann's window, one a turn.
@@ -124,7 +124,7 @@ def order_track(
 
 
 def order_track_of(
-    signal: Synchronous, orders: Sequence[float] = (0.5, 1.0, 2.0), *, turns: int = _BLOCK
+    signal: Synchronous, orders: Sequence[float] = (0.5, 1.0, 2.0), *, turns: int = BLOCK
 ) -> OrderTrack:
     """Return `order_track` of a signal that is already resampled."""
     signal.needs(turns)
@@ -200,7 +200,7 @@ def _resonance(n: np.ndarray, a: np.ndarray, t: np.ndarray, peak: int) -> Resona
     width = high - low
     took = abs(t_high - t_low)
     rate = abs(width) / took if took else np.nan
-    is_beat = abs(n[peak]) * took < _BLOCK * TURN
+    is_beat = abs(n[peak]) * took < BLOCK * TURN
     factor = np.nan if is_beat or not width else abs(n[peak]) / width
     return Resonance(float(n[peak]), float(a[peak]), float(factor), float(rate))
 

@@ -210,16 +210,19 @@ def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
         assert titles == ["rising", "falling", "periodic, stable", "periodic, unstable"]
 
 
+def the_diagram(folder, run, frictions):
+    """The axes of a study's diagram of a rotor that rubs with these coefficients of friction."""
+    vary = f'"contact[1].mu" = {{ values = {frictions} }}'
+    study = read(folder, run, 'x = { poincare = "disc.x" }', vary)
+    run_study(study, folder / "out", here, quiet)
+    (axes,) = diagrams(study, open_dataset(folder / "out"), quiet, unseen)["x"].axes
+    return axes
+
+
 def test_a_diagram_names_no_unstable_motions_where_none_are(tmp_path):
     """Far below the speeds at which the rotor rubs."""
-    study = read(
-        tmp_path,
-        "kind = 'steps'\nfrom = 40\nto = 50\ncount = 2\nsettle = 0.1\nturns = 1",
-        'x = { poincare = "disc.x" }',
-        '"contact[1].mu" = { values = [0.05] }',
-    )
-    run_study(study, tmp_path / "out", here, quiet)
-    (axes,) = diagrams(study, open_dataset(tmp_path / "out"), quiet, unseen)["x"].axes
+    run = "kind = 'steps'\nfrom = 40\nto = 50\ncount = 2\nsettle = 0.1\nturns = 1"
+    axes = the_diagram(tmp_path, run, [0.05])
     titles = [text.get_text() for text in axes.get_legend().get_texts()]
     assert titles == ["once a turn", "periodic, stable"]
 
@@ -297,14 +300,8 @@ def test_a_diagram_of_falling_speeds_is_drawn_whatever_its_column_is_called(tmp_
 
 def test_a_diagram_marks_where_a_run_failed(tmp_path):
     """A backward whirl grows without bounds at the higher of two coefficients of friction."""
-    study = read(
-        tmp_path,
-        "kind = 'constant'\nspeed = 160\nsettle = 2\nturns = 1",
-        'x = { poincare = "disc.x" }',
-        '"contact[1].mu" = { values = [0.02, 0.3] }',
-    )
-    run_study(study, tmp_path / "out", here, quiet)
-    (axes,) = diagrams(study, open_dataset(tmp_path / "out"), quiet, unseen)["x"].axes
+    run = "kind = 'constant'\nspeed = 160\nsettle = 2\nturns = 1"
+    axes = the_diagram(tmp_path, run, [0.02, 0.3])
     (line,) = [line for line in axes.lines if line.get_label() == "failed runs"]
     assert line.get_xdata().tolist() == [0.3]
 
