@@ -12,7 +12,7 @@ from ..parts.base_and_start import Start
 from ..settings import choose
 from ..simulation import EquilibriumError, Simulation, StepFailure
 from .balance import HarmonicBalance, Orbit
-from .fourier import amplitudes, basis, projection
+from .fourier import amplitudes, basis, coefficients, projection
 from .linear_structure import CondensedMachine
 from .lyapunov import sample
 from .problem import Machines, Task
@@ -42,7 +42,7 @@ def guesses(
     """Yield orbits to start from at a value of the parameter: its rest if films have pads that tilt
     or rings that float, that with open contacts, then those that the machine reaches in time from
     rest; at a seed also circles beyond the clearances, and what the machine reaches from them; last
-    its rest, near which it may move unstably; of a machine without nonlinear interfaces the first
+    its rest, near which it may move unstably; of a machine without nonlinear interfaces its motion
     alone. failures: receives why time integration failed."""
     problem = task.coarse_problem(machines, value)
     machine, loads = machines(value), task.loads
@@ -52,9 +52,12 @@ def guesses(
     at_rest = rest_position(problem, value) if machine.laws.has_moving_films else None
     if at_rest is not None:
         yield at_rest
-    yield open_contacts
-    if machine.laws.count == 0:  # then it is the only motion
+    if machine.laws.count == 0:  # then it is the only motion, whose mean may be many times its size
+        linear = problem.dynamic_stiffness(value, open_contacts.omega)
+        b = np.linalg.solve(linear.S, linear.force[..., None])[..., 0]
+        yield open_contacts._replace(b=coefficients(b))
         return
+    yield open_contacts
     circles = list(_circles(problem, open_contacts)) if is_seed else []
     yield from circles
 

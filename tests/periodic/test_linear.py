@@ -9,10 +9,11 @@ from rotor_fmu.model.periodic import starting_points
 
 import rotor_fmu as rf
 
-from ..parts.machines import FLEXIBLE, SEAL
+from ..parts.machines import FLEXIBLE, SEAL, bearings, rigid
 from .machines import CLEARANCE, OMEGA, jeffcott
 
-UNBALANCED = FLEXIBLE + SEAL + "[[unbalance]]\nnode = 4\namount = 1e-4\n[[sensor]]\nnode = 4\n"
+UNBALANCE = "[[unbalance]]\nnode = {0}\namount = {1}\n[[sensor]]\nnode = {0}\n"
+UNBALANCED = FLEXIBLE + SEAL + UNBALANCE.format(4, 1e-4)
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +44,14 @@ def test_it_hangs_where_gravity_holds_it(both):
     static = machine.static(point.value)
     means = point.motion[0].real.reshape(-1, 2)[: 2 * len(static.z) : 2]
     assert means[:, 1] == pytest.approx(static.y, rel=1e-8)
+
+
+def test_a_small_orbit_is_found_about_a_large_sag():
+    """A well balanced machine on soft springs: it hangs a thousand times its orbit below."""
+    small = rf.parse(rigid(1.0, 9.81, bearings(1e4, 20.0) + UNBALANCE.format(2, 1e-6)))
+    found = rf.response(small, speed=(50.0, 60.0), stability=False)
+    orbits = small.unbalance_response([p.value for p in found.points])
+    assert found.curve("sensor[1]", "x_1x").value == pytest.approx(np.abs(orbits.x[:, 1]), rel=1e-6)
 
 
 def test_its_multipliers_are_those_of_its_modes(both):
