@@ -105,12 +105,12 @@ def equations(
         structure = reduced(structure, modes)
     M, C, K, G, _ = dense_matrices(structure)
     size, contacts = len(M), clearance_contacts(structure)
-    half, n, nb = size // 2, len(structure.weight), len(contacts)
+    half, n, nb = size // 2, len(structure.static_load), len(contacts)
     if (contacts.end == half).any():
         raise ValueError("a contact with a stator that does not move: not in these equations")
 
     weight = np.zeros(size)
-    weight[half : half + n] = structure.weight.imag
+    weight[half : half + n] = structure.static_load.imag
     weight[half + n :] = -rotor.gravity * structure.housings.mass
     unbalance = np.zeros((size, 2))
     for dof, u in zip(structure.unbalances.dof, structure.unbalance, strict=True):

@@ -87,7 +87,8 @@ def machine_of(simulation: Simulation) -> tuple[Machine, list[np.ndarray]]:
     """What the lanes share, and the arrays that it points to."""
     s = simulation.structure
     contact, housing = s.laws[0][0], s.housings[0]
-    references = [np.ascontiguousarray(x, dtype=float) for x in (s.M, s.C, s.K, s.G, s.weight.imag)]
+    arrays = s.M, s.C, s.K, s.G, s.static_load.imag
+    references = [np.ascontiguousarray(x, dtype=float) for x in arrays]
     references += [
         np.ascontiguousarray(x, dtype=np.int64) for x in (s.unbalances.dof, s.interfaces.dof)
     ]

@@ -19,17 +19,17 @@ def film_load(run, j):
     applied[:] = 0.0
     add_applied(structure, static_spin(memory.record[0].omega), memory.loads, applied)
     total = moment = 0.0j
-    for i in range(len(structure.weight)):
+    for i in range(len(structure.static_load)):
         total += structure.one_body[0, i] * applied[i]
         moment += structure.one_body[1, i] * applied[i]
         applied[i] = 0.0
     dof_of_film = structure.interfaces[j].dof
     others, other = 0, dof_of_film
-    for dof in range(len(structure.weight)):
+    for dof in range(len(structure.static_load)):
         if dof != dof_of_film and is_supported(structure, dof):
             others += 1
             other = dof
-    if others != 1 or dof_of_film >= len(structure.weight):
+    if others != 1 or dof_of_film >= len(structure.static_load):
         return modulus(total), False
     here, there = structure.one_body[1, dof_of_film], structure.one_body[1, other]
     return modulus((moment - there * total) / (here - there)), True

@@ -32,7 +32,7 @@ def contact_picks(structure: Structure) -> np.ndarray:
     (contacts, n + housings)."""
     contacts = clearance_contacts(structure)
     rows = np.arange(len(contacts))
-    picks = np.zeros((len(contacts), len(structure.weight) + len(structure.housings) + 1))
+    picks = np.zeros((len(contacts), len(structure.static_load) + len(structure.housings) + 1))
     picks[rows, contacts.dof] = 1.0
     picks[rows, contacts.end] = -1.0
     return picks[:, :-1]  # ground does not move
@@ -44,7 +44,7 @@ def in_plane(structure: Structure, axis: int) -> tuple[np.ndarray, np.ndarray, n
     housings = structure.housings
     m_x, m_y = interpreted(masses)(housings)
     own = ((m_x, housings.cx, housings.kx), (m_y, housings.cy, housings.ky))[axis]
-    n = len(structure.weight)
+    n = len(structure.static_load)
     result = []
     for band, diagonal in zip((structure.M, structure.C, structure.K), own, strict=True):
         matrix = np.zeros((n + len(housings), n + len(housings)))

@@ -54,7 +54,7 @@ def damper_curves(
     frequency [rad/s] up to where its surfaces touch.
 
     bearing: its name; load: along gravity on the ring, which its cage bears too [N], the damper's
-    own housing being fixed; by default what the machine's weight puts on it. Raises `LinearError`
+    own housing being fixed; by default what weight and loads put on it. Raises `LinearError`
     if there is no equilibrium.
     """
     check_positive("frequency of the orbit", frequency, "rad/s", LinearError)

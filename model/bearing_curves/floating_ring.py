@@ -54,8 +54,8 @@ def ring_curves(
     """Return a floating ring bearing's equilibrium and coefficients at each speed [rad/s], or under
     each load at one.
 
-    bearing: its name; load: along gravity [N], one or several, by default what the machine's weight
-    puts on it. Raises `LinearError` if there is no equilibrium, a speed is 0, or several of both.
+    bearing: its name; load: along gravity [N], one or several, by default what weight and loads put
+    on it. Raises `LinearError` if there is no equilibrium, a speed is 0, or several of both.
     """
     part = dict(rotor.named_parts())[bearing]
     assert isinstance(part, FloatingRingBearing)

@@ -14,15 +14,16 @@ from ..film.bearing_film import PAD
 from ..laws_at_rest.oil import oil_of_both, with_oil
 from ..linear.bearing_equilibrium import BearingAlone, critical_mass
 from ..linear.modes import LEAST_GROWTH
-from ..linear.static import Values, speeds_and_loads, without_rounding
+from ..linear.static import Values, speeds_and_loads, under_its_weight, without_rounding
 from ..linear.system_at_speed import LinearError
 from ..machine.rotor import Rotor
 from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
+from ..parts.load import Load
 from ..parts.rolling_bearing import RollingBearing
 from ..parts.speed_table import interpolant
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
-from ..quantities import GRAVITY
+from ..quantities import GRAVITY, STANDARD_GRAVITY
 from .reynolds_2d import film_in_plane
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
@@ -43,10 +44,11 @@ class BearingCurves:
     upwards, shape (n, 2) [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa],
     torque [N.m], power [W], flow [m3/s], shape (n,); around: pressure in the middle of the length
     every 3 degrees from the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape
-    (n, 2, 2), at the frequency of rotation, which pads that tilt follow; mass: whose weight across
-    the shaft is the first load [kg]; critical_mass [kg], whirl: frequency at that mass, which pads
-    follow [rad/s]; turns: speeds [rad/s] at which `mass` begins or ends to whirl, from the slowest
-    on, or loads [N] at which a mass that weighs the load does, if the loads vary, shape (k,);
+    (n, 2, 2), at the frequency of rotation, which pads that tilt follow; mass: on the bearing
+    [kg], which across the shaft weighs the first load unless the machine has constant forces;
+    critical_mass [kg], whirl: frequency at that mass, which pads follow [rad/s]; turns: speeds
+    [rad/s] at which `mass` begins or ends to whirl, from the slowest on, or loads [N] at which a
+    mass that weighs the load does, if the loads vary, shape (k,);
     threshold: the slowest speed at which `mass` whirls [rad/s], None if it does at none or the
     loads vary; plane_error: of the load, against a two-dimensional solution [1], nan without a
     load; viscosity [Pa.s], temperature [degC]: of the lubricant, shape (n,), None where no heat
@@ -99,8 +101,8 @@ def bearing_curves(
     """Return a journal bearing's equilibrium and coefficients at each speed [rad/s] or load.
 
     bearing: its name, the first by default; load: along gravity [N], one or several, by default
-    what the machine's weight puts on it. Raises `LinearError` if there is no such bearing or no
-    equilibrium, or if there are several of both.
+    what the machine's weight and loads put on it. Raises `LinearError` if there is no such bearing
+    or no equilibrium, or if there are several of both.
     """
     known = {name: p for name, p in rotor.named_parts() if isinstance(p, JournalBearing)}
     if not known:
@@ -123,6 +125,9 @@ def bearing_curves(
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     gravity = (rotor.gravity or GRAVITY) * abs(rotor.weight_share or 1.0)
     mass = float(abs(loads[0])) / gravity
+    if load is None and rotor.of_kind(Load):
+        weights = speeds_and_loads(under_its_weight(rotor), name, speeds[:1])[1]
+        mass = float(abs(weights[0])) / STANDARD_GRAVITY
     masses = np.abs(loads) / gravity if is_over_load else np.full(len(loads), mass)
     stable = columns["critical_mass"] >= masses
     places = np.argsort(np.abs(loads)) if is_over_load else _from_slowest(speeds)

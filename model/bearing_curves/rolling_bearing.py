@@ -138,7 +138,7 @@ def rolling_curves(
     """Return a rolling bearing's equilibrium and coefficients under each load.
 
     speeds: of the machine [rad/s]; bearing: its name; load: along gravity [N], by default what the
-    machine's weight puts on it at each speed, on which nothing else depends. Raises `LinearError`
+    weight and loads put on it at each speed, on which nothing else depends. Raises `LinearError`
     if there is no equilibrium, or if there are several of both.
     """
     part = dict(rotor.named_parts())[bearing]

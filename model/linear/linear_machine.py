@@ -56,7 +56,7 @@ class LinearMachine(Linearization):
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
         """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;
         loads: x, y of every dof, shape (2 size,) [N, N.m]."""
-        given = self.weight if loads is None else self.weight + loads
+        given = self.static_load if loads is None else self.static_load + loads
         if not self._holds_at(speed, given):
             turning = "; it is held as it turns: give a speed above 0"
             raise LinearError(self.why_not_held() + (turning if self._is_held_turning else ""))

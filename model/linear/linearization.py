@@ -86,7 +86,7 @@ class Linearization:
         falls = np.array([e.law.seat is not None for e in interfaces(self.rotor)], bool)
         self._lengths = np.where(self._acts, np.where(falls, self._fall, lengths_of(s)), 0.0)
         self._is_curved = ~are_linear(self.rotor)
-        full, size = self.full, len(s.weight) + len(s.housings) + 1
+        full, size = self.full, len(s.static_load) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
         self._unknown = unknown = unknowns(size, held)
@@ -180,7 +180,7 @@ class Linearization:
 
     def holds_at(self, speed: float) -> bool:
         """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""
-        return self._holds_at(speed, self.weight)
+        return self._holds_at(speed, self.static_load)
 
     def _holds_at(self, speed: float, force: np.ndarray) -> bool:
         """Return whether it is held under a force: in the middle of its clearance no element of a
@@ -197,12 +197,12 @@ class Linearization:
         return result if share == 1.0 else rest + share * (result - rest)
 
     @property
-    def weight(self) -> np.ndarray:
-        """Gravity's force, x, y of every dof, shape (2 size,) [N, N.m]."""
+    def static_load(self) -> np.ndarray:
+        """Gravity and constant forces, x, y of every dof, shape (2 size,) [N, N.m]."""
         s = self.structure
-        g = s.weight[0] / s.mass_sum[0]  # the housings fall as the shaft does
+        g = self.rotor.gravity * self.rotor.down
         m_x, m_y = interpreted(masses)(s.housings)
-        return in_plane(np.concatenate([s.weight, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
+        return in_plane(np.concatenate([s.static_load, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
 
     def linearized(
         self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None
@@ -246,6 +246,6 @@ class Linearization:
         """Return one line about the supports that hold the machine and those that do not."""
         held = len(self.supports.springs) + int(self._acts.sum())
         held += len(self.pinned) if self.contacts == PINNED else 0
-        is_unpressed = not self.weight.any() and (self._acts & self._is_curved).any()
+        is_unpressed = not self.static_load.any() and (self._acts & self._is_curved).any()
         gravity = self.rotor.gravity if is_unpressed else None
         return not_held(self.contacts, held, gravity, unsprung(self.rotor))

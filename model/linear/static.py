@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from ..arguments import check_integer, rows
 from ..machine.rotor import Rotor
+from ..parts.load import Load
 from ..quantities import STANDARD_GRAVITY
 from ..structure.structure import total_mass
 from .linear_machine import CHANGE, LinearError, LinearMachine, shared_machine
@@ -71,12 +72,12 @@ def static(
     whole = without_rounding(machine.expand @ linear.rest, CHANGE * s.numbers[0].small)
     x, y = whole[::2], whole[1::2]
     n = 2 * len(machine.nodes)
-    bears = support_loads(machine, linear, machine.weight + force).real
+    bears = support_loads(machine, linear, machine.static_load + force).real
     bears = without_rounding(bears, _least_load(machine))
     sizes, moved = machine.structure.numbers[0], np.abs([x, y]).max()
     is_left = np.abs(bears).max(initial=0.0) <= _least_load(machine, _OF_PADS)
     is_left &= moved <= _UNMOVED * min(sizes.clearance, sizes.small)
-    if is_left and not (machine.weight + force).any():
+    if is_left and not (machine.static_load + force).any():
         x, y, bears = 0.0 * x, 0.0 * y, 0.0 * bears
     return Static(
         speed=speed,
@@ -106,6 +107,12 @@ def without_rounding(values: np.ndarray, least: float) -> np.ndarray:
     return np.where(np.abs(values) > least, values, 0.0)
 
 
+def under_its_weight(rotor: Rotor) -> Rotor:
+    """Return the machine lying under its weight alone, without its constant loads."""
+    lying = replace(rotor, gravity=STANDARD_GRAVITY, gravity_angle=0.0, inclination=0.0)
+    return lying.with_parts(Load)
+
+
 def needs_to_turn(rotor: Rotor, contacts: str | None = None) -> bool:
     """Return whether a machine is held, but rests under gravity only as it turns: its films carry
     nothing at standstill, and what else holds it, such as seals, lets its journals down too far."""
@@ -122,7 +129,7 @@ def speeds_and_loads(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return speeds [rad/s] and the load on an interface at each, complex x + i y [N].
 
-    load: along gravity [N], one or several; None: what the machine's weight puts on it at rest.
+    load: along gravity [N], one or several; None: what its weight and loads put on it.
     Raises `LinearError` if there are several of both.
     """
     given = np.asarray(speeds, dtype=float)

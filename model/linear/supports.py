@@ -107,7 +107,7 @@ def not_held(contacts: str, held: int, gravity: float | None, springless: Sequen
         why = "gravity is 0" if gravity == 0.0 else "the machine stands upright"
         result += (
             f"; {why}, and in the middle of its clearance a bearing without preload has none: give "
-            "the machine gravity across its shaft, or its bearings preload"
+            "the machine gravity or a [[load]] across its shaft, or its bearings preload"
         )
     if springless:
         result += (

@@ -16,7 +16,6 @@ edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +29,7 @@ from ..structure.assembly import assemble
 from ..structure.beam import shaft_element
 from .linear_machine import LinearError
 from .places import Place, PlacedAmount
-from .static import static
+from .static import static, under_its_weight
 from .undamped import UndampedMachine, without_seals
 
 FACTOR = 2.0  # of the residual unbalance, for the analysis
@@ -91,8 +90,7 @@ def placed_unbalances(
     undamped = UndampedMachine(rotor, contacts, rigid_pedestals=False)
     shapes = undamped.planar_shapes(speed)
     check_integer("mode", mode, 1, len(shapes), LinearError)
-    weighed = replace(rotor, gravity=STANDARD_GRAVITY, gravity_angle=0.0, inclination=0.0)
-    bearings = _bearing_masses(weighed, undamped, speed)
+    bearings = _bearing_masses(under_its_weight(rotor), undamped, speed)
     return [
         PlacedUnbalance(at.node, factor * residual_unbalance(mass, speed), phase, mass, at.offset)
         for at, phase, mass in _places(rotor, shapes[mode - 1], bearings)

@@ -92,7 +92,7 @@ class UndampedMachine:
         springs to ground, and apart from what the shaft's strain adds to it."""
         s = machine.structure
         ground = machine.expand.shape[0] // 2 - 1
-        n = 2 * len(s.weight) if rigid_pedestals else machine.expand.shape[1]
+        n = 2 * len(s.static_load) if rigid_pedestals else machine.expand.shape[1]
         of_springs = [(dof, ground) for dof in s.springs.dof]
         of_interfaces = [
             (dof, ground if rigid_pedestals else end % (ground + 1))
@@ -232,7 +232,7 @@ class UndampedMachine:
             linear = machine.loaded(speed)
         except LinearError:
             return np.nan
-        loads = support_loads(machine, linear, machine.weight)
+        loads = support_loads(machine, linear, machine.static_load)
         load = float(np.linalg.norm(loads[self._held[i]]))
         return float(m * part.k ** (1.0 / m) * load ** (1.0 - 1.0 / m))
 

@@ -13,6 +13,7 @@ from .journal_bearing import JournalBearing
 from .law import Law
 from .line import Line
 from .linear_bearing import LinearBearing, Seal
+from .load import Load
 from .port import Port, Sensor
 from .rolling_bearing import RollingBearing
 from .squeeze_film_damper import SqueezeFilmDamper

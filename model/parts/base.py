@@ -59,6 +59,15 @@ class UnbalanceElement(NamedTuple):
     offset: float = 0.0
 
 
+class ForceElement(NamedTuple):
+    """A constant force [N], `offset` [m] beyond a node along the shaft."""
+
+    node: int
+    fx: float
+    fy: float
+    offset: float = 0.0
+
+
 class PortElement(NamedTuple):
     """A place where an external force acts, `offset` [m] beyond a node, with its name in texts; or
     `BASE`, whose input is the acceleration of the foundation. impedance: of a transmission line,
@@ -120,6 +129,7 @@ Element = (
     | AddedMassElement
     | SpringElement
     | UnbalanceElement
+    | ForceElement
     | PortElement
     | ProbeElement
     | VelocityElement

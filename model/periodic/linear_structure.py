@@ -138,7 +138,7 @@ class CondensedMachine:
 
     def _set_forces(self, loads: np.ndarray | None) -> None:
         s, T = self.structure, self._T
-        size = len(s.weight) + len(s.housings) + 1
+        size = len(s.static_load) + len(s.housings) + 1
         pull, constant = np.zeros(size, complex), np.zeros(size, complex)
         np.add.at(pull, s.unbalances.dof, s.unbalance)
         np.add.at(pull, s.unbalances.slope, s.unbalances.offset * s.unbalance)
@@ -150,7 +150,7 @@ class CondensedMachine:
         expand = self.machine.expand
         both = np.column_stack([pull, -1j * pull]).ravel()
         self.unbalance = T.T @ (expand.T @ both)
-        self.constant = T.T @ (expand.T @ (self.machine.weight + in_plane(constant)))
+        self.constant = T.T @ (expand.T @ (self.machine.static_load + in_plane(constant)))
 
     @property
     def length(self) -> float:
@@ -253,7 +253,18 @@ class CondensedMachine:
             raise LinearError(self.machine.why_not_held())
 
 
-_LINEAR = ("M", "C", "K", "G", "K_shaft", "K_axial", "weight", "unbalance", "housings", "springs")
+_LINEAR = (
+    "M",
+    "C",
+    "K",
+    "G",
+    "K_shaft",
+    "K_axial",
+    "static_load",
+    "unbalance",
+    "housings",
+    "springs",
+)
 _SPEED_DEPENDENT = ("kappa_v", "kappa_h", "eta_v", "eta_h")
 
 

@@ -176,7 +176,7 @@ def _fill_matrices(structure, survey, basis, mass):
     _fill_matrix(structure.C, survey, basis, mass, survey.C)
     _fill_matrix(structure.G, survey, basis, mass, survey.G)
     _fill_matrix(structure.K_shaft, survey, basis, mass, survey.K_shaft)
-    n, coarse = len(structure.weight), len(mass)
+    n, coarse = len(structure.static_load), len(mass)
     survey.in_use[0] = coarse
     for j in range(len(structure.interfaces)):
         dof = structure.interfaces[j].dof

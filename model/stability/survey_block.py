@@ -93,7 +93,7 @@ class CoarseShaft(NamedTuple):
 
 def coarse_shaft(structure: Structure) -> CoarseShaft:
     """Return the coarse dofs in which a survey of this machine works."""
-    n = len(structure.weight)
+    n = len(structure.static_load)
     none = np.zeros((0, n, 0)), np.zeros((0, 0, 0)), 0
     if n <= MOST_DOFS:
         return CoarseShaft(np.zeros((n, 0)), structure.M_factors, *none)

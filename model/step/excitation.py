@@ -1,11 +1,12 @@
-"""Excitation of the rotor: spin, unbalance, gravity, external loads, and the torque that the drive
-must supply."""
+"""Excitation of the rotor: spin, unbalance, static and external loads, and the torque that the
+drive must supply."""
 
 from typing import NamedTuple
 
 from ..kernels.band import form, square
 from ..kernels.functions import direction
 from ..kernels.jit import jit
+from ..structure.parameters import add_force
 
 
 class Spin(NamedTuple):
@@ -74,17 +75,13 @@ def at_load(structure, i, z):
 
 @jit
 def add_applied(structure, spin, loads, f):
-    """Add to f, shape (n,) [N, N.m], gravity, unbalance and external loads; loads: complex, shape
-    (bodies,) [N]. Unbalance: m e exp(i (theta + phi)) (Omega^2 - i Omega')."""
-    for i in range(len(structure.weight)):
-        f[i] += structure.weight[i]
+    """Add to f, shape (n,) [N, N.m], the static load, unbalance and external loads; loads:
+    complex, shape (bodies,) [N]. Unbalance: m e exp(i (theta + phi)) (Omega^2 - i Omega')."""
+    for i in range(len(structure.static_load)):
+        f[i] += structure.static_load[i]
     turning = spin.direction * complex(spin.omega * spin.omega, -spin.alpha)
     for i in range(len(structure.unbalance)):
-        unbalance = structure.unbalances[i]
-        force = structure.unbalance[i] * turning
-        f[unbalance.dof] += force
-        if unbalance.offset != 0.0:
-            f[unbalance.slope] += unbalance.offset * force
+        add_force(structure.unbalances[i], structure.unbalance[i] * turning, f)
     for i in range(len(loads)):
         add_load(structure, i, loads[i], f)
 
@@ -98,7 +95,7 @@ def add_load(structure, i, load, f):
         if arm.offset != 0.0:
             f[arm.slope] += arm.offset * load
     else:
-        for j in range(len(structure.weight)):
+        for j in range(len(structure.static_load)):
             f[j] -= structure.mass_sum[j] * load
 
 
@@ -110,7 +107,7 @@ def internal_torque(structure, q, v, omega):
     eta_v = structure.numbers[0].kappa_v
     if kappa == 0.0 and eta_v == 0.0:
         return 0.0
-    n = len(structure.weight)
+    n = len(structure.static_load)
     by_velocity = form(structure.K_shaft, v[:n], q[:n]).imag
     by_displacement = square(structure.K_shaft, q[:n])
     return eta_v * by_velocity + kappa * by_displacement
@@ -124,7 +121,7 @@ def drive_torque(structure, loads, q, v, a, spin, friction_torque):
     follows from Lagrange's equation of the angle of rotation, including the gyroscopic reaction,
     which is of second order in the slopes.
     """
-    n = len(structure.weight)
+    n = len(structure.static_load)
     torque = structure.numbers[0].inertia * spin.alpha + friction_torque
     g = free_fall_acceleration(structure, loads)
     for i in range(len(structure.unbalance)):

@@ -113,7 +113,7 @@ def _factor_housings(structure, h, stages):
 @jit_not_inlined
 def condense(structure, h, stages):
     """Fill in the influence of interface forces on their relative displacements and velocities."""
-    n, m = len(structure.weight), len(structure.interfaces)
+    n, m = len(structure.static_load), len(structure.interfaces)
     real, pair = h * LAMBDA[0].real, h * LAMBDA[1]
     for b in range(m):
         dof, columns = structure.interfaces[b].dof, stages.columns[b]

@@ -140,7 +140,7 @@ def _add_differences(structure, spin, at, ahead, old, scratch, out):
 def _free_response(structure, spin, h, old, stages):
     """Fill in the accelerations of the three systems and of the housings without the interfaces'
     forces."""
-    n = len(structure.weight)
+    n = len(structure.static_load)
     at_start, by_time, scratch = stages.scratch[0], stages.scratch[1], stages.scratch[2]
     at_start[:] = 0.0
     by_time[:] = 0.0
@@ -191,7 +191,7 @@ def _push_housing(stages, n, j, k, force):
 def _fill_free(structure, h, old, stages):
     """Fill in the relative motion of the interfaces without their forces; return whether it is
     finite."""
-    n = len(structure.weight)
+    n = len(structure.static_load)
     is_finite = True
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
@@ -219,7 +219,7 @@ def _fill_free(structure, h, old, stages):
 @jit
 def _fill_motion(structure, h, old, stages):
     """Fill in the motion at the stages under the interface forces."""
-    n = len(structure.weight)
+    n = len(structure.static_load)
     size = len(old.q)
     modal = stages.modal
     for j in range(len(structure.interfaces)):

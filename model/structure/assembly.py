@@ -25,6 +25,7 @@ from ..parts.base import (
     AddedMassElement,
     BodyElement,
     Element,
+    ForceElement,
     InterfaceElement,
     MountElement,
     PortElement,
@@ -43,6 +44,7 @@ from .ledger import law_entries
 from .lowest_frequency import lowest_omega
 from .parameters import prepare
 from .structure import (
+    FORCE,
     HOUSING,
     INTERFACE,
     LOAD,
@@ -102,7 +104,7 @@ def assemble(rotor: Rotor) -> Structure:
         M_factors=M_factors,
         weights=_weights(M),
         mass_sum=mass_sum,
-        weight=np.zeros(n, dtype=complex),
+        static_load=np.zeros(n, dtype=complex),
         releases=_rows(
             RELEASE, [tuple(element) for _, element in _of_kind(ReleaseElement, elements)]
         ),
@@ -125,6 +127,10 @@ def assemble(rotor: Rotor) -> Structure:
         ),
         unbalances=_rows(UNBALANCE, [(_dof(u), _slope(u), *u[1:]) for u in unbalances]),
         unbalance=np.zeros(len(unbalances), dtype=complex),
+        forces=_rows(
+            FORCE,
+            [(_dof(f), _slope(f), *f[1:]) for _, f in _of_kind(ForceElement, elements)],
+        ),
         springs=springs,
         bows=bows,
         bow_forces=bow_forces,
@@ -299,7 +305,7 @@ def with_renumbered_dofs(
     load_arms = structure.load_arms.copy()
     load_arms.slope[load_dof >= 0] = place(load_arms.slope[load_dof >= 0])
     changed: dict[str, Any] = {"load_dof": load_dof, "load_arms": load_arms}
-    for name in ("probes", "velocities", "unbalances", "springs", "interfaces"):
+    for name in ("probes", "velocities", "unbalances", "forces", "springs", "interfaces"):
         records = getattr(structure, name).copy()
         records.dof = place(records.dof)
         if "slope" in records.dtype.names:

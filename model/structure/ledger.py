@@ -29,7 +29,7 @@ MACHINE_STORES = (
         reached_by=SPEED,
     ),
     Output("elastic", "J", "elastic energy of shaft and housing springs", nominal=0.01),
-    Output("gravity", "J", "potential energy of gravity", nominal=0.01),
+    Output("gravity", "J", "potential energy of gravity and constant forces", nominal=0.01),
 )
 # a jump of the speed is work
 INFLOWS = (

@@ -13,6 +13,7 @@ from ..machine.rotor import OWN, Rotor
 from ..parts import LAWS
 from ..parts.base import (
     Element,
+    ForceElement,
     InterfaceElement,
     MountElement,
     Part,
@@ -92,6 +93,8 @@ def _member(element: Element) -> str:
         return "housings"
     if isinstance(element, ReleaseElement):
         return "releases"
+    if isinstance(element, ForceElement):
+        return "forces"
     return "unbalances" if isinstance(element, UnbalanceElement) else ""
 
 

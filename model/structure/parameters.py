@@ -1,4 +1,4 @@
-"""Values that follow from the parameters of an assembled machine: damping, stiffness, weight,
+"""Values that follow from the parameters of an assembled machine: damping, stiffness, static load,
 unbalance, inertia, characteristic lengths. Compiled, a function of the structure alone."""
 
 import math
@@ -72,8 +72,16 @@ def elastic_share(eta_h):
 
 
 @jit
+def add_force(place, force, f):
+    """Add to f, shape (n,) [N, N.m], a force [N] at an unbalance or a constant force's place."""
+    f[place.dof] += force
+    if place.offset != 0.0:
+        f[place.slope] += place.offset * force
+
+
+@jit
 def _prepare_shaft(structure, numbers):
-    """Fill in damping, stiffness and weight."""
+    """Fill in damping, stiffness and static load."""
     share = elastic_share(numbers.eta_h)
     eta_v, mass_damping = numbers.eta_v, numbers.mass_damping
     gravity, down = numbers.gravity, complex(numbers.down_x, numbers.down_y)
@@ -84,7 +92,10 @@ def _prepare_shaft(structure, numbers):
                 eta_v * structure.K_shaft[i, d] + mass_damping * structure.M_shaft[i, d]
             )
             structure.K[i, d] = share * structure.K_shaft[i, d] + structure.K_axial[i, d]
-        structure.weight[i] = gravity * structure.mass_sum[i] * down
+        structure.static_load[i] = gravity * structure.mass_sum[i] * down
+    for i in range(len(structure.forces)):
+        force = structure.forces[i]
+        add_force(force, complex(force.fx, force.fy), structure.static_load)
     for i in range(len(structure.springs)):
         spring = structure.springs[i]
         structure.K[spring.dof, 0] += spring.stiffness

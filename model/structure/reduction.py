@@ -33,14 +33,14 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
 
     modes: number of fixed-interface modes, at most all.
     """
-    n = len(structure.weight)
+    n = len(structure.static_load)
     on_shaft = structure.load_dof >= 0
     acted_on = [structure.load_dof[on_shaft], structure.load_arms.slope[on_shaft]]
     acted_on += [
         getattr(structure, of).dof
-        for of in ("interfaces", "springs", "unbalances", "probes", "velocities")
+        for of in ("interfaces", "springs", "unbalances", "forces", "probes", "velocities")
     ]
-    acted_on += [structure.unbalances.slope, structure.probes.slope]
+    acted_on += [getattr(structure, of).slope for of in ("unbalances", "forces", "probes")]
     retained = np.unique(np.concatenate(acted_on))
     retained = retained[retained < n]  # those behind are housings
     rest = np.setdiff1d(np.arange(n), retained)
@@ -103,7 +103,7 @@ def reduced(structure: Structure, modes: int) -> Structure:
         M_factors=M_factors,
         weights=_weights(T.T @ weights @ T),
         mass_sum=T.T @ structure.mass_sum,
-        weight=T.T @ structure.weight,
+        static_load=T.T @ structure.static_load,
         one_body=one_body,
         bow_forces=structure.bow_forces @ T,
         bow_stiffness=structure.bow_stiffness - _yielding(structure, retained, T),
@@ -147,7 +147,7 @@ class _Spectrum:
     """Frequencies of a shaft at standstill for any number of component modes."""
 
     def __init__(self, rotor: Rotor, structure: Structure) -> None:
-        self._kept, T = component_modes(structure, len(structure.weight))
+        self._kept, T = component_modes(structure, len(structure.static_load))
         held = soft_stiffness(len(T), structure.springs, machine_elements(rotor))
         K = to_dense(structure.K_shaft) + to_dense(structure.K_axial) + np.diag(held)
         self._M, self._K = T.T @ to_dense(structure.M) @ T, T.T @ K @ T

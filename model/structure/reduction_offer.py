@@ -67,7 +67,7 @@ def reduction_offer(rotor: Rotor, structure: Structure, speed: float) -> Reducti
     cheap and accurate, None without one."""
     if work_share(structure, _MODES[0] + 1 + len(structure.interfaces)) > _PAYS:
         return None
-    n = len(structure.weight)
+    n = len(structure.static_load)
     retained, T = component_modes(structure, _MODES[-1])
     held = soft_stiffness(n, structure.springs, machine_elements(rotor))
     K = structure.K_shaft + structure.K_axial

@@ -20,6 +20,7 @@ WEIGHT = _record("i k", "weight")
 SPRING = _record("dof", "stiffness damping")
 # `slope`: of the node, where there is an offset, otherwise `dof` again
 UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
+FORCE = _record("dof slope", "fx fy offset")
 PROBE = _record("dof slope out", "offset")
 LOAD = _record("slope out", "offset impedance")
 RELEASE = _record("", " ".join(ReleaseElement._fields))
@@ -62,16 +63,16 @@ class Structure(NamedTuple):
     K_shaft: its elastic stiffness, K_axial: that of its axial forces; each in band storage, shape
     (n, width); M_factors: those of M, from `band.factorize`. weights: of the norm of motions and
     errors, the mean square of the deflections weighted with their lumped masses [1]; mass_sum:
-    force of a unit acceleration [kg, kg.m]; weight: gravity's force [N, N.m]. releases: initial
-    motions in the place of the equilibrium, if any; one_body: rigid-body motions, a unit
+    force of a unit acceleration [kg, kg.m]; static_load: gravity and `forces` [N, N.m]. releases:
+    initial motions in the place of the equilibrium, if any; one_body: rigid-body motions, a unit
     displacement and a unit tilt about the centre of mass. deflections: dof and node number, from 1,
     of every deflection. load_dof: where external forces act, -1 for the base's acceleration, and
     load_arms: their offsets; probes, velocities: where displacements and velocities are observed.
-    unbalances, and their values m e exp(i phase) [kg.m]. springs: to ground. bows: thermal bows of
-    the shaft; bow_forces: restoring force of the shaft for a bow of 1 m [N/m, N], bow_stiffness:
-    between two of them [N/m]; see `bow`. housings; interfaces: between nodes and housings; laws:
-    the records of each law, and the tables. stores, losses: indices of the machine's entries in the
-    ledger. numbers: see `NUMBERS`.
+    unbalances, and their values m e exp(i phase) [kg.m]. forces: constant. springs: to ground.
+    bows: thermal bows of the shaft; bow_forces: restoring force of the shaft for a bow of 1 m
+    [N/m, N], bow_stiffness: between two of them [N/m]; see `bow`. housings; interfaces: between
+    nodes and housings; laws: the records of each law, and the tables. stores, losses: indices of
+    the machine's entries in the ledger. numbers: see `NUMBERS`.
     """
 
     M: Annotated[np.ndarray, float, "n", "width"]
@@ -84,7 +85,7 @@ class Structure(NamedTuple):
     M_factors: Annotated[np.ndarray, float, "n", "width"]
     weights: Annotated[np.recarray, WEIGHT, "weights"]
     mass_sum: Annotated[np.ndarray, float, "n"]
-    weight: Annotated[np.ndarray, complex, "n"]
+    static_load: Annotated[np.ndarray, complex, "n"]
     releases: Annotated[np.ndarray, RELEASE, "releases"]
     one_body: Annotated[np.ndarray, float, "2", "n"]
     deflections: Annotated[np.ndarray, np.int64, "deflections", "2"]
@@ -94,6 +95,7 @@ class Structure(NamedTuple):
     velocities: Annotated[np.recarray, PROBE, "velocities"]
     unbalances: Annotated[np.recarray, UNBALANCE, "unbalances"]
     unbalance: Annotated[np.ndarray, complex, "unbalances"]
+    forces: Annotated[np.recarray, FORCE, "forces"]
     springs: Annotated[np.recarray, SPRING, "springs"]
     bows: Annotated[np.recarray, BOW, "bows"]
     bow_forces: Annotated[np.ndarray, float, "bows", "n"]

@@ -106,7 +106,7 @@ def _momentum(structure, spin, v):
 def total_energy(structure, spin, motion, out):
     """Return the energy of the machine [J]. Fill out, shape (stores,) [J], in the order of
     `ledger.STORES`: kinetic (lateral, spin and their coupling), elastic (shaft, supports, housing
-    springs), gravity, and the stores of the interface laws."""
+    springs), gravity with the constant forces, and the stores of the interface laws."""
     n = structure.M.shape[0]
     numbers = structure.numbers[0]
     rotor_q, rotor_v = motion.q[:n], motion.v[:n]
@@ -119,7 +119,7 @@ def total_energy(structure, spin, motion, out):
     g = numbers.gravity * complex(numbers.down_x, numbers.down_y)
     gravity = 0.0
     for i in range(n):
-        gravity -= (structure.weight[i].conjugate() * rotor_q[i]).real
+        gravity -= (structure.static_load[i].conjugate() * rotor_q[i]).real
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
         v = at_place(structure.unbalances[i], motion.v)

@@ -150,7 +150,7 @@ def _move_off_unstable_equilibrium(
         widest = max(widest, abs(structure.one_body[1, deflections[i, 0]]))
     copy(motion.q, start)
     push = _PUSH * structure.numbers[0].clearance
-    for i in range(len(structure.weight)):
+    for i in range(len(structure.static_load)):
         shape = structure.one_body[0, i] + _TILTED / widest * structure.one_body[1, i]
         motion.q[i] += push * shape * escape
     shortest = _DOWNHILL / steepest
@@ -242,10 +242,10 @@ def _search(structure, spin, motion, trial, memory, work, problem, limit, iterat
     status, and the number of iterations now."""
     lowest = structure.numbers[0].lowest_omega
     stiffest = mass = 0.0
-    for i in range(len(structure.weight)):
+    for i in range(len(structure.static_load)):
         stiffest = max(stiffest, structure.K[i, 0])
         mass += structure.one_body[0, i] * structure.mass_sum[i]
-    of_stiffness = _EPSILON * len(structure.weight) * stiffest / (mass * lowest * lowest)
+    of_stiffness = _EPSILON * len(structure.static_load) * stiffest / (mass * lowest * lowest)
     of_stiffness = min(of_stiffness, _WORST)
     radians, longest = _FIRST, _LONGEST
     before, unbalanced = 0.0, math.inf

@@ -40,7 +40,7 @@ def bearing(
         one, the frequency of its orbits; a rolling bearing needs none.
     name: Its name, such as journal_bearing[2]; default: the first.
     load: Load along gravity, FROM:TO or FROM:TO:POINTS, or one, in N or with kN added; default:
-        what the machine's weight puts on it.
+        what weight and loads put on it.
     table: File for a linear_bearing with these coefficients over the speed.
     """
     speeds, machine = speed_range(speed, 21), machine_in_units(rotor, units)

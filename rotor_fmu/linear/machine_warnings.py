@@ -23,7 +23,7 @@ def machine_warnings(rotor: Rotor, is_free: bool = False) -> list[str]:
     result = [str(HYSTERETIC_AS_SLOWER)] if rotor.eta_h > 0.0 else []
     machine = shared_machine(rotor)
     is_released = bool(rotor.elements_of_kind(ReleaseElement))
-    if rotor.gravity * rotor.weight_share != 0.0 and not (machine.is_held or is_released):
+    if machine.static_load.any() and not (machine.is_held or is_released):
         result.append(f"{machine.why_not_held()}, or give a [start] in the air")
     inertia, least = (
         machine.structure.numbers[0].inertia,

@@ -36,7 +36,7 @@ def where_linearized(
     follows a vibration has the frequency of a force."""
     result = where_beyond_ranges(machine, speeds)
     linear = shared_machine(machine)
-    if linear.weight.any() and not linear.is_held:
+    if linear.static_load.any() and not linear.is_held:
         where = "linearized in the middle of all clearances, as if it had no weight"
         result.append(f"{linear.why_not_held()}; {where}")
     # a damper's film is where its spring or cage holds the ring

@@ -92,7 +92,7 @@ def test_the_magnets_lift_the_rotor_and_bear_its_weight(dropped):
     lifting = sum(
         dropped["partner"][f"{side}_fy"][before][-500:].mean() for side in ("left", "right")
     )
-    weight = abs(LinearMachine(parse_rotor(TOML)).structure.weight[::2].sum())
+    weight = abs(LinearMachine(parse_rotor(TOML)).structure.static_load[::2].sum())
     assert lifting == pytest.approx(weight, rel=0.02)
 
 

@@ -70,7 +70,7 @@ def test_a_machine_rests_where_it_does_by_matrices_that_are_factorized_at_each_s
         anew = machine.loaded(one.speed)
         np.testing.assert_allclose(one.rest, anew.rest, atol=1e-11 * np.abs(anew.rest).max())
         np.testing.assert_allclose(one.pull, anew.pull, atol=1e-10 * np.abs(anew.pull).max())
-        weight = np.abs(machine.weight.sum())
+        weight = np.abs(machine.static_load.sum())
         assert abs(one.laws.force.sum().imag) == pytest.approx(weight, rel=1e-9)
 
 

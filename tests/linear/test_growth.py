@@ -64,7 +64,7 @@ def seen_growth(rotor, speed, root, tolerance):
     turn = 2 * math.pi / abs(root.imag)
     sim.advance(turn / 4, speed, np.full(len(sim.rotor.discs), 10.0 + 0j))
     times = turn / 4 + np.arange(1, 801) / 800 * min(1.5 / root.real, 300 * turn)
-    size, seen = len(sim.structure.weight), []
+    size, seen = len(sim.structure.static_load), []
     for t in times:
         sim.advance(t, speed, np.zeros(len(sim.rotor.discs), dtype=complex))
         seen.append(along @ np.concatenate([sim.motion.q[:size], sim.motion.v[:size]]))

@@ -92,13 +92,15 @@ def test_bows_store_what_they_store_in_the_whole_shaft(modes):
 
 def test_masses_and_modes_below_the_cut_are_kept():
     structure = assemble(rig())
-    n = len(structure.weight)
+    n = len(structure.static_load)
     for modes, closeness in ((1, 1e-2), (3, 1e-4)):
         small = reduced(structure, modes)
         assert small.M.shape == (6 + modes, 6 + modes)
-        rigid = np.zeros(len(small.weight))
+        rigid = np.zeros(len(small.static_load))
         rigid[:6] = 1.0
-        assert rigid @ small.weight == pytest.approx(structure.weight[::2].sum(), rel=1e-9)
+        assert rigid @ small.static_load == pytest.approx(
+            structure.static_load[::2].sum(), rel=1e-9
+        )
         w = small.weights
         assert w.weight @ (rigid[w.i] * rigid[w.k]) == pytest.approx(1.0)
         springs = np.zeros((n, n))

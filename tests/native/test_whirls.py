@@ -231,7 +231,7 @@ def test_a_long_shaft_is_surveyed_by_its_modes(make, monkeypatch):
     monkeypatch.setattr(survey_block, "MOST_DOFS", 100)
     whole = Simulation(parse_rotor(toml), speed=400.0)
     bases = [simulation._run.survey.basis.shape[1] for simulation in (coarse, whole)]
-    assert len(coarse.structure.weight) == 82
+    assert len(coarse.structure.static_load) == 82
     assert 0 < bases[0] < 30
     assert bases[1] == 0
     for few, all_of_them in zip(found_last(coarse), found_last(whole), strict=True):

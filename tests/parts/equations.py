@@ -51,7 +51,7 @@ class Equations:
         M, C, K, G, circulatory = dense_matrices(structure)
         inverse = np.linalg.inv(M)
         self.size = n = len(M) // 2
-        first = len(structure.weight)
+        first = len(structure.static_load)
         named = dict(rotor.named_parts())
         mounts = {
             (part.name if isinstance(part, Housing) else where): part

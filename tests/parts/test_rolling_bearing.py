@@ -89,7 +89,7 @@ def test_the_largest_load_is_that_of_the_closed_form_for_many_elements(more, fac
 
 def rotor_weight(run):
     """Weight of the shaft with what is on it [N]."""
-    return -float(np.sum(run.structure.weight[::2].imag))
+    return -float(np.sum(run.structure.static_load[::2].imag))
 
 
 def test_a_ball_passes_as_often_as_the_races_radii_say():

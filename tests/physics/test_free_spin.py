@@ -40,14 +40,14 @@ def exact(rotor, duration, speed, torque):
     sim = Simulation(rotor, choose("robust"), speed=speed, drive_torque=torque)
     s = sim.structure
     M, C, K, G = (to_dense(band) for band in (s.M, s.C, s.K, s.G))
-    arm, n = unbalance_vector(s), len(s.weight)
+    arm, n = unbalance_vector(s), len(s.static_load)
     coupled = np.zeros((2 * n + 1, 2 * n + 1))
 
     def rates(t, y):
         q, v = y[: 2 * n].view(complex), y[2 * n : 4 * n].view(complex)
         omega, theta = y[4 * n :]
         turned = arm * np.exp(1j * theta)
-        force = s.weight + turned * omega**2 - C @ v + 1j * omega * (G @ v) - K @ q
+        force = s.static_load + turned * omega**2 - C @ v + 1j * omega * (G @ v) - K @ q
         # what multiplies the angular acceleration in the lateral equations, and the reverse
         column = 1j * turned - 0.5j * (G @ q)
         for part, rows in ((np.real, slice(0, n)), (np.imag, slice(n, 2 * n))):

@@ -53,7 +53,7 @@ def reference(rotor):
     journal, housing = 2 * (BEARING.node - 1), size - 1
     still = rest(rotor)[:-1]
     start = np.concatenate([still.real, still.imag])
-    fall = np.concatenate([structure.weight.imag, [-BEARING.mass * rotor.gravity]])
+    fall = np.concatenate([structure.static_load.imag, [-BEARING.mass * rotor.gravity]])
     inverse = np.linalg.inv(M)
 
     def slope(t, x):

@@ -86,6 +86,7 @@ CASES = {
     ],
     "point_mass": [("point_mass", {"node": 3, "mass": 1.0})],
     "unbalance": [("unbalance", {"node": 3, "amount": 1e-4, "phase": -1.0})],
+    "load": [("load", {"node": 3, "fx": 20.0, "fy": -30.0, "offset": 0.02})],
     "support": [("support", {"node": 2, "stiffness": 1e5, "damping": 30.0})],
     "sensor": [("sensor", {"node": 2})],
     "port": [("port", {"node": 2})],
@@ -99,9 +100,9 @@ LOAD = 3.0 - 5.0j  # on every port [N], or of the foundation [m/s2]
 
 ANGLES = {"phase", "pads", "wear_angle", "cage_angle", "outer_angle", "inner_angle"}
 # What takes its sign from x, and all that is of one axis or of two.
-SIGNED = {"x", "vx", "tilt_x", "rate_x", "kxy", "kyx", "cxy", "cyx"}
+SIGNED = {"x", "vx", "fx", "tilt_x", "rate_x", "kxy", "kyx", "cxy", "cyx"}
 OF_AXES = SIGNED | {
-    *("y", "vy", "tilt_y", "rate_y"),
+    *("y", "vy", "fy", "tilt_y", "rate_y"),
     *("kx", "ky", "cx", "cy", "kxx", "kyy", "cxx", "cyy"),
 }
 SWAP = str.maketrans("xy", "yx")

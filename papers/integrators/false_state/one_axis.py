@@ -77,7 +77,7 @@ def unbalance_loads(structure: Structure, omega: float) -> np.ndarray:
     (contacts, 2), in x and y.
     """
     contacts, picks = clearance_contacts(structure), contact_picks(structure)
-    n, size = len(structure.weight), picks.shape[1]
+    n, size = len(structure.static_load), picks.shape[1]
     tied = picks.T @ (contacts.k[:, None] * picks)
     dynamic = np.zeros((2 * size, 2 * size), dtype=complex)
     for axis, at in ((X, 0), (Y, size)):

@@ -63,7 +63,7 @@ class JournalStructure:
         if not run_down.rotor.discs:
             raise ImpactError("disc: none given, at least 1 is needed, whose motion is shown")
         picks = contact_picks(machine)
-        n, self.size = len(machine.weight), picks.shape[1]
+        n, self.size = len(machine.static_load), picks.shape[1]
         size = self.size
         planes = zip(in_plane(machine, X), in_plane(machine, Y), strict=True)
         self._M, self._C, self._K = (_both_planes(x, y) for x, y in planes)
@@ -75,13 +75,13 @@ class JournalStructure:
         B = np.zeros((2 * size, 2 * len(picks)))
         B[:size, ::2] = B[size:, 1::2] = picks.T
         self.contacts = RoundStops(B, clearance, np.zeros(len(picks)))
-        weight = float(np.abs(machine.weight.imag).sum())
+        weight = float(np.abs(machine.static_load.imag).sum())
         self.energy_scale = weight * float(clearance.max())
 
     def load(self, t: float) -> np.ndarray:
         """See `structure.Structure`: weight and unbalance."""
         machine = self._machine
-        n = len(machine.weight)
+        n = len(machine.static_load)
         applied = np.zeros(n, dtype=complex)
         none = np.zeros(len(machine.load_dof), dtype=complex)
         add_applied(machine, self._run_down.spin(t), none, applied)
@@ -113,7 +113,9 @@ class JournalStructure:
     def energy(self, q: np.ndarray, v: np.ndarray) -> float:
         """Kinetic energy of the vibration, elastic energy and potential of the weight [J]."""
         weight = self._weight.copy()
-        weight[self.size : self.size + len(self._machine.weight)] += self._machine.weight.imag
+        weight[self.size : self.size + len(self._machine.static_load)] += (
+            self._machine.static_load.imag
+        )
         return float(0.5 * (v @ self._M @ v + q @ self._K @ q) - weight @ q)
 
     def at_rest(self) -> np.ndarray:
