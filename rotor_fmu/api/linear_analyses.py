@@ -280,7 +280,7 @@ class LinearAnalyses:
         return _said(result, self.rotor, [result.speed])
 
     def static(self, speed: float | None = None, **options: Any) -> "Static":
-        """Deflection and loads on the supports under gravity.
+        """Deflection and loads on the supports under gravity and loads.
 
         Parameters
         ----------

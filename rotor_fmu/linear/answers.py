@@ -241,10 +241,14 @@ class Static(Displayed, linear.Static):
                 for name, *of in zip(self.supports, load_x, load_y, strict=True)
             ),
         ]
-        return Table(f"At rest, {state_in_words(self.speed, self.contacts)}", heads, rows)
+        return Table(self._title(), heads, rows)
+
+    def _title(self) -> str:
+        return f"At rest, {state_in_words(self.speed, self.contacts)}"
 
     def figure(self) -> Figure:
-        """Draw the deflection along the shaft, with the loads on the named supports."""
+        """Draw the deflection along the shaft, with the loads on the named supports: x, y of those
+        across which a load acts, else their size."""
         figure, axes = new_figure(6.8, 3.8)
         d = current()
         curves = [axes.axhline(0, color=GREY, lw=0.8)]
@@ -259,21 +263,24 @@ class Static(Displayed, linear.Static):
         axes.margins(x=0.08, y=0.3)
         labels, reach = [], 0.1 * np.ptp(axes.get_ylim())
         marks = [*zip(self.z * d.length, self.y * d.small, strict=True)]
-        for place, support, load in zip(self.support_z, self.supports, self.load_y, strict=True):
-            if load == 0.0:
+        loads = zip(self.support_z, self.supports, self.load_x, self.load_y, strict=True)
+        for place, support, across, load in loads:
+            if across == load == 0.0:
                 continue  # a contact that is open
             node = int(np.argmin(np.abs(self.z - place)))
             at, y = place * d.length, self.y[node] * d.small
             tail = at, y + (-reach if load < 0 else reach)
             arrow = {"arrowstyle": "->", "color": "black", "lw": 0.9}
-            axes.annotate("", (at, y), tail, arrowprops=arrow)
+            if load:
+                axes.annotate("", (at, y), tail, arrowprops=arrow)
             marks += [(at, (y + tail[1]) / 2)]
-            words = f"{support} {five_digits(abs(load) * d.force)} {d.force_unit}"
-            labels.append((*tail, words, load < 0))
+            words = five_digits(abs(load) * d.force)
+            if abs(across) > 1e-3 * abs(load):
+                words = f"x {five_digits(across * d.force)}, y {five_digits(load * d.force)}"
+            labels.append((*tail, f"{support} {words} {d.force_unit}", load < 0))
         axes.set_xlabel(f"Along the shaft z [{d.length_unit}]")
         axes.set_ylabel(f"Deflection [{d.small_unit}]")
-        state = state_in_words(self.speed, self.contacts)
-        entitle(axes, self.titled(f"At rest under gravity, {state}"))
+        entitle(axes, self.titled(self._title()))
         write_labels(axes, labels, marks, curves)
         return figure
 

@@ -180,10 +180,10 @@ def _shown(answer: Displayed, caption: str) -> list[str]:
 
 
 def _at_rest(at_rest: answers.Static) -> list[str]:
-    """Return the deflection under gravity, or that there is none, as of a vertical machine."""
+    """Return the deflection at rest, or that there is none, as of a vertical machine."""
     if any(np.any(values) for values in (at_rest.x, at_rest.y, at_rest.load_x, at_rest.load_y)):
-        return _shown(at_rest, "Deflection under gravity")
-    return ["<p>Gravity does not act across the shaft: it is straight, and no bearing loaded.</p>"]
+        return _shown(at_rest, "Deflection at rest")
+    return ["<p>Nothing pulls across the shaft: it is straight, and no bearing loaded.</p>"]
 
 
 def _acting(unbalances: Sequence[PlacedAmount] | None, mode: int | None) -> str:
