@@ -231,6 +231,18 @@ def test_a_rotor_on_dampers_jumps_where_the_closed_form_folds():
             assert speed == pytest.approx(expected, rel=5e-3)
 
 
+# --- a gear's pinion ---
+
+
+def test_the_pinion_whirls_under_a_small_part_of_its_load_alone():
+    """In its operating range at 5 % of it, above that range at 8 %, nowhere at full load."""
+    example = script("gear_pinion", "load.py")
+    low, high = example["OPERATING"]
+    assert example["threshold"](0.02) == pytest.approx(11049 * example["RPM"], rel=1e-3)
+    assert example["threshold"](0.05) < low < high < example["threshold"](0.08)
+    assert math.isnan(example["threshold"](1.0))
+
+
 # --- tilting pads ---
 
 
