@@ -101,7 +101,7 @@ def static(
     units: Units = None,
     out: PictureFolder = Path("out/static"),
 ) -> dict[str, Any]:
-    """Compute the deflection under gravity and each [[load]], and what each bearing bears."""
+    """Compute the deflection under gravity and constant loads, and what each bearing bears."""
     at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
     from ..linear.where_linearized import where_beyond_ranges, where_not_at_rest
