@@ -28,6 +28,7 @@ from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.errors import InputError, RunFailed, optional
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.python_fmu import fmu_in, package_name
+from rotor_fmu.fmi.variables import Variable
 from rotor_fmu.machine_studies.machine_runs import MachineRuns
 from rotor_fmu.machine_studies.machine_tables import KINDS, MachineSubject, read_machine
 from rotor_fmu.machine_studies.metric import Metric
@@ -85,6 +86,12 @@ class CoupledRuns(MachineRuns):
         rotor = {v.name: v.unit for v in self.machine.table if v.is_observed and v.kind == "Real"}
         outputs = [v for v in COUPLING.variables if v.causality == "output"]
         return rotor | {f"{DRIVE}{v.name}": v.unit for v in outputs}
+
+    @property
+    def settable(self) -> dict[str, Variable]:
+        """Return the FMU's parameters that may be set or varied, by name."""
+        known = {v.name for v in self.machine.table}
+        return {name: v for name, v in super().settable.items() if name in known}
 
     def check_metric(self, metric: Metric, how: Excitation) -> None:
         """Raise `InputError` for a metric that does not suit the runs."""

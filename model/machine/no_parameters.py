@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from collections.abc import Collection
 from dataclasses import fields
 
 from ..quantities import quantities
@@ -13,11 +14,11 @@ _OF_THE_SHAFT = ("material", "section")
 _OF_THE_MACHINE = ("gravity_angle", "inclination")
 
 
-def why_no_parameter(rotor: Rotor, name: str) -> str:
-    """Return why a name is none of a machine's parameters, and which are, or how it is spelled as
-    one; empty where the machine has nothing of this name."""
+def why_no_parameter(rotor: Rotor, name: str, known: Collection[str]) -> str:
+    """Return why a name is none of the parameters `known`, and which of its part are, or how it is
+    spelled as one; empty where the machine has nothing of this name."""
     head, _, own = name.rpartition(".")
-    known, counts = rotor.parameters(), Counter[str]()
+    counts = Counter[str]()
     alike = Counter(part.KIND for part in rotor.parts)
     for where, part in rotor.named_parts():
         counts[part.KIND] += 1

@@ -52,7 +52,7 @@ HYSTERETIC_AT_REST = (
 
 
 class Parameter(NamedTuple):
-    """A quantity that an FMU takes as a parameter: its name, its declaration and its value."""
+    """A number of a machine: its name, its declaration and its value."""
 
     name: Name
     quantity: Quantity
@@ -252,11 +252,10 @@ class Rotor:
 
     def named_elements(self) -> Iterator[tuple[str, Element]]:
         """Yield every element with the name of its part, in the order of `parts`."""
-        for key, element in self.indexed_elements():
-            yield spelled(*key), element
+        yield from ((spelled(*key), element) for key, element in self.indexed_elements())
 
     def elements_of_kind(self, kind: type[AnyElement]) -> list[tuple[str, AnyElement]]:
-        """Return the elements of a kind with the names of their parts, in the order of `parts`."""
+        """Return the elements of a kind with the names of their parts."""
         return [(where, e) for where, e in self.named_elements() if isinstance(e, kind)]
 
     def of_kind(self, kind: type[AnyPart]) -> tuple[AnyPart, ...]:
@@ -286,8 +285,7 @@ class Rotor:
 
     @property
     def down(self) -> complex:
-        """The direction of gravity across the shaft, its length the share of gravity that
-        acts there [1]."""
+        """The direction of gravity across the shaft, its length the share that acts there [1]."""
         return self.downwards * self.weight_share
 
     @property
@@ -307,21 +305,24 @@ class Rotor:
         return replace(self, parts=(*self.parts[:at], *parts, *behind))
 
     def parameters(self) -> dict[str, Parameter]:
-        """Return the quantities that an FMU takes as parameters, by their names in it: of the
-        parts, of the shaft, gravity."""
+        """Return the `numbers` that an FMU takes as parameters, by their names in it."""
+        return {name: of for name, of in self.numbers().items() if of.quantity.is_parameter}
+
+    def numbers(self) -> dict[str, Parameter]:
+        """Return the single numbers of the parts, of the shaft, and gravity, by their names; of
+        switches those that an FMU takes."""
         found = [
             Parameter(
                 Name(*name, own), replace(declared, rule=part.rule_of(own)), getattr(part, own)
             )
             for name, part in self.indexed_parts()
             for own, declared in quantities(part).items()
-            if declared.is_parameter and not isinstance(getattr(part, own), tuple)
+            if declared.is_parameter or not declared.is_switch
+            if not isinstance(getattr(part, own), tuple)
         ]
-        found += [
-            Parameter(Name(heading, 0, own), quantities(self)[own], getattr(self, own))
-            for own, heading in OWN.items()
-        ]
-        return {str(parameter.name): parameter for parameter in found}
+        of_all = quantities(self)
+        found += [Parameter(Name(of, 0, q), of_all[q], getattr(self, q)) for q, of in OWN.items()]
+        return {str(number.name): number for number in found}
 
     def with_values(self, values: Mapping[str, float | bool]) -> "Rotor":
         """Return the machine with some quantities replaced, all at once.
@@ -345,5 +346,5 @@ class Rotor:
         return replace(self, parts=tuple(parts), **changed)
 
     def with_value(self, name: str, value: float | bool) -> "Rotor":
-        """Return the machine with one quantity replaced; see `with_values`."""
+        """Return the machine with one number replaced; see `with_values`."""
         return self.with_values({name: value})

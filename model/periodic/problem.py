@@ -124,7 +124,7 @@ class Response:
         """The SI unit of the parameter."""
         if self.task.name == SPEED:
             return "rad/s"
-        return self.rotor.parameters()[self.task.name].quantity.unit
+        return self.rotor.numbers()[self.task.name].quantity.unit
 
     def machines(self) -> Machines:
         """Return the machine as a function of the parameter."""

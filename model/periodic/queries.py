@@ -107,7 +107,7 @@ def check_second(rotor: Rotor, task: Task, name: str, low: float, high: float) -
     is the first one, or whose range lacks the machine's own value or one that it can have."""
     if name == task.name:
         raise PeriodicError(f"{name}: must be another quantity than the one of the curve")
-    start = rotor.parameters()[name].value
+    start = rotor.numbers()[name].value
     if not low <= start <= high:
         raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
     for end in (low, high):
@@ -130,7 +130,7 @@ def folds_over(
     """
     task, rotor = result.task, result.rotor
     check_second(rotor, task, name, low, high)
-    start = rotor.parameters()[name].value
+    start = rotor.numbers()[name].value
     if fold.kind != FOLD:
         raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")
     if task.needs_shooting(fold.orbit):

@@ -104,7 +104,7 @@ def _is_reached(result: Response, note: Message) -> bool:
 def _from_orbit(search: BranchSearch, begin: Orbit) -> None:
     """Follow the branch through a given orbit in both directions."""
     task = search.result.task
-    own = search.result.rotor.parameters()
+    own = search.result.rotor.numbers()
     value = begin.speed if task.name == SPEED else own[task.name].value
     if not task.low <= value <= task.high:
         raise PeriodicError(

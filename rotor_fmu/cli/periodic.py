@@ -81,7 +81,7 @@ def response(
     toml, machine = load_rotor(rotor)
     choose(units, machine.units, rotor or "")
     loads = named_texts("--load", load or [])
-    of = {name: known.quantity.unit for name, known in machine.parameters().items()}
+    of = {name: known.quantity.unit for name, known in machine.numbers().items()}
     at, varied = _varied(speed or _usual(machine, over), over, machine)
     unit = "rad/s" if varied is None else of.get(varied[0], "1")
     options: dict[str, Any] = {
@@ -277,6 +277,6 @@ def _range(text: str, option: str, machine: Rotor) -> tuple[str, float, float]:
     name, equals, ends = (part.strip() for part in text.partition("="))
     if not equals or ends.count(":") != 1:
         raise InputError(f"{option} {text}: must be NAME=FROM:TO")
-    unit = machine.parameters()[known_parameter(option, name, machine)].quantity.unit
+    unit = machine.numbers()[known_parameter(option, name, machine)].quantity.unit
     low, high = number_range(ends, None, f"{option} {name} =", unit)
     return name, float(low), float(high)

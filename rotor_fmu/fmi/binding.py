@@ -24,9 +24,11 @@ def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
 
 
 def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, float]) -> Rotor:
-    """Return the rotor with all parameters that differ from their start values."""
-    starts = start_values(table)
-    return rotor.with_values({n: values[n] for n in rotor.parameters() if values[n] != starts[n]})
+    """Return the rotor with all of its numbers that differ from their start values."""
+    starts = {name: of.value for name, of in rotor.numbers().items()}
+    given = {name: values[name] for name in starts if name in values}
+    starts |= start_values(table)
+    return rotor.with_values({n: value for n, value in given.items() if value != starts[n]})
 
 
 def coupling_options(values: Mapping[str, float]) -> CouplingOptions:

@@ -92,13 +92,14 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
     free = [_real("w_start", "rad/s", start, "speed of rotation at the start", low=None)]
     return [
         *(free if is_free else prescribed),
-        *(_parameter(*parameter) for parameter in rotor.parameters().values()),
+        *(parameter_variable(*parameter) for parameter in rotor.parameters().values()),
         *coupling_variables(is_free),
         *solver_parameters(),
     ]
 
 
-def _parameter(name: Name, quantity: Quantity, value: float | bool) -> Variable:
+def parameter_variable(name: Name, quantity: Quantity, value: float | bool) -> Variable:
+    """Return the variable of a number of the machine."""
     text = f"{_part_of(name)}{quantity.text}"
     if quantity.is_switch:
         return Variable(str(name), "Boolean", "parameter", text, start=value)

@@ -16,7 +16,8 @@ rotor-fmu modes --rotor machine.toml       # trust its linear answers first
 rotor-fmu run-down --rotor machine.toml    # then let it rub
 ```
 
-A key marked *FMU* is a parameter of the machine's FMU, called `table[i].key`. What is missing,
+A key marked *FMU* is a parameter of the machine's FMU, called `table[i].key`; a study or a response
+may vary any other single number of a part by such a name too. What is missing,
 misspelt or impossible is refused in one line with the name, the value and what is allowed.
 
 ## Units

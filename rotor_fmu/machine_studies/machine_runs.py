@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import InputError, meant
 from ..fmi.binding import build_simulation
-from ..fmi.interface import interface
+from ..fmi.interface import interface, parameter_variable
 from ..fmi.variables import Variable, start_values
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
@@ -43,8 +43,8 @@ class MachineModel(NamedTuple):
 
     @property
     def units(self) -> dict[str, str]:
-        """Units of the parameters of the machine itself, by name."""
-        return {name: of.quantity.unit for name, of in self.rotor.parameters().items()}
+        """Units of the numbers of the machine itself, by name."""
+        return {name: of.quantity.unit for name, of in self.rotor.numbers().items()}
 
 
 @lru_cache(maxsize=4)
@@ -82,12 +82,12 @@ class MachineRuns:
 
     @property
     def settable(self) -> dict[str, Variable]:
-        """Return the machine's variables that may be set or varied, by name."""
-        return {
-            v.name: v
-            for v in self.machine.table
-            if v.causality == "parameter" and v.name not in _OF_THE_EXCITATION
-        }
+        """Return what may be set or varied, by name: parameters of the FMU, and the machine's other
+        numbers."""
+        known = [v for v in self.machine.table if v.causality == "parameter"]
+        numbers = [parameter_variable(*of) for of in self.machine.rotor.numbers().values()]
+        by_name = {v.name: v for v in (*known, *numbers)}
+        return {name: v for name, v in by_name.items() if name not in _OF_THE_EXCITATION}
 
     @property
     def variable_units(self) -> dict[str, str]:

@@ -92,7 +92,8 @@ class MachineSubject:
 
     def why_not(self, name: str) -> str:
         """Return why what the machine's file has cannot be varied, empty of any other name."""
-        return why_no_parameter(self.runs.machine.rotor, name)
+        rotor, settable = self.runs.machine.rotor, self.runs.settable
+        return why_no_parameter(rotor, name, [n for n in rotor.numbers() if n in settable])
 
     def value(self, name: str, where: str, given: object) -> float:
         """Return a value of what can be varied; of a choice its name will do, of a truth itself."""

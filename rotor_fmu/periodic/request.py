@@ -118,7 +118,7 @@ def response_request(
     if start is not None and not hasattr(start, "orbit"):
         said = shown_value("start", start)
         raise InputError(f"{said}: must be a motion of `at` or `points` of an earlier result")
-    si_unit = "rad/s" if name == SPEED else rotor.parameters()[name].quantity.unit
+    si_unit = "rad/s" if name == SPEED else rotor.numbers()[name].quantity.unit
     shown = current().of_si(si_unit).text
     searched = tuple(numbers("seeds", seeds))
     for seed in searched:

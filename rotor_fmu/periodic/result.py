@@ -117,7 +117,7 @@ class ResponseResult(ResponseCurves):
         """The map of jumps: the parameter at the fold over another one, `name`."""
         from .response_plots import fold_figure
 
-        unit = self._response.rotor.parameters()[name].quantity.unit
+        unit = self._response.rotor.numbers()[name].quantity.unit
         return fold_figure(self, name, unit, folds)
 
     @in_its_units

@@ -90,6 +90,6 @@ def _within(rotor: Rotor, lowest: float, highest: float) -> list[float]:
 def _as_run(run: Recording) -> Rotor | None:
     if run.rotor is None:
         return None
-    known = run.rotor.parameters()
+    known = run.rotor.numbers()
     given: Any = run.about.get("parameters", {})
     return run.rotor.with_values({n: value for n, value in given.items() if n in known})

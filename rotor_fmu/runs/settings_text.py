@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
 from ..errors import NO_OTHERS, InputError, known_name
-from ..fmi.interface import interface
+from ..fmi.interface import interface, parameter_variable
 from ..fmi.solver_parameters import AS_PRESET, OTHER_NAMES, PREFIX, REDUCTION, chosen_at_build
 from ..fmi.variables import Variable
 from ..model.machine.no_parameters import why_no_parameter
@@ -81,10 +81,9 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
 
 
 def machine_values(where: str, rotor: Rotor, given: Mapping[str, object]) -> dict[str, float]:
-    """Return values of the machine's own parameters by name. Raises `InputError`, which begins with
+    """Return values of the machine's own numbers by name. Raises `InputError`, which begins with
     `where`."""
-    own = rotor.parameters()
-    known = {v.name: v for v in interface(rotor, False) if v.name in own}
+    known = {name: parameter_variable(*of) for name, of in rotor.numbers().items()}
     return {
         n: value_of(f"{where} {n}", known[known_parameter(where, n, rotor, known)], v)
         for n, v in given.items()
@@ -98,11 +97,13 @@ def known_parameter(
     known: Iterable[str] | None = None,
     others: Mapping[str, str] = NO_OTHERS,
 ) -> str:
-    """Return a name that is among `known`, by default the machine's own parameters; `InputError`,
+    """Return a name that is among `known`, by default the machine's own numbers; `InputError`,
     which begins with `where` and says of what the machine's file fixes that it does; others: see
     `known_name`."""
-    known = rotor.parameters() if known is None else known
-    return known_name(where, name, known, others, partial(why_no_parameter, rotor))
+    numbers = rotor.numbers()
+    known = [*(numbers if known is None else known)]
+    own = [*(numbers if numbers.keys() <= {*known} else rotor.parameters())]
+    return known_name(where, name, known, others, partial(why_no_parameter, rotor, known=own))
 
 
 def value_of(where: str, variable: Variable, given: object) -> float:

@@ -39,36 +39,46 @@ e = 1e-5
 """
 )
 FIXED = "is no parameter: the machine file fixes it; "
+DISC = f"{FIXED}those of disc[1] are diameter, width, e, phase, bore"
+# Of what neither an FMU nor a study or a response changes.
 SAID = {
-    "support[1].stiffness": f"{FIXED}support[1] has none",
-    "support.stiffness": f"{FIXED}support[1] has none",
-    "support[7].stiffness": "is no parameter: a support has none",
-    "disc[1].diameter": f"{FIXED}those of disc[1] are e, phase",
     "pedestal.kx": "is called housing[1].kx",
     "linear_bearing[1].kxx": "is no parameter: the machine file has a list for it; those of",
     "material.young": f"{FIXED}those of the shaft are eta_v",
     "material.brass.young": f"{FIXED}those of the shaft are eta_v",
-    "disc[1].node": f"{FIXED}those of disc[1] are e, phase",
-    "disc[1].z": f"{FIXED}those of disc[1] are e, phase",
+    "disc[1].node": DISC,
+    "disc[1].z": DISC,
     "inclination": f"{FIXED}that of the machine is gravity",
     "gravity_angle": f"{FIXED}that of the machine is gravity",
     "operation.rated_speed": f"{FIXED}that of the machine is gravity",
     "shaft.nodes": f"{FIXED}those of the shaft are eta_v",
 }
+# Of what an FMU has in its matrices: a study, or a response, makes them anew.
+SAID_BY_AN_FMU = {
+    "support[1].stiffness": f"{FIXED}support[1] has none",
+    "support.stiffness": f"{FIXED}support[1] has none",
+    "support[7].stiffness": "is no parameter: a support has none",
+    "disc[1].diameter": f"{FIXED}those of disc[1] are e, phase",
+    "disc[1].node": f"{FIXED}those of disc[1] are e, phase",
+    "disc[1].z": f"{FIXED}those of disc[1] are e, phase",
+}
+
+
+def study_over(name, folder, machine=MACHINE):
+    (folder / "machine.toml").write_text(machine)
+    file = folder / "study.toml"
+    file.write_text(
+        "machine = 'machine.toml'\n[run]\nkind = 'run-down'\nfrom = 50\nrate = 1e4\n"
+        f"[keep]\na = {{ last = 'disc[1].y' }}\n[vary]\n'{name}' = {{ values = [0.1, 0.2] }}\n"
+    )
+    return read_study(file)
 
 
 @pytest.mark.parametrize("name", SAID)
 def test_every_way_to_give_a_value_says_why_it_cannot_be(name, tmp_path):
     rotor = parse_rotor(MACHINE)
-    (tmp_path / "machine.toml").write_text(MACHINE)
-    study = tmp_path / "study.toml"
-    study.write_text(
-        "machine = 'machine.toml'\n[run]\nkind = 'run-down'\n[keep]\na = { peak = 'disc[1].x' }\n"
-        f"[vary]\n'{name}' = {{ values = [1.0, 2.0] }}\n"
-    )
     for ask in (
-        lambda: read_study(study),
-        lambda: parse_starts(rotor, False, [f"{name}=1"]),
+        lambda: study_over(name, tmp_path),
         lambda: response_request(rotor, speed=10.0, over=(name, 1.0, 2.0)),
         lambda: response_request(rotor, speed=(10.0, 20.0), parameters={name: 1.0}),
     ):
@@ -77,7 +87,39 @@ def test_every_way_to_give_a_value_says_why_it_cannot_be(name, tmp_path):
         assert f"{name}: {SAID[name]}" in str(refused.value)
 
 
+@pytest.mark.parametrize("name", SAID | SAID_BY_AN_FMU)
+def test_an_fmu_says_what_it_has_fixed(name):
+    with pytest.raises(InputError) as refused:
+        parse_starts(parse_rotor(MACHINE), False, [f"{name}=1"])
+    assert f"{name}: {(SAID | SAID_BY_AN_FMU)[name]}" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "in_file", "instead"),
+    [
+        ("support[1].stiffness", 2e7, "stiffness = 1e7", "stiffness = 2e7"),
+        ("disc[2].diameter", 0.2, "diameter = 0.3", "diameter = 0.2"),
+    ],
+)
+def test_a_study_varies_what_an_fmu_has_fixed(name, value, in_file, instead, tmp_path):
+    """A run is that of the machine with that number in its file."""
+    rows = [
+        study_over(name, tmp_path).model.run({name: value}),
+        study_over(name, tmp_path, MACHINE.replace(in_file, instead)).model.run({}),
+        study_over(name, tmp_path).model.run({}),
+    ]
+    sags = [row.cells["a"] for row in rows]
+    assert sags[0] == sags[1] != sags[2]
+
+
+def test_a_response_is_over_what_an_fmu_has_fixed():
+    request = response_request(
+        parse_rotor(MACHINE), speed=150.0, over=("support[1].stiffness", 1e7, 2e7)
+    )
+    assert [rotor.parts[-1].stiffness for rotor in request.ends()] == [1e7, 2e7]
+
+
 def test_of_parameters_and_of_names_of_nothing_there_is_nothing_to_say():
     rotor = parse_rotor(MACHINE)
     for name in ("gravity", "shaft.eta_v", "spport[1].stiffness", "mu", ""):
-        assert why_no_parameter(rotor, name) == ""
+        assert why_no_parameter(rotor, name, rotor.parameters()) == ""
