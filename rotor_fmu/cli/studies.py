@@ -154,12 +154,13 @@ def _say_result(definition: Study, out: Path, progress: Progress) -> dict[str, A
     if ranked:
         named = next((c for c in ranked if c.name in definition.limits), ranked[0])
         unit = current().of_si(named.unit).word
-        is_limited = named.name in definition.limits
-        has_sign = not is_limited and bool((data[named.name].values < 0.0).any())
+        limit = definition.limits.get(named.name)
+        has_sign = limit is None and bool((data[named.name].values < 0.0).any())
         size = " in size" if has_sign else ""
-        typer.echo(f"the largest of {named.name} [{unit}]{size}, what failed first:")
+        end = "smallest" if limit and limit.is_least else "largest"
+        typer.echo(f"the {end} of {named.name} [{unit}]{size}, what failed first:")
         figures["worst_of"] = named.name
-        figures["worst"] = worst(data, named.name, is_limited=is_limited)
+        figures["worst"] = worst(data, named.name, limit=limit)
         _print_table([_in_units(definition, row) for row in figures["worst"]])
     typer.echo(f"written to {out}")
     return figures
@@ -210,7 +211,7 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
     for name, result in report["limits"].items():
         if result["count"]:
             limit = shown[name].text(result["limit"], digits=6)
-            typer.echo(f"{name} > {limit}: {_counted(result)}")
+            typer.echo(f"{name} {'<' if result['is_least'] else '>'} {limit}: {_counted(result)}")
     for sentence in report["says"]:
         typer.echo(sentence)
     for name, result in report.get("sensitivity", {}).items():
@@ -245,7 +246,7 @@ def _draw(definition: Study, out: Path) -> list[str]:
 
 
 def _counted(result: dict[str, Any]) -> str:
-    counted = f"{result['above']} of {result['count']} runs"
+    counted = f"{result['beyond']} of {result['count']} runs"
     if result["failed"]:
         counted += f" and {result['failed']} that failed"
     if "share" in result:

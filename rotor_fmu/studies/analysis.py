@@ -9,6 +9,7 @@ import numpy as np
 from ..run_status import FAILED, OK
 from .design import SENSITIVITY, Axis, Design, Distribution
 from .store import about_of, open_dataset
+from .study import Limit
 
 if TYPE_CHECKING:
     import xarray
@@ -23,7 +24,7 @@ def analyse(folder: Path) -> dict[str, Any]:
     """Return the figures of the rows there are, as JSON can say them.
 
     columns: of every metric, count, least and largest, and, unless the design is morris, whose
-    points are placed to be compared, mean, std and quantiles; limits: how many runs exceed each,
+    points are placed to be compared, mean, std and quantiles; limits: how many runs pass each,
     and the share, in which a run that failed counts as one that does; of runs drawn independently
     with its interval of Clopper and Pearson; says: notes on how to read them; sensitivity: indices
     of Sobol or Morris with their confidence intervals, where the design is one of theirs.
@@ -43,7 +44,7 @@ def analyse(folder: Path) -> dict[str, Any]:
     count_failed = int(failed[rows].sum())
     columns = {name: statistics(data[name].values[rows]) for name in numbers}
     limits = {
-        name: exceedance(raw[name].values[rows], limit, count_failed)
+        name: exceedance(raw[name].values[rows], Limit(**limit), count_failed)
         for name, limit in about["limits"].items()
     }
     meaningless = {"interval"} if design.listed else set()
@@ -110,7 +111,7 @@ def _says(design: Design, failed: int, count: int) -> list[str]:
         )
     if failed:
         said.append(
-            f"{failed} of {count} runs failed: they count as above every limit, and stand in no "
+            f"{failed} of {count} runs failed: they count as beyond every limit, and stand in no "
             "quantile"
         )
     return said
@@ -151,16 +152,18 @@ def statistics(values: np.ndarray) -> dict[str, Any]:
     }
 
 
-def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, Any]:
-    """Return how many of the values that there are lie above a limit, and the share of these
-    together with the failed runs, which may have exceeded it too."""
+def exceedance(values: np.ndarray, limit: Limit, failed: int = 0) -> dict[str, Any]:
+    """Return how many of the values that there are lie beyond a limit, and the share of these
+    together with the failed runs, which may have passed it too."""
     from scipy.stats import binomtest
 
-    above, count = int((values > limit).sum()), int((~np.isnan(values)).sum()) + failed
-    result: dict[str, Any] = {"limit": limit, "above": above, "failed": failed, "count": count}
+    is_beyond = values < limit.value if limit.is_least else values > limit.value
+    beyond, count = int(is_beyond.sum()), int((~np.isnan(values)).sum()) + failed
+    result: dict[str, Any] = {"limit": limit.value, "is_least": limit.is_least}
+    result |= {"beyond": beyond, "failed": failed, "count": count}
     if count:
-        interval = binomtest(above + failed, count).proportion_ci(CONFIDENCE)
-        result["share"] = (above + failed) / count
+        interval = binomtest(beyond + failed, count).proportion_ci(CONFIDENCE)
+        result["share"] = (beyond + failed) / count
         result["interval"] = [float(interval.low), float(interval.high)]
     return result
 
@@ -197,11 +200,12 @@ def sensitivity(design: Design, data: "xarray.Dataset", name: str) -> dict[str, 
 
 
 def worst(
-    data: "xarray.Dataset", name: str, count: int = 10, *, is_limited: bool = False
+    data: "xarray.Dataset", name: str, count: int = 10, *, limit: Limit | None = None
 ) -> list[dict[str, Any]]:
     """Return the runs with the largest absolute value of a column, of one that has a limit those
-    with the largest value; those that failed first."""
-    values = data[name].values if is_limited else np.abs(data[name].values)
+    nearest to it or furthest beyond; those that failed first."""
+    values = data[name].values
+    values = np.abs(values) if limit is None else -values if limit.is_least else values
     failed = np.char.startswith(data.status.values.astype(str), FAILED)
     order = np.lexsort((-values, ~failed))  # a nan is behind all others
     axes = [str(c) for c in data.coords if data[c].dims == ("run",) and c not in ("run", "id")]

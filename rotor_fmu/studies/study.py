@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from ..about import __version__
 from ..errors import InputError
@@ -72,18 +72,25 @@ class Model(Protocol):
         ...
 
 
+class Limit(NamedTuple):
+    """What a number should not exceed, or, if is_least, not fall below."""
+
+    value: float
+    is_least: bool = False
+
+
 @dataclass(frozen=True)
 class Study:
     """A study that was checked and can begin.
 
-    limits: by column, what it should not pass; text: the file it was read from; units: that the
+    limits: by column; text: the file it was read from; units: that the
     machine's file asks to be shown.
     """
 
     name: str
     model: Model
     design: Design
-    limits: Mapping[str, float] = field(default_factory=dict)
+    limits: Mapping[str, Limit] = field(default_factory=dict)
     text: str = ""
     units: str = ""
 
@@ -108,7 +115,7 @@ class Study:
             "runs": len(self.design),
             "design": self.design.description,
             "columns": [vars(column) for column in self.model.columns],
-            "limits": dict(self.limits),
+            "limits": {name: limit._asdict() for name, limit in self.limits.items()},
             "text": self.text,
             "units": self.units,
         }

@@ -15,7 +15,7 @@ from ..errors import InputError, known_name, meant, read_text, toml_tables
 from ..model.arguments import check_integer, check_one_of
 from ..units import number
 from .design import DESIGNS, GRID, Axis, Design, axis_of
-from .study import Column, Model, Study, Tables, table_of
+from .study import Column, Limit, Model, Study, Tables, table_of
 
 _GENERAL = ("name", "module", "vary", "design", "limits", "quick")
 _OF_THE_SUBJECT = ("machine", "run", "set", "keep", "verify")
@@ -78,10 +78,18 @@ def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = F
             unit = columns[known_name("limits", name, columns)].unit
             if columns[name].dimension:
                 raise InputError(f"limits {name}: is a list in each run; a limit is of a number")
-            limits[name] = number(f"limits {name}", value, unit)
+            limits[name] = _limit(f"limits {name}", value, unit)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     return Study(title, model, design, limits, text, subject.display_units)
+
+
+def _limit(where: str, given: object, unit: str) -> Limit:
+    """Return a limit, of a number or of `{ least = NUMBER }`."""
+    if isinstance(given, dict) and given.keys() != {"least"}:
+        raise InputError(f"{where} = {given!r}: must be a number, or {{ least = NUMBER }}")
+    value = given["least"] if isinstance(given, dict) else given
+    return Limit(number(where, value, unit), isinstance(given, dict))
 
 
 def _name(given: object) -> str:

@@ -21,7 +21,7 @@ from rotor_fmu.studies.analysis import (
 from rotor_fmu.studies.design import Axis, Design, Distribution
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.store import about_of, open_dataset
-from rotor_fmu.studies.study import Column
+from rotor_fmu.studies.study import Column, Limit
 
 from .functions import Ishigami, here, ishigami_study, quiet, study_text
 
@@ -92,25 +92,26 @@ def test_quantiles_are_those_of_the_distribution_that_was_drawn():
 
 
 def test_the_share_above_a_limit_has_the_interval_of_clopper_and_pearson():
-    result = exceedance(np.arange(100.0), 94.5)
-    assert result["above"] == 5
+    result = exceedance(np.arange(100.0), Limit(94.5))
+    assert result["beyond"] == 5
     # R: binom.test(5, 100)$conf.int
     assert result["interval"] == pytest.approx([0.01643187, 0.11283491], abs=1e-7)
+    assert exceedance(-np.arange(100.0), Limit(-94.5, is_least=True))["beyond"] == 5
 
 
 def test_one_value_does_not_scatter_and_none_has_no_statistics():
     one = statistics(np.array([math.nan, 2.0]))
     assert (one["count"], one["mean"], one["std"]) == (1, 2.0, 0.0)
     assert statistics(np.array([math.nan])) == {"count": 0}
-    none = {"limit": 1.0, "above": 0, "failed": 0, "count": 0}
-    assert exceedance(np.array([math.nan]), 1.0) == none
+    none = {"limit": 1.0, "is_least": False, "beyond": 0, "failed": 0, "count": 0}
+    assert exceedance(np.array([math.nan]), Limit(1.0)) == none
 
 
 def test_an_infinite_value_is_above_a_limit_and_among_the_worst():
     """The verification of a run whose finer twin has no value."""
     values = np.array([0.5, math.inf, math.nan, 2.0])
-    result = exceedance(values, 1.0)
-    assert (result["above"], result["count"]) == (2, 3)
+    result = exceedance(values, Limit(1.0))
+    assert (result["beyond"], result["count"]) == (2, 3)
     status = ("run", ["ok", "doubtful: not-confirmed", "failed: so", "ok"])
     data = Dataset(
         {"q": ("run", values), "status": status}, {"run": range(4), "id": ("run", list("abcd"))}
@@ -149,7 +150,7 @@ def test_the_share_of_a_grids_points_is_no_estimate(tmp_path):
     run_study(study, tmp_path / "out", here, quiet)
     report = analyse(tmp_path / "out")
     result = report["limits"]["y"]
-    assert 0 < result["above"] < result["count"] == 27
+    assert 0 < result["beyond"] < result["count"] == 27
     assert "interval" not in result
     assert "the points of a grid are chosen" in report["says"][0]
 
@@ -204,7 +205,7 @@ def test_columns_without_a_number_are_said_instead_of_an_empty_table(of, said, t
 def test_points_that_morris_places_give_no_quantiles_and_no_share(tmp_path):
     report = with_limit(tmp_path, "morris", 32)
     assert set(report["columns"]["y"]) == {"count", "least", "largest"}
-    assert set(report["limits"]["y"]) == {"limit", "above", "failed", "count"}
+    assert set(report["limits"]["y"]) == {"limit", "is_least", "beyond", "failed", "count"}
     assert "no quantiles and no shares" in report["says"][0]
     assert report["sensitivity"]["y"]["indices"]
 
@@ -262,11 +263,11 @@ def test_runs_that_failed_count_in_the_share_and_are_said(tmp_path):
     above = int((data.y > 5.0).sum())
     result = report["limits"]["y"]
     assert failed == result["failed"] == report["failed"] > 5
-    assert (result["above"], result["count"]) == (above, 200)
+    assert (result["beyond"], result["count"]) == (above, 200)
     assert result["share"] == (above + failed) / 200
     assert result["interval"][0] < result["share"] < result["interval"][1]
     assert report["columns"]["y"]["count"] == 200 - failed
-    assert f"{failed} of 200 runs failed: they count as above every limit" in report["says"][0]
+    assert f"{failed} of 200 runs failed: they count as beyond every limit" in report["says"][0]
 
 
 def test_equal_points_are_one_run_with_one_id(tmp_path):
@@ -307,12 +308,18 @@ def test_the_worst_runs_are_the_failed_ones_and_then_the_largest(tmp_path):
     assert finite == sorted(finite, reverse=True)
 
 
-@pytest.mark.parametrize("limits", ["", "[limits]\ny = 5\n"])
-def test_runs_above_a_limit_stand_before_those_far_below_it(tmp_path, capsys, limits):
+@pytest.mark.parametrize(
+    ("limits", "said", "order"),
+    [
+        ("", "largest of y [1] in size", [3, -3, 1, -1]),
+        ("[limits]\ny = 5\n", "largest of y [1]", [3, 1, -1, -3]),
+        ("[limits]\ny = { least = 5 }\n", "smallest of y [1]", [-3, -1, 1, 3]),
+    ],
+)
+def test_runs_beyond_a_limit_stand_before_those_far_from_it(tmp_path, capsys, limits, said, order):
     lists = "x1 = { values = [1.5, -1.5] }\nx2 = { values = [0] }\nx3 = { values = [1, 3] }\n"
     study = ishigami_study(tmp_path, text=f"[vary]\n{lists}{limits}")
     progress = run_study(study, tmp_path / "out", here, quiet)
     shown = _say_result(study, tmp_path / "out", progress)["worst"]
-    said, order = ("[1]", [3, 1, -1, -3]) if limits else ("[1] in size", [3, -3, 1, -1])
-    assert f"the largest of y {said}, what failed first:" in capsys.readouterr().out
+    assert f"the {said}, what failed first:" in capsys.readouterr().out
     assert [row["x3"] * np.sign(row["x1"]) for row in shown] == order

@@ -77,7 +77,7 @@ def test_numbers_may_have_units(tmp_path):
     clearances, eccentricities = (axis.values for axis in study.design.axes)
     assert clearances == pytest.approx([40e-6, 60e-6])
     assert eccentricities == pytest.approx([10e-6, 50e-6, 90e-6])
-    assert study.limits["X"] == pytest.approx(400e-6)
+    assert study.limits["X"].value == pytest.approx(400e-6)
     assert dict(study.model.metrics[1].options)["speed"] == pytest.approx(60 * np.pi)
     with pytest.raises(InputError, match=r"run.from = 2 mm: must be a speed of rotation"):
         read(tmp_path, STUDY.replace("from = 220", 'from = "2 mm"'))

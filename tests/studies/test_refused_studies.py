@@ -56,6 +56,7 @@ from .test_reading import HELD, STUDY, VALUES, read
         ("disc[3].x_amp", "disc[3].x_map", "keep X: disc[3].x_map: unknown name; did you mean"),
         ("peak", "peek", "keep X: peek: unknown name; did you mean peak"),
         ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; known: X"),
+        ("X = 400e-6", "X = { most = 1 }", "limits X = {'most': 1}: must be a number, or { least"),
         (
             "[limits]\nX",
             'c = { amplitude = "disc[3].x_amp", bins = { from = 0, to = 9, count = 3 } }\n'
