@@ -26,6 +26,7 @@ from ..studies.design import MOST, Axis
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
 from ..units import number
+from .linear_runs import LINEAR, LinearRuns
 from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
 from .metric import VARIANTS, Metric
 from .response_runs import RESPONSE, WHICH, ResponseRuns
@@ -40,6 +41,7 @@ RunKinds = Mapping[str, tuple[RunKind, type[MachineRuns]]]
 KINDS: RunKinds = {
     **{kind.name: (kind, MachineRuns) for kind in IN_TIME},
     RESPONSE.name: (RESPONSE, ResponseRuns),
+    LINEAR.name: (LINEAR, LinearRuns),
 }
 
 

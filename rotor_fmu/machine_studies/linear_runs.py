@@ -1,0 +1,259 @@
+"""Linear answers as the subject of a study: a run is a machine at a speed and over a range of
+speeds, and its metrics, a function a kind, are what its modes and its response to unbalance come
+to."""
+
+import math
+from collections.abc import Collection, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import ClassVar
+
+import numpy as np
+
+from ..errors import InputError, check_one_of, known_name
+from ..fmi.variables import Variable
+from ..model.linear.campbell import Campbell, CriticalSpeed, campbell
+from ..model.linear.linear_machine import shared_machine
+from ..model.linear.modes import Modes, count_up_to, modes
+from ..model.linear.static import lowest_speed, static
+from ..model.linear.subsynchronous import subsynchronous_whirl
+from ..model.linear.unbalance import unbalance_response
+from ..model.linear.unbalance_peaks import response_with_peaks
+from ..model.machine.rotor import Rotor
+from ..model.parts.base import BASE
+from ..run_status import FAILED, OK
+from ..runs.recording import Recording
+from ..studies.study import Column, Result
+from .machine_runs import MachineRuns
+from .metric import Metric, MetricKind, declared, is_whole
+from .run_excitation import Excitation
+from .run_kinds import Number, RunKind
+
+KINDS: dict[str, MetricKind] = {}
+_kind = partial(declared, KINDS)
+LOG_DEC, FREQUENCY, SPEED = "log_dec", "frequency", "speed"
+_UNITS = {LOG_DEC: "1", FREQUENCY: "rad/s", SPEED: "rad/s"}
+_FIRST = {"number": 1.0}  # the default of an option
+_MODES = 8  # at least
+_SPEEDS = 31  # between which critical speeds, thresholds and peaks are looked for
+
+
+class _LinearKind(RunKind):
+    """The kind of runs that are linear answers."""
+
+    def check(self, values: Mapping[str, float]) -> None:
+        """Raise `InputError` for values that the numbers cannot have, or not together."""
+        super().check(values)
+        if not 0 <= values["from"] < values["to"]:
+            raise InputError(
+                f"run.from = {values['from']:g} rad/s: must be >= 0 and below run.to = "
+                f"{values['to']:g} rad/s"
+            )
+
+
+LINEAR = _LinearKind(
+    "linear",
+    {
+        "speed": Number("rad/s", "rated", "speed of the modes, the response and the loads"),
+        "from": Number("rad/s", 0.0, "lowest speed of the range"),
+        "to": Number("rad/s", "trip", "highest speed of the range"),
+    },
+)
+
+
+@dataclass(frozen=True)
+class LinearAnswers:
+    """The linear answers of a machine that metrics ask for, each computed once: at a speed, and
+    from `low` to `high` [rad/s]."""
+
+    rotor: Rotor
+    speed: float
+    low: float
+    high: float
+
+    @cached_property
+    def modes(self) -> Modes:
+        """The lowest modes at the speed."""
+        return modes(self.rotor, self.speed, count=_MODES)
+
+    @cached_property
+    def slower(self) -> dict[str, float]:
+        """Logarithmic decrement [1] and frequency [rad/s] of the least damped whirl slower than the
+        rotation, NaN of none; -inf of a machine that leaves its rest without oscillation."""
+        if len(self.modes.growing):
+            return {LOG_DEC: -math.inf, FREQUENCY: 0.0}
+        if whirl := subsynchronous_whirl(self.rotor, self.speed):
+            return {LOG_DEC: whirl.log_dec, FREQUENCY: whirl.frequency}
+        found = modes(self.rotor, self.speed, count=count_up_to(self.rotor, self.speed, _MODES))
+        pairs = zip(found.log_dec.tolist(), found.damped.tolist(), found.is_sound, strict=True)
+        slower = [(d, f) for d, f, is_sound in pairs if is_sound and f < abs(self.speed)]
+        return dict(
+            zip((LOG_DEC, FREQUENCY), min(slower, default=(math.nan, math.nan)), strict=True)
+        )
+
+    @cached_property
+    def range(self) -> np.ndarray:
+        """The speeds of the range, from where oil films carry the machine on."""
+        low = max(self.low, lowest_speed(self.rotor, self.high))
+        return np.linspace(low, self.high, _SPEEDS)
+
+    @cached_property
+    def campbell(self) -> Campbell:
+        """The Campbell diagram over the range."""
+        return campbell(self.rotor, self.range, count=count_up_to(self.rotor, self.high, _MODES))
+
+    @property
+    def critical(self) -> list[CriticalSpeed]:
+        """The critical speeds in the range, critically damped ones left out."""
+        return [c for c in self.campbell.critical if not c.is_critically_damped]
+
+    @cached_property
+    def places(self) -> dict[str, int]:
+        """The node (from 1) of each part that has one, by the part's name."""
+        return places_of(self.rotor)
+
+    def major(self, part: str) -> float:
+        """Return the major semi-axis of a part's orbit at the speed [m]."""
+        return float(unbalance_response(self.rotor, [self.speed]).major[0, self.places[part] - 1])
+
+    def peak(self, part: str) -> float:
+        """Return the largest major semi-axis of a part's orbits in the range [m]."""
+        node = self.places[part]
+        response = response_with_peaks(self.rotor, self.range, nodes=[node])
+        return float(response.major[:, node - 1].max())
+
+    @cached_property
+    def loads(self) -> dict[str, float]:
+        """The size of the load on each support at rest while the machine turns at the speed [N]."""
+        rest = static(self.rotor, self.speed)
+        sizes = np.hypot(rest.load_x, rest.load_y).tolist()
+        return dict(zip(rest.supports, sizes, strict=True))
+
+
+def places_of(rotor: Rotor) -> dict[str, int]:
+    """Return the node (from 1) of each part that has one, by the part's name."""
+    nodes = {name: getattr(part, "node", BASE) for name, part in rotor.named_parts()}
+    return {name: node for name, node in nodes.items() if node != BASE}
+
+
+@dataclass(frozen=True)
+class LinearRuns(MachineRuns):
+    """Linear answers of a machine."""
+
+    metric_kinds: ClassVar[Mapping[str, MetricKind]] = KINDS
+    can_be_verified: ClassVar[bool] = False
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Return the quantities of modes and of critical speeds, with their units."""
+        return _UNITS
+
+    @property
+    def settable(self) -> dict[str, Variable]:
+        """Return the machine's own numbers, without the solver's, by name."""
+        return {n: v for n, v in super().settable.items() if n in self.machine.units}
+
+    def check_metric(self, metric: Metric, how: Excitation) -> None:
+        """Raise `InputError` for a metric that no machine, or not this one, has."""
+        where, name = f"keep {metric.name}:", metric.kind.name
+        if name in _OF:
+            check_one_of(f"{where} {name} = {metric.of!r}", metric.of, _OF[name])
+        elif name == "load":
+            supports = shared_machine(self.machine.rotor).supports.names
+            known_name(where, metric.of, supports)
+        else:
+            known_name(where, metric.of, places_of(self.machine.rotor))
+        number = metric.option("number")
+        if number is not None and not (is_whole(number) and number >= 1):
+            raise metric.error(f"number = {number:g}: must be an integer, 1 or more")
+
+    def column_of(self, metric: Metric, varied: Collection[str]) -> Column:
+        """Return the column of a metric."""
+        number = metric.option("number")
+        shown = {} if number is None else {"number": f"{number:g}"}
+        return metric.column(self.units.get(metric.of, "1"), None, **shown)
+
+    def warm(self) -> None:
+        """Load what linear answers need; what this machine lacks each run says in its row."""
+        with suppress(InputError):
+            _ = self.answers({}).modes
+
+    def run(self, values: Mapping[str, float]) -> Result:
+        """Compute one machine's answers; a failure, impossible values included, is its status."""
+        try:
+            answers = self.answers(values)
+            cells = {metric.name: metric.kind.make(metric, answers) for metric in self.metrics}
+        except InputError as error:
+            return Result(f"{FAILED}{error}", {})
+        return Result(OK, cells)
+
+    def record(self, values: Mapping[str, float]) -> Recording:
+        """Raise `InputError`: there is nothing to record."""
+        raise InputError(
+            "--select: linear answers have no signals: ask modes, campbell or unbalance of the "
+            "machine with these values"
+        )
+
+    def answers(self, values: Mapping[str, float]) -> LinearAnswers:
+        """Return the answers of a run. Raises `InputError` for impossible values."""
+        how, of_machine = self.split(values)
+        n = how.numbers
+        rotor = self.machine.rotor.with_values(of_machine)
+        return LinearAnswers(rotor, n["speed"], n["from"], n["to"])
+
+
+# What a metric may be of, by its kind.
+_OF = {
+    "subsynchronous": (LOG_DEC, FREQUENCY),
+    "mode": (LOG_DEC, FREQUENCY),
+    "critical": (SPEED, LOG_DEC),
+    "threshold": (SPEED,),
+}
+
+
+@_kind("{of} of the least damped whirl slower than run.speed, which pads that tilt follow")
+def _subsynchronous(metric: Metric, answers: LinearAnswers) -> float:
+    return answers.slower[metric.of]
+
+
+@_kind("{of} of mode {number} at run.speed, counted by natural frequency", optional=_FIRST)
+def _mode(metric: Metric, answers: LinearAnswers) -> float:
+    found = answers.modes
+    values = {LOG_DEC: found.log_dec, FREQUENCY: found.damped}[metric.of]
+    return _at(values.tolist(), metric)
+
+
+@_kind("{of} of critical speed {number} in the range", optional=_FIRST)
+def _critical(metric: Metric, answers: LinearAnswers) -> float:
+    """Return a critical speed, or its logarithmic decrement, critically damped ones left out."""
+    field = {SPEED: "speed", LOG_DEC: "log_dec"}[metric.of]
+    return _at([getattr(of, field) for of in answers.critical], metric)
+
+
+@_kind("{of} from which on the machine is unstable, in the range")
+def _threshold(metric: Metric, answers: LinearAnswers) -> float:
+    """Return the threshold of stability, nan of a machine that is stable in the range."""
+    found = answers.campbell.threshold
+    return math.nan if found is None else found
+
+
+@_kind("response of {of} to unbalance at run.speed, major semi-axis", unit="m")
+def _amplitude(metric: Metric, answers: LinearAnswers) -> float:
+    return answers.major(metric.of)
+
+
+@_kind("largest response of {of} to unbalance in the range, major semi-axis", unit="m")
+def _peak(metric: Metric, answers: LinearAnswers) -> float:
+    return answers.peak(metric.of)
+
+
+@_kind("load on {of} at rest, at run.speed", unit="N")
+def _load(metric: Metric, answers: LinearAnswers) -> float:
+    return answers.loads[metric.of]
+
+
+def _at(values: list[float], metric: Metric) -> float:
+    """Return the value of the metric's number, from 1; nan where there are fewer."""
+    number = int(metric.option("number"))
+    return float(values[number - 1]) if number <= len(values) else math.nan
