@@ -9,6 +9,8 @@ import numpy as np
 
 from ..arguments import check_integer, rows
 from ..machine.rotor import Rotor
+from ..parts.base import InterfaceElement
+from ..parts.law import never_breaks
 from ..quantities import STANDARD_GRAVITY
 from ..structure.structure import total_mass
 from .linear_machine import CHANGE, LinearError, LinearMachine, shared_machine
@@ -107,14 +109,12 @@ def without_rounding(values: np.ndarray, least: float) -> np.ndarray:
 
 
 def needs_to_turn(rotor: Rotor, contacts: str | None = None) -> bool:
-    """Return whether a machine is held, but rests under gravity only as it turns: its films carry
-    nothing at standstill, and what else holds it, such as seals, lets its journals down too far."""
-    machine = shared_machine(rotor, contacts)
-    try:
-        machine.loaded(0.0)
-    except LinearError:
-        return machine.is_held
-    return False
+    """Return whether a machine is held and has oil films that carry their journals only as they
+    turn, whatever else holds it: at standstill these lie on their walls, or no film bears them. A
+    squeeze film's ring is where its spring or cage holds it."""
+    elements = (element for _, element in rotor.elements_of_kind(InterfaceElement))
+    films = (e for e in elements if e.law.breaks is not never_breaks and e.law.stiffness is None)
+    return any(films) and shared_machine(rotor, contacts).is_held
 
 
 def speeds_and_loads(
