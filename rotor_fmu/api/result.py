@@ -14,6 +14,7 @@ from ..display import in_its_units
 from ..errors import check_one_of, path_of, switch
 from ..plotting.notebook import png, shown
 from ..runs import check_options
+from ..runs.measuring_points import bearings_of, last_of_the_largest
 from ..runs.recording import RECORDING, load_recording
 from ..runs.run_down import Run
 from .machine import Machine
@@ -222,7 +223,10 @@ class Result(RecordedSignals):
             facts["speed"] = f"{first:.4g} to {last:.4g} rad/s"
         if not self.peaks:
             facts["peaks"] = f"none: {self.peaks.why}"
-        for p in self.peaks[-2:]:
+        bearings = bearings_of(self.recording.rotor)
+        sizes = [(p.amplitude, p.part in bearings) for p in self.peaks]
+        part = self.peaks[last_of_the_largest(sizes)].part if sizes else None
+        for p in (p for p in self.peaks if p.part == part):
             size = f"{p.amplitude * 1e6:.4g} µm"
             facts[f"peak of {p.part}.{p.axis}"] = f"{size} at {p.speed:.4g} rad/s"
         return facts
