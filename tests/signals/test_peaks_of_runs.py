@@ -286,6 +286,10 @@ def test_a_result_shows_the_peaks_of_the_part_that_has_the_largest_one():
     t = np.linspace(0, 10, 1001)
     sizes = {"disc[1].x": 3e-4, "disc[1].y": 2e-4, "disc[2].x": 1e-5, "disc[2].y": 2e-5}
     shapes = {f"{name}_amp": size * np.exp(-((t - 6) ** 2)) for name, size in sizes.items()}
-    shown = repr(Result(recorded(), Run(t, {"w": 400 - 20 * t, **shapes}, OK, (), 0.0)))
+    result = Result(recorded(), Run(t, {"w": 400 - 20 * t, **shapes}, OK, (), 0.0))
+    shown = repr(result)
     assert "peak of disc[1].x: 300 µm at 280 rad/s; peak of disc[1].y: 200 µm" in shown
     assert "disc[2]" not in shown
+    with restored():
+        choose("us")
+        assert "peak of disc[1].x: 11.81 mil at 2674 rpm" in repr(result)
