@@ -9,6 +9,8 @@ import numpy as np
 
 from ..arguments import check_integer, rows
 from ..machine.rotor import Rotor
+from ..parts.base import InterfaceElement
+from ..parts.law import never_breaks
 from ..parts.load import Load
 from ..quantities import STANDARD_GRAVITY
 from ..structure.structure import total_mass
@@ -114,14 +116,12 @@ def under_its_weight(rotor: Rotor) -> Rotor:
 
 
 def needs_to_turn(rotor: Rotor, contacts: str | None = None) -> bool:
-    """Return whether a machine is held, but rests under gravity only as it turns: its films carry
-    nothing at standstill, and what else holds it, such as seals, lets its journals down too far."""
-    machine = shared_machine(rotor, contacts)
-    try:
-        machine.loaded(0.0)
-    except LinearError:
-        return machine.is_held
-    return False
+    """Return whether a machine is held and has oil films that carry their journals only as they
+    turn, whatever else holds it: at standstill these lie on their walls, or no film bears them. A
+    squeeze film's ring is where its spring or cage holds it."""
+    elements = (element for _, element in rotor.elements_of_kind(InterfaceElement))
+    films = (e for e in elements if e.law.breaks is not never_breaks and e.law.stiffness is None)
+    return any(films) and shared_machine(rotor, contacts).is_held
 
 
 def speeds_and_loads(

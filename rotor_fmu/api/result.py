@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..display import in_its_units
+from ..display import Display, current, in_its_units
 from ..errors import check_one_of, path_of, switch
 from ..plotting.notebook import png, shown
 from ..runs import check_options
+from ..runs.measuring_points import bearings_of, last_of_the_largest
 from ..runs.recording import RECORDING, load_recording
 from ..runs.run_down import Run
 from .machine import Machine
@@ -213,18 +214,25 @@ class Result(RecordedSignals):
     def _or_last(self, speed: float | None) -> float:
         return float(self.speed[-1]) if speed is None else speed
 
+    @in_its_units
     def _facts(self) -> dict[str, str]:
+        d, per, unit = current(), 1.0, "rad/s"
+        if d != Display():  # else in SI units, as the signals are
+            per, unit = d.speed, d.speed_unit
         machine = str(self.recording.about.get("machine", "-"))
         facts = {"machine": machine, "status": self.status}
         if len(self.t):
             first, last = self.speed[0], self.speed[-1]
             facts["time"] = f"{self.t[0]:g} to {self.t[-1]:g} s, {len(self.t)} rows"
-            facts["speed"] = f"{first:.4g} to {last:.4g} rad/s"
+            facts["speed"] = f"{per * first:.4g} to {per * last:.4g} {unit}"
         if not self.peaks:
             facts["peaks"] = f"none: {self.peaks.why}"
-        for p in self.peaks[-2:]:
-            size = f"{p.amplitude * 1e6:.4g} µm"
-            facts[f"peak of {p.part}.{p.axis}"] = f"{size} at {p.speed:.4g} rad/s"
+        bearings = bearings_of(self.recording.rotor)
+        sizes = [(p.amplitude, p.part in bearings) for p in self.peaks]
+        part = self.peaks[last_of_the_largest(sizes)].part if sizes else None
+        for p in (p for p in self.peaks if p.part == part):
+            size = f"{p.amplitude * d.small:.4g} {d.small_unit}"
+            facts[f"peak of {p.part}.{p.axis}"] = f"{size} at {per * p.speed:.4g} {unit}"
         return facts
 
     def __repr__(self) -> str:

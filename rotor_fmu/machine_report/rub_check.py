@@ -17,7 +17,7 @@ from ..api.simulate import simulate
 from ..display import current
 from ..model.linear.amplification import with_tops
 from ..model.linear.places import PlacedAmount
-from ..model.linear.supports import touching
+from ..model.linear.supports import touching, walls
 from ..model.linear.unbalance import SteadyWhirl, steady_whirl
 from ..model.linear.unbalance_check import close_speeds, highest_of_interest
 from ..model.linear.unbalance_peaks import gaps, major_axis
@@ -77,7 +77,7 @@ class RubCheck:
     can_touch: whether it has a contact; scale: factor on the unbalances [1]; closings: clearances
     that the linear response closes; place: the part whose motion is shown, speed, linear: its
     linear amplitude over the speed [rad/s], [m]; runs: with contacts, none of a stable machine
-    where nothing closes.
+    where nothing closes; films: contacts that are the surfaces behind oil films.
     """
 
     low: float
@@ -90,6 +90,7 @@ class RubCheck:
     speed: np.ndarray
     linear: np.ndarray
     runs: tuple[RubRun, ...]
+    films: tuple[str, ...] = ()
 
     @property
     def carries(self) -> bool:
@@ -141,19 +142,33 @@ class RubCheck:
                 f"Contacts carry the machine: in the runs {self.place} whirls by up to {far}, in "
                 f"the linear response, which takes them as closed, by {linear}. {force}"
             )
-        if not lasting:
-            is_inside = any(c.turns_in_range > 0 for c in touched)
-            where = "for long in the operating range" if is_inside else "in the operating range"
-            return f"The machine rubs, but not {where}. {force}"
-        names = ", ".join(dict.fromkeys(c.name for c in lasting))
+        rubs = [c for c in lasting or touched if c.name not in self.films]
+        behind_films = [c for c in lasting or touched if c.name in self.films]
+        is_inside = any(c.turns_in_range > 0 for c in touched)
+        but = f", but not {'for long ' if is_inside else ''}in the operating range"
+        said = []
+        if rubs:
+            where = f"The rub lasts in the operating range {self._how(rubs)}"
+            said.append(where if lasting else f"The machine rubs{but}")
+        if behind_films:
+            names = ", ".join(dict.fromkeys(c.name for c in behind_films))
+            where = f" in the operating range {self._how(behind_films)}"
+            said.append(
+                f"Surfaces touch through oil films{where if lasting else f'{but} ({names})'}"
+            )
+        return " ".join([*(f"{each}." for each in said), force])
+
+    def _how(self, contacts: Sequence[ContactRun]) -> str:
+        """Return which contacts last, and in which directions."""
+        names = dict.fromkeys(c.name for c in contacts)
         up, down = (
-            max((c.turns_in_range for c in run.contacts), default=0.0) > _LASTING
+            max((c.turns_in_range for c in run.contacts if c.name in names), default=0.0) > _LASTING
             for run in self.runs
         )
         how = "in both directions" if up and down else "only running up"
         if down and not up:
             how = "only running down: it depends on where the motion comes from"
-        return f"The rub lasts in the operating range ({names}), {how}. {force}"
+        return f"({', '.join(names)}), {how}"
 
 
 def rub_check(
@@ -201,7 +216,8 @@ def rub_check(
         runs = _up_and_down(machine, top, (low, high), place)
     shown = place, speeds, linear
     known = low, high, is_stable, can_touch, scale, tuple(closings)
-    return RubCheck(*known, *shown, runs)
+    films = tuple(name for name in touching(rotor) if name not in walls(rotor))
+    return RubCheck(*known, *shown, runs, films)
 
 
 def _scaled(

@@ -55,7 +55,10 @@ def check(metric: Metric, how: Excitation) -> None:
     """Raise `InputError` for a metric that does not suit the excitation of the runs."""
     kind = metric.kind
     if kind.held and (how.kind.name not in kind.held or how.numbers["measure"]):
-        raise metric.error(f"{kind.said} needs runs at constant speed in whole turns")
+        of_kind = " or ".join(kind.held)
+        raise metric.error(
+            f"{kind.said} needs runs at constant speed in whole turns, of the kind {of_kind}"
+        )
     if kind.varying and how.kind.holds_speeds:
         raise metric.error(f"{kind.said} needs runs whose speed varies continuously")
     if (after := metric.option("after")) and after < 0:

@@ -152,7 +152,9 @@ def _ranges(
         spread = [least, *between, largest]
         lines.append([column["name"], column["unit"] or "", *spread, column["text"]])
     heads = ["", "unit", "least", "5 %", "median", "95 %", "largest", ""]
-    return table("all runs that have the value", heads, lines)
+    alone = f"; quantiles of the {len(drawn)} that are draws of their own"
+    is_part = 0 < len(drawn) < max(map(len, values.values()))
+    return table(f"all runs that have the value{alone if is_part else ''}", heads, lines)
 
 
 def _quantiles(values: np.ndarray, shares: list[float]) -> list[float | None]:

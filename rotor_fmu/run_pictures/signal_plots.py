@@ -23,7 +23,8 @@ from ..plotting.labels import write_labels
 from ..runs.measuring_points import ContactSignals
 from .view import View, angle_axis, broken_at_reversals, displacement_axes, two_over_speed, widened
 
-_SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
+# Of the largest line of a spectrum, and of a cascade: smaller ones do not widen its axis.
+_SEEN, _BRIGHT = 0.01, 0.1
 _ORBIT_TURNS, _BLOCK_TURNS = 4, 16
 # Radii of an orbit beyond which the place of rest, drawn, would leave a dot of it; what is farther
 # from it still is a place that stands.
@@ -145,16 +146,20 @@ def spectrum(view: View) -> Figure:
         annotate(axes, f"{result.order[i]:+.3g}x", top, (0, 3), ha="center")
     axes.axvline(0, color=GREY, lw=0.8)
     axes.set_ylim(bottom=0)
-    # as far as there is something to see, on either side
-    seen = np.abs(frequency[amplitude > _SEEN * np.nanmax(amplitude, initial=0.0)])
-    once = abs(_speed(result.speed))
-    reach = min(1.1 * max(3 * once, float(seen.max(initial=0.0))), np.abs(frequency).max())
+    reach = _reach(frequency, amplitude, _SEEN, abs(_speed(result.speed)))
     axes.set_xlim(-reach, reach)
     axes.set_xlabel(f"Whirl frequency [{current().frequency_unit}], backward < 0 < forward")
     axes.set_ylabel(f"Amplitude [{view.shown.amplitude_unit}]")
     at = f"{shown_speed(result.speed)} {current().speed_unit}"
     view.title(axes, f"full spectrum of {view.place.label} at {at}")
     return figure
+
+
+def _reach(frequency: np.ndarray, amplitude: np.ndarray, share: float, once: float) -> float:
+    """Return the frequency up to which spectra are shown: as far as there is something to see, on
+    either side, and beyond 3x of a speed; share: of the largest line, which smaller ones lack."""
+    seen = np.abs(frequency[amplitude > share * np.nanmax(amplitude, initial=0.0)])
+    return min(1.1 * max(3 * once, float(seen.max(initial=0.0))), float(np.abs(frequency).max()))
 
 
 def _lines(amplitude: np.ndarray) -> list[int]:
@@ -183,7 +188,7 @@ def cascade(view: View) -> Figure:
             x_y = across[rows], np.broadcast_to(down[rows, None], across[rows].shape)
             axes.pcolormesh(*x_y, amplitude[rows], rasterized=True, **look)
     once = np.abs(_speed(result.speed))
-    limit = 3 * float(once.max())
+    limit = _reach(across, amplitude, _BRIGHT, float(once.max()))
     fastest = int(np.argmax(once))
     is_top = down[fastest] == down.max()
     for order in (-2, -1, 1, 2):

@@ -197,6 +197,8 @@ def test_a_machine_s_own_units_are_shown_in_python_unless_others_are_chosen():
     assert response.figure().axes[0].get_ylabel() == "Amplitude [mil pp]"
     assert "[mil pp]" in response._repr_html_()
     assert of_run.plot("bode").axes[0].get_ylabel() == "Amplitude [mil pp]"
+    assert "; speed: 2865 to 1719 rpm" in repr(of_run)
+    assert "; speed: 300 to 180 rad/s" in repr(Result(recorded()))
     with restored():
         choose("Hz")
         assert response.figure().axes[0].get_ylabel() == "Amplitude [µm 0-p]"

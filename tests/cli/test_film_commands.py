@@ -91,6 +91,16 @@ def test_a_machine_that_oil_films_hold_is_at_rest_at_its_rated_speed():
         answers.static(OIL_FILM, 0.0)
 
 
+def test_a_machine_that_more_than_oil_films_holds_is_looked_at_at_its_rated_speed(tmp_path):
+    """At standstill its journals lie on the walls behind their films."""
+    rotor = tmp_path / "rotor.toml"
+    support = "[[support]]\nz = 0.25\nstiffness = 1e5\ndamping = 10.0\n"
+    rotor.write_text(f"{OIL_FILM.read_text()}\n{support}{support.replace('0.25', '0.375')}")
+    assert answers.static(rotor, 0.0).load_y[-1] < 0.0
+    rated = operating_speeds(load_rotor(rotor)[1]).rated
+    assert (answers.modes(rotor).speed, answers.static(rotor).speed) == (rated, rated)
+
+
 @pytest.fixture
 def with_seal(tmp_path):
     """The machine in two films, with seals that have some stiffness at standstill too, too little

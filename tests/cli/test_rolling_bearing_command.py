@@ -14,7 +14,7 @@ from rotor_fmu.model.linear import (
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
 
-from rotor_fmu.display import choose as choose_units
+from rotor_fmu.display import choose, restored
 from rotor_fmu.linear import answers, bearing_answers
 
 from .bearing_machines import PNG, ROLLING, with_part
@@ -72,9 +72,9 @@ def test_the_load_is_carried_wherever_elements_and_shaft_are():
 
 def test_a_picture_holds_all_that_is_written_in_it():
     """Also in units with long numbers, which leave its panels less room."""
-    choose_units("us", "", ROLLING)
-    figure = bearing_answers.rolling(ROLLING, bearing="left", load=[10.0, 2e3]).figure()
-    choose_units(None, "", ROLLING)
+    with restored():
+        choose("us")
+        figure = bearing_answers.rolling(ROLLING, bearing="left", load=[10.0, 2e3]).figure()
     figure.canvas.draw()
     drawn = figure.get_tightbbox(figure.canvas.get_renderer())
     assert drawn.x0 >= 0.0

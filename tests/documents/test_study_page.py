@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pyarrow as pa
 import pytest
 
@@ -100,3 +101,13 @@ def test_the_legend_of_the_map_tells_failed_runs_whatever_is_shown(silent, tmp_p
 def test_reasons_that_are_left_out_are_counted(kinds, expected):
     status = [f"failed: {at}" for at in range(kinds)]
     assert f"... and {expected} the map shows each." in _notices({}, status, kinds, [])
+
+
+def test_quantiles_of_some_of_the_runs_are_named_as_such(tmp_path):
+    """Of a design for indices, most of whose runs repeat draws of others; the rest is of all."""
+    write_study(tmp_path / "study")
+    about, rows, *_ = read_study(tmp_path / "study")
+    some = study_page(about, rows, {}, np.arange(12))
+    assert "value; quantiles of the 12 that are draws of their own" in some
+    for drawn in (None, np.arange(0)):
+        assert "draws of their own" not in study_page(about, rows, {}, drawn)

@@ -178,6 +178,7 @@ def test_films_that_the_response_closes_are_run_too(viscosity, touches):
         assert [c.name for c in run.contacts] == names
         assert all((c.share > 0.0) == touches for c in run.contacts)
     assert ("oil films bear more" in check.conclusion) != touches
+    assert check.conclusion.startswith("Surfaces touch through oil films, ") == touches
 
 
 @pytest.mark.usefixtures("coarse_report")
@@ -227,6 +228,8 @@ def test_a_rub_beside_the_operating_range_is_told_as_such(turns, said):
     shown = ("wheel", np.ones(1), np.ones(1))
     check = module.RubCheck(300.0, 375.0, True, True, 1.0, closings, *shown, runs)
     assert check.conclusion.startswith(f"The machine rubs, but {said} operating range. ")
+    through = f"Surfaces touch through oil films, but {said} operating range (tips). "
+    assert replace(check, films=("tips",)).conclusion.startswith(through)
 
 
 def test_a_machine_that_whirls_without_contacts_is_told_that_a_run_says_by_how_much():

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rotor_fmu.api.result import Result
 from rotor_fmu.display import choose, restored
 from rotor_fmu.report.report_tables import tables
 from rotor_fmu.report.run_data import run_data
@@ -279,3 +280,16 @@ def test_a_transient_in_the_first_turns_is_not_in_the_displacements_of_slow_turn
     (row,) = re.findall("<td[^>]*>disc 2</td>(.*?)</tr>", tables(run, {}))
     *_, s_max = (float(cell) for cell in re.findall("<td[^>]*>([0-9.]+)</td>", row))
     assert s_max == pytest.approx(100, rel=0.01)
+
+
+def test_a_result_shows_the_peaks_of_the_part_that_has_the_largest_one():
+    t = np.linspace(0, 10, 1001)
+    sizes = {"disc[1].x": 3e-4, "disc[1].y": 2e-4, "disc[2].x": 1e-5, "disc[2].y": 2e-5}
+    shapes = {f"{name}_amp": size * np.exp(-((t - 6) ** 2)) for name, size in sizes.items()}
+    result = Result(recorded(), Run(t, {"w": 400 - 20 * t, **shapes}, OK, (), 0.0))
+    shown = repr(result)
+    assert "peak of disc[1].x: 300 µm at 280 rad/s; peak of disc[1].y: 200 µm" in shown
+    assert "disc[2]" not in shown
+    with restored():
+        choose("us")
+        assert "peak of disc[1].x: 11.81 mil at 2674 rpm" in repr(result)

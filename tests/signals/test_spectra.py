@@ -7,7 +7,7 @@ import pytest
 
 from rotor_fmu import vibration
 from rotor_fmu.run_pictures.run_folder import spectra
-from rotor_fmu.run_pictures.signal_plots import orbit
+from rotor_fmu.run_pictures.signal_plots import cascade, orbit
 from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.recording import Recording
 
@@ -50,3 +50,15 @@ def test_an_orbit_is_seen_however_far_its_shaft_has_risen_from_rest(sunk, label,
     (axes,) = orbit(view).axes
     assert axes.lines[-1].get_label() == label
     assert width < np.diff(axes.get_xlim()) < 2 * width
+
+
+@pytest.mark.parametrize(("order", "amplitude", "seen"), [(7.0, 2e-6, 7.0), (7.0, 2e-8, 3.0)])
+def test_a_cascade_reaches_as_far_as_what_is_large_in_it(order, amplitude, seen):
+    """Elements that pass the load of a rolling bearing, beside 1x of 1 um of a run-up to 320 rad/s.
+    Beyond 3x they were left out though larger than 1x."""
+    t = np.arange(0, 8, 2.5e-4)
+    phi = 20.0 * t**2
+    z = 1e-6 * np.exp(1j * phi) + amplitude * np.exp(1j * order * phi)
+    columns = {"phi": phi, "w": 40.0 * t, "disc[1].x": z.real, "disc[1].y": z.imag}
+    axes = cascade(View(Recording(t, columns, {}, {}), "disc[1]")).axes[0]
+    assert axes.get_xlim()[1] == pytest.approx(1.1 * seen * 320.0 / (2 * math.pi), rel=0.03)

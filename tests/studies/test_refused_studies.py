@@ -244,3 +244,12 @@ def test_what_a_study_needs_beside_its_run_is_asked_for(tmp_path):
 def test_keeps_of_constant_speeds_that_cannot_be_are_refused(tmp_path, keep, expected):
     with pytest.raises(InputError, match=expected.replace("[", r"\[")):
         read(tmp_path, f"{HELD}[keep]\nq = {keep}\n")
+
+
+def test_a_spectrum_of_several_held_speeds_is_refused_by_the_kind_that_it_needs(tmp_path):
+    run = 'machine = "rig"\n[run]\nkind = "steps"\nfrom = 100\nto = 200\ncount = 2\n'
+    run += '[vary]\n"bearing[1].mu" = { values = [0, 0.1] }\n'
+    keep = '[keep]\nq = { spectrum = "disc[3]", orders = 2 }\n'
+    expected = "keep q: spectrum needs runs at constant speed in whole turns, of the kind constant$"
+    with pytest.raises(InputError, match=expected):
+        read(tmp_path, run + keep)
