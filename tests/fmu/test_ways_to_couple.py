@@ -12,6 +12,7 @@ from rotor_fmu.examples.drive_train import by_energy, compare, ways
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
@@ -33,6 +34,16 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def reference(folder):
     return ways.couple(folder, ways.monolithic, SHORT, STOP).w
+
+
+@pytest.fixture(scope="module")
+def smooth(tmp_path_factory):
+    """The rig without friction and unbalance: its FMU, extracted, and its inertia."""
+    toml = re.sub(r"mu = [0-9.]+", "mu = 0.0", rig_toml())
+    toml = re.sub(r"\be = [0-9.e-]+", "e = 0.0", toml)
+    machine = machine_of(toml, is_free=True)
+    fmu = build_native(tmp_path_factory.mktemp("smooth"), machine, platforms=["linux64"])
+    return fmpy.extract(str(fmu)), float(assemble(parse_rotor(toml)).numbers[0].inertia)
 
 
 def test_at_ten_radians_of_the_joint_a_step_one_newton_iteration_holds(folder, reference):
@@ -100,16 +111,12 @@ def two_masses(t, inertia):
 
 
 def test_the_monolithic_run_is_the_closed_form_where_nothing_rubs_and_nothing_is_unbalanced(
-    tmp_path,
+    smooth,
 ):
     """To second order in its step."""
-    toml = re.sub(r"mu = [0-9.]+", "mu = 0.0", rig_toml())
-    toml = re.sub(r"\be = [0-9.e-]+", "e = 0.0", toml)
-    fmu = build_native(tmp_path, machine_of(toml, is_free=True), platforms=["linux64"])
-    folder = fmpy.extract(str(fmu))
+    folder, inertia = smooth
     stop, every = 0.03, 1e-3
     t = every * np.arange(1, 1 + round(stop / every))
-    inertia = float(assemble(parse_rotor(toml)).numbers[0].inertia)
     expected, amplitude = two_masses(t, inertia)
     errors = [
         np.max(np.abs(ways.couple(folder, ways.monolithic, h, stop, every).w - expected))
@@ -126,6 +133,34 @@ def test_one_newton_iteration_nears_the_monolithic_run_with_its_step(folder, ref
         for h in (LONG, SHORT)
     ]
     assert errors[1] < 0.5 * errors[0] < 5e-4
+
+
+def test_two_rotors_on_a_line_take_what_the_other_reflects_with_its_sign_reversed(smooth):
+    """As two inertias on the line's stiffness, each with half of its inertia."""
+    folder, inertia = smooth
+    h, impedance, speeds = 1e-4, 0.04, (100.0, 110.0)
+    total = inertia + 0.5 * impedance * h
+    frequency = np.sqrt(2 * impedance / h / total)
+    waves = [(impedance * w, 0.0) for w in speeds]
+    slips, given = [], {"tau_impedance": impedance}
+    with (
+        Member(Path(folder), given | {"w_start": speeds[0]}, [], name="one") as one,
+        Member(Path(folder), given | {"w_start": speeds[1]}, [], name="other") as other,
+    ):
+        ends = ways.Rotor(one), ways.Rotor(other)
+        for i in range(300):
+            reflected = []
+            for end, (wave, slope) in zip(ends, waves, strict=True):
+                before = np.array(end.read("phi", "w"))
+                end.step(i * h, h, wave - 0.5 * h * slope, slope)
+                turned, faster = (end.read("phi", "w") - before) / h
+                mean, rate = wave - 2 * impedance * turned, slope - 2 * impedance * faster
+                reflected.append((-mean, -rate))
+            waves = reflected[::-1]
+            slips.append(ends[1].read("w")[0] - ends[0].read("w")[0])
+    t = h * np.arange(1, 301)
+    expected = 10.0 * np.cos(frequency * t)
+    assert np.max(np.abs(slips - expected)) < 0.05 * 10.0
 
 
 @pytest.mark.slow
