@@ -8,18 +8,22 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from rotor_fmu.examples import example_folder
 from rotor_fmu.examples.drive_train import by_energy, compare, ways
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.cli.fmus import ssp
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
+from ..processes import run_python
 from .test_hosts import needs
 from .test_schemas import FMI2, mistakes, xml_of
 
+PAGES = Path(__file__).parents[2] / "docs"
 STOP, RUN_UP, LONG, SHORT = 0.3, 4.2, 1.5e-2, 1e-4
 
 
@@ -198,3 +202,31 @@ def test_the_rotor_is_one_of_the_masters_members(folder, tmp_path, monkeypatch, 
     with pytest.raises(RunFailed, match=r"^rotor: broken: "):
         ways.couple(str(tmp_path / "broken"), "explicit", SHORT, STOP)
     assert Path.cwd() == tmp_path
+
+
+@pytest.mark.slow
+@needs("libcosimpy", "pip install libcosimpy")
+def test_where_the_exchange_is_steady_ecco_gains_what_the_page_says(tmp_path):
+    """On the drive train of the rig, over three seconds; the reference is of steps of 0.2 ms."""
+    ssp.__wrapped__(algorithm="ecco", is_native=True, out=tmp_path)
+    file = tmp_path / "OspSystemStructure.xml"
+    text = file.read_text()
+
+    def speeds(step=None):
+        """By libcosim's ECCO, or in equal steps [s]."""
+        if step is not None:
+            fixed = re.sub(r"(?<=StepSize>)[^<]+(?=</BaseStepSize)", repr(step), text)
+            fixed = re.sub(r'(?<=stepSize=")[^"]+', repr(step), fixed)
+            file.write_text(fixed.replace("<Algorithm>ecco<", "<Algorithm>fixedStep<"))
+        script = example_folder() / "with_libcosim.py"
+        done = run_python(script, str(file), "3", "0", "drive.w")
+        assert done.returncode == 0, done.stderr
+        return np.array([row.split(",") for row in done.stdout.split()[1:]], dtype=float).T
+
+    by_ecco = speeds()
+    steps = by_ecco.shape[1]
+    equal, fine = speeds(round(3e9 / steps) * 1e-9), speeds(2e-4)
+    errors = [np.max(np.abs(w - np.interp(t, *fine))[t < fine[0, -1]]) for t, w in (by_ecco, equal)]
+    page = (PAGES / "how_to" / "choose_a_coupling.md").read_text(encoding="utf-8")
+    assert f"{steps}\n  steps have errors of {errors[0]:.1e} rad/s".replace("e-0", "e-") in page
+    assert f"of {errors[1]:.1e} rad/s with equal".replace("e-0", "e-") in page
