@@ -1,6 +1,7 @@
 """Messages for speeds outside a range, such as that of a part's table over the speed."""
 
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from ..parts.speed_table import interpolant
 from .rotor import Rotor
 
 BEYOND_TABLE = "beyond-table"
+RIM = 1500.0  # speed of a disc's rim above which steel bursts [m/s]
 # Re sqrt(c / R), Re = density w R c / viscosity, above which vortices may form between concentric
 # cylinders, the inner of which turns (ISO 7902-1; Taylor 1923: its square is 1708)
 _VORTICES = 41.3
@@ -44,13 +46,27 @@ class SpeedRange(NamedTuple):
 
 def speed_ranges(rotor: Rotor) -> list[SpeedRange]:
     """Return the ranges that the tables of a machine's parts cover, whose heat balances are made,
-    and in which its films are laminar."""
+    in which its films are laminar, and in which its discs hold."""
     named = list(rotor.named_parts())
     tables = [_range_of(where, part) for where, part in named if getattr(part, "speed", ())]
     oils = [(where, part) for where, part in named if isinstance(part, BearingWithOil)]
     films = [_laminar(where, part) for where, part in named if isinstance(part, JournalBearing)]
     positive = [_positive(where, part) for where, part in oils if part.why_positive]
-    return [*tables, *positive, *films]
+    return [*tables, *positive, *films, *_whole(rotor)]
+
+
+def _whole(rotor: Rotor) -> Iterator[SpeedRange]:
+    """Yield the range in which the largest disc does not burst, if there is a disc."""
+    if rotor.discs:
+        yield SpeedRange(
+            0.0,
+            2.0 * RIM / max(disc.diameter for disc in rotor.discs),
+            "speed {speed:.4g} rad/s is above {high:.4g} rad/s, where the rim of the largest disc "
+            f"moves at {RIM:g} m/s and steel bursts: is it meant in rpm, or does a coupling "
+            "diverge?",
+            "burst-speed",
+            is_of_size=True,
+        )
 
 
 def _range_of(where: str, part: Any) -> SpeedRange:

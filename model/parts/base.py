@@ -139,7 +139,10 @@ Element = (
 )
 
 
-_LAST = "over the last revolution, or, at standstill, since the last communication point"
+_LAST = (
+    "over the last whole revolution and after it, and since the last communication point; at "
+    "standstill since that point alone"
+)
 _FROM_REST = f"{_LAST}; at rest under the loads at the start, or where [start] releases it"
 _ONCE = "0-p, over the last whole revolution; 0 before the first one in one sense and at standstill"
 _LEADS = "leads phi, in the sense of rotation: a lag is negative"

@@ -15,7 +15,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import MOST_ROWS, InputError, check_positive, known_name, listed, mapped, path_of
+from ..errors import (
+    MOST_ROWS,
+    InputError,
+    RunFailed,
+    check_positive,
+    known_name,
+    listed,
+    mapped,
+    path_of,
+)
 from ..files import unfinished
 from ..fmi.variables import are_alike
 from ..interrupts import interrupts_noted
@@ -119,11 +128,15 @@ class CoupledFmus:
         yield point
         for n in count():
             for name, member in self.members.items():
-                member.set({c.input: point.values[c.sender][c.output] for c in inputs[name]})
+                passed = {c.input: point.values[c.sender][c.output] for c in inputs[name]}
+                outputs = [f"{c.sender}.{c.output}" for c in inputs[name]]
+                with _said_where(f"with {', '.join(outputs)} at t = {point.t:g} s"):
+                    member.set(passed)
             end = (n + 1) * step
             is_cut = end > stop + _WHOLE * step
             for member in self.members.values():
-                member.step(n * step, stop - n * step if is_cut else step)
+                with _said_where(f"in the step from t = {point.t:g} s"):
+                    member.step(n * step, stop - n * step if is_cut else step)
             point = self._at(stop if is_cut else end)
             yield point
             if end >= stop - _WHOLE * step:
@@ -167,7 +180,8 @@ class CoupledFmus:
                 warn(self.messages[-1])
 
     def _at(self, t: float) -> Point:
-        return Point(t, {name: self.members[name].get(read) for name, read in self.read.items()})
+        with _said_where(f"read at t = {t:g} s"):
+            return Point(t, {of: self.members[of].get(read) for of, read in self.read.items()})
 
 
 @contextmanager
@@ -250,6 +264,17 @@ def coupled(
         _exchange_initially(members, [*first, *of_all])
         seen = {name: tuple(names) for name, names in read.items()}
         yield CoupledFmus(members, always, seen, messages, stop)
+
+
+@contextmanager
+def _said_where(where: str) -> Iterator[None]:
+    """Add to the message of a call that fails where it did: few FMUs say it themselves."""
+    try:
+        yield
+    except EndedEarly:
+        raise
+    except RunFailed as error:
+        raise RunFailed(f"{error}; {where}") from error
 
 
 def _exchange_initially(members: Mapping[str, Member], connections: Sequence[Connection]) -> None:

@@ -56,7 +56,8 @@ _ALL = (
         Quantity(
             "N.m.s/rad",
             "characteristic impedance Z of the line that drives the rotor: its torque is tau_drive "
-            "- Z w, solved within the steps; the reflected wave is tau_drive - 2 Z w; 0: none",
+            "- Z w, solved within the steps; the reflected wave is tau_drive - 2 Z w, which the "
+            "other end takes with its sign reversed; 0: none",
             NOT_NEGATIVE,
         ),
         is_for_torque=True,

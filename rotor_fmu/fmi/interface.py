@@ -15,10 +15,8 @@ from .coupling_parameters import coupling_variables
 from .solver_parameters import solver_parameters
 from .variables import Variable
 
-_HELD = (
-    "held until the next communication point, or continued by its derivative in an FMI 2.0 FMU "
-    "without Python"
-)
+_BY_DERIVATIVE = "by its derivative in an FMI 2.0 FMU without Python"
+_HELD = f"held until the next communication point, or continued {_BY_DERIVATIVE}"
 _TORQUE = "tau_drive"  # the input that drives a free rotor
 _DIRECTIONS = (("x", "to the right (+x)"), ("y", "upwards (+y)"))
 
@@ -39,7 +37,7 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
     else:
         text = (
             "speed of rotation about z, x towards y; continued until the next communication point "
-            "by its derivative, without one as speed_continuation says"
+            f"as speed_continuation says, or {_BY_DERIVATIVE}"
         )
         rated = operating_speeds(rotor).rated
         drive = Variable("speed", "Real", "input", text, "rad/s", rated, nominal=100.0)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from ..model.machine.rotor import Rotor
+from ..model.machine.speed_ranges import RIM
 from ..model.parts.base import BodyElement
 from ..model.quantities import quantities
 
@@ -50,7 +51,6 @@ _SOFT = (1e8, 5e10)  # of no metal [Pa]: a model's shaft, which may be as light 
 _SHAFT = Usual(1e-3, 100.0, _LENGTHS)
 _HEAVY = 5e5  # kg of a disc: heavier than any that runs
 _THINNEST = 2.02  # I_p over I_d: that of a disc without width, to two digits
-_RIM = 1500.0  # m/s, above which steel bursts
 _RPM = math.pi / 30
 
 
@@ -141,8 +141,8 @@ def _speed(rotor: Rotor) -> Iterator[str]:
     if not rotor.operation.speeds or radius > _OF_PARTS["diameter"].high / 2:
         return
     name, speed = list(rotor.operation.speeds.items())[-1]  # the highest
-    if speed * radius > _RIM:
-        meant = f"; {speed:g} rpm?" if speed * _RPM * radius < _RIM else ""
+    if speed * radius > RIM:
+        meant = f"; {speed:g} rpm?" if speed * _RPM * radius < RIM else ""
         yield (
             f"operation.{name} = {speed:g} rad/s: moves the rim of the largest disc at "
             f"{speed * radius:.4g} m/s{meant}"

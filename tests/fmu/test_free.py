@@ -111,3 +111,15 @@ def test_over_both_resonances_drive_work_is_energy_and_dissipation(fmu, free_fmu
     assert run["disc[3].x_amp"].max() > 370e-6
     lost = sum(run[name][-1] for name in LOSSES)
     assert np.abs(run["energy.residual"]).max() < 1e-4 * lost
+
+
+def test_a_coupling_that_diverges_is_called_that_by_the_speed(free_fmu):
+    """Before the solver fails at it: a torque that each step doubles and turns round."""
+    with Member(free_fmu, {"w_start": 200.0}, []) as rotor:
+        rotor.begin()
+        for i in range(12):
+            rotor.set({"tau_drive": 300.0 * (-2.0) ** i})
+            rotor.step(i * 1e-3, 1e-3)
+        assert abs(rotor.get(["w"])["w"]) > 25e3
+    (message,) = (text for text in rotor.messages if text.code == "burst-speed")
+    assert "does a coupling diverge?" in message

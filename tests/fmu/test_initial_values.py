@@ -9,6 +9,7 @@ from rotor_fmu.model.simulation import RotorWarning
 
 from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.master import CoupledRun, coupled
+from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import InputError
 
 from .test_members import HEAD, built
@@ -107,3 +108,23 @@ def test_an_input_that_is_given_another_value_keeps_it_and_its_jump_is_said(
         warnings.simplefilter("error")
         run = run_lines(line, ("ab",), given, ("cb",) if is_pair else ())
     assert (run.status, run.messages) == ("ok", ())
+
+
+@pytest.mark.parametrize("kind", ["fmu", "native_fmu"])
+def test_values_that_are_replaced_before_the_start_are_not_warned_of(request, kind):
+    """What a host reads in the initialization is of the values then, and no more is said; what it
+    comes to later is."""
+    given = {"speed": 30e3, "solver.adaptive": 1, "solver.tolerance": 1e-4}
+    with Member(request.getfixturevalue(kind), given, []) as rotor:
+        rotor.get(["tau_load"])
+        rotor.set({"speed": 100.0, "solver.adaptive": 3})
+        rotor.begin()
+        rotor.step(0.0, 1e-3)
+        assert rotor.messages == []
+        rotor.set({"speed": 30e3})
+        rotor.step(1e-3, 1e-3)
+        assert "burst-speed" in [message.code for message in rotor.messages]
+    with Member(request.getfixturevalue(kind), given, []) as rotor:
+        rotor.get(["tau_load"])
+        rotor.begin()
+        assert [message.code for message in rotor.messages] == ["idle-setting", "burst-speed"]

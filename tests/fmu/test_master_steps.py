@@ -5,9 +5,9 @@ import math
 import pytest
 from rotor_fmu.model.message_templates import Message
 
-from rotor_fmu.cosimulation.master import CoupledFmus, CoupledRun, coupled
+from rotor_fmu.cosimulation.master import Connection, CoupledFmus, CoupledRun, coupled
 from rotor_fmu.cosimulation.member import EndedEarly
-from rotor_fmu.errors import InputError
+from rotor_fmu.errors import InputError, RunFailed
 
 
 class Counted:
@@ -135,3 +135,30 @@ def test_a_run_that_an_fmu_ends_is_returned_up_to_the_last_common_point(tmp_path
     doubtful = (Message("it jumps", "false-state"),)
     run = CoupledFmus({"one": Counted()}, (), {}, doubtful, 1.0).run(0.1)
     assert run.status == "doubtful: false-state"
+
+
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        ("set", "two.fmu: broken; with one.w, one.a at t = 0.1 s"),
+        ("step", "two.fmu: broken; in the step from t = 0.1 s"),
+        ("get", "two.fmu: broken; read at t = 0.1 s"),
+    ],
+)
+def test_a_call_that_fails_says_when_and_an_input_from_where(monkeypatch, call, expected):
+    def fails(*arguments):
+        raise RunFailed("two.fmu: broken")
+
+    one, two = Counted(), Counted()
+    one.get = lambda names: {"w": math.nan, "a": 1.0}
+    pairs = [Connection("one", of, "two", of) for of in ("w", "a")]
+    read = {"one": ("w", "a"), "two": ()}
+    monkeypatch.setattr(CoupledFmus, "_warn_of_jumps", lambda self, start: None)
+    points = CoupledFmus({"one": one, "two": two}, pairs, read, [], 1.0).points(0.1)
+    next(points)
+    if call != "get":
+        next(points)
+    setattr(two, call, fails)
+    with pytest.raises(RunFailed) as failed:
+        next(points)
+    assert str(failed.value) == expected

@@ -152,6 +152,15 @@ def test_every_variable_of_the_table_is_described(fmu):
             assert float(result.start) == variable.start
 
 
+@pytest.mark.parametrize("is_free", [False, True])
+def test_the_text_of_each_input_says_which_fmu_takes_its_derivative(is_free):
+    """FMI 3.0 and pythonfmu have none."""
+    inputs = [v.text for v in interface(rig(), is_free) if v.causality == "input"]
+    assert len(inputs) > 1
+    for text in inputs:
+        assert text.endswith("by its derivative in an FMI 2.0 FMU without Python"), text
+
+
 def test_limits_nominal_values_and_unknowns_are_those_of_the_table(fmu):
     root = fromstring(contents_of(fmu)["modelDescription.xml"])
     table = interface(rig())

@@ -3,22 +3,28 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import fmpy
 import numpy as np
 import pytest
+from rotor_fmu.examples import example_folder
 from rotor_fmu.examples.drive_train import by_energy, compare, ways
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.cli.fmus import ssp
+from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
+from ..processes import run_python
 from .test_hosts import needs
 from .test_schemas import FMI2, mistakes, xml_of
 
+PAGES = Path(__file__).parents[2] / "docs"
 STOP, RUN_UP, LONG, SHORT = 0.3, 4.2, 1.5e-2, 1e-4
 
 
@@ -33,6 +39,16 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def reference(folder):
     return ways.couple(folder, ways.monolithic, SHORT, STOP).w
+
+
+@pytest.fixture(scope="module")
+def smooth(tmp_path_factory):
+    """The rig without friction and unbalance: its FMU, extracted, and its inertia."""
+    toml = re.sub(r"mu = [0-9.]+", "mu = 0.0", rig_toml())
+    toml = re.sub(r"\be = [0-9.e-]+", "e = 0.0", toml)
+    machine = machine_of(toml, is_free=True)
+    fmu = build_native(tmp_path_factory.mktemp("smooth"), machine, platforms=["linux64"])
+    return fmpy.extract(str(fmu)), float(assemble(parse_rotor(toml)).numbers[0].inertia)
 
 
 def test_at_ten_radians_of_the_joint_a_step_one_newton_iteration_holds(folder, reference):
@@ -69,6 +85,20 @@ def test_a_line_is_stable_at_every_step_and_loses_next_to_nothing(folder, h):
     assert run.lost < 1e-4
 
 
+def test_a_line_that_passes_on_means_alone_loses_what_oscillates_within_a_step(folder, monkeypatch):
+    """As the page says: 2e-4 of the energy instead of 4e-7."""
+    whole = ways.couple(folder, "transmission line", 2e-2, RUN_UP, 6e-2)
+    line = ways.line
+
+    def of_means(rotor, t, h, at):
+        return replace(line(rotor, t, h, at), tau_slope=0.0, back_slope=0.0)
+
+    monkeypatch.setattr(ways, "line", of_means)
+    means = ways.couple(folder, of_means, 2e-2, RUN_UP, 6e-2)
+    assert whole.lost == pytest.approx(4e-7, rel=0.1)
+    assert means.lost == pytest.approx(2e-4, rel=0.1)
+
+
 @pytest.mark.slow
 def test_the_comparison_holds_every_way_against_one_run_of_all(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(compare, "STEPS", (SHORT, LONG))
@@ -100,16 +130,12 @@ def two_masses(t, inertia):
 
 
 def test_the_monolithic_run_is_the_closed_form_where_nothing_rubs_and_nothing_is_unbalanced(
-    tmp_path,
+    smooth,
 ):
     """To second order in its step."""
-    toml = re.sub(r"mu = [0-9.]+", "mu = 0.0", rig_toml())
-    toml = re.sub(r"\be = [0-9.e-]+", "e = 0.0", toml)
-    fmu = build_native(tmp_path, machine_of(toml, is_free=True), platforms=["linux64"])
-    folder = fmpy.extract(str(fmu))
+    folder, inertia = smooth
     stop, every = 0.03, 1e-3
     t = every * np.arange(1, 1 + round(stop / every))
-    inertia = float(assemble(parse_rotor(toml)).numbers[0].inertia)
     expected, amplitude = two_masses(t, inertia)
     errors = [
         np.max(np.abs(ways.couple(folder, ways.monolithic, h, stop, every).w - expected))
@@ -126,6 +152,34 @@ def test_one_newton_iteration_nears_the_monolithic_run_with_its_step(folder, ref
         for h in (LONG, SHORT)
     ]
     assert errors[1] < 0.5 * errors[0] < 5e-4
+
+
+def test_two_rotors_on_a_line_take_what_the_other_reflects_with_its_sign_reversed(smooth):
+    """As two inertias on the line's stiffness, each with half of its inertia."""
+    folder, inertia = smooth
+    h, impedance, speeds = 1e-4, 0.04, (100.0, 110.0)
+    total = inertia + 0.5 * impedance * h
+    frequency = np.sqrt(2 * impedance / h / total)
+    waves = [(impedance * w, 0.0) for w in speeds]
+    slips, given = [], {"tau_impedance": impedance}
+    with (
+        Member(Path(folder), given | {"w_start": speeds[0]}, [], name="one") as one,
+        Member(Path(folder), given | {"w_start": speeds[1]}, [], name="other") as other,
+    ):
+        ends = ways.Rotor(one), ways.Rotor(other)
+        for i in range(300):
+            reflected = []
+            for end, (wave, slope) in zip(ends, waves, strict=True):
+                before = np.array(end.read("phi", "w"))
+                end.step(i * h, h, wave - 0.5 * h * slope, slope)
+                turned, faster = (end.read("phi", "w") - before) / h
+                mean, rate = wave - 2 * impedance * turned, slope - 2 * impedance * faster
+                reflected.append((-mean, -rate))
+            waves = reflected[::-1]
+            slips.append(ends[1].read("w")[0] - ends[0].read("w")[0])
+    t = h * np.arange(1, 301)
+    expected = 10.0 * np.cos(frequency * t)
+    assert np.max(np.abs(slips - expected)) < 0.05 * 10.0
 
 
 @pytest.mark.slow
@@ -163,3 +217,31 @@ def test_the_rotor_is_one_of_the_masters_members(folder, tmp_path, monkeypatch, 
     with pytest.raises(RunFailed, match=r"^rotor: broken: "):
         ways.couple(str(tmp_path / "broken"), "explicit", SHORT, STOP)
     assert Path.cwd() == tmp_path
+
+
+@pytest.mark.slow
+@needs("libcosimpy", "pip install libcosimpy")
+def test_where_the_exchange_is_steady_ecco_gains_what_the_page_says(tmp_path):
+    """On the drive train of the rig, over three seconds; the reference is of steps of 0.2 ms."""
+    ssp.__wrapped__(algorithm="ecco", is_native=True, out=tmp_path)
+    file = tmp_path / "OspSystemStructure.xml"
+    text = file.read_text()
+
+    def speeds(step=None):
+        """By libcosim's ECCO, or in equal steps [s]."""
+        if step is not None:
+            fixed = re.sub(r"(?<=StepSize>)[^<]+(?=</BaseStepSize)", repr(step), text)
+            fixed = re.sub(r'(?<=stepSize=")[^"]+', repr(step), fixed)
+            file.write_text(fixed.replace("<Algorithm>ecco<", "<Algorithm>fixedStep<"))
+        script = example_folder() / "with_libcosim.py"
+        done = run_python(script, str(file), "3", "0", "drive.w")
+        assert done.returncode == 0, done.stderr
+        return np.array([row.split(",") for row in done.stdout.split()[1:]], dtype=float).T
+
+    by_ecco = speeds()
+    steps = by_ecco.shape[1]
+    equal, fine = speeds(round(3e9 / steps) * 1e-9), speeds(2e-4)
+    errors = [np.max(np.abs(w - np.interp(t, *fine))[t < fine[0, -1]]) for t, w in (by_ecco, equal)]
+    page = (PAGES / "how_to" / "choose_a_coupling.md").read_text(encoding="utf-8")
+    assert f"{steps}\n  steps have errors of {errors[0]:.1e} rad/s".replace("e-0", "e-") in page
+    assert f"of {errors[1]:.1e} rad/s with equal".replace("e-0", "e-") in page

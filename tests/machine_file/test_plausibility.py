@@ -212,3 +212,13 @@ def test_values_of_a_study_are_asked_about(tmp_path, capsys):
         f"rotor-fmu: warning: {where} = {value} rad: is that what is meant; {value} deg?"
         for where, value in (("set disc[1].phase", 90), ("vary disc[2].phase: disc[2].phase", 80))
     ]
+
+
+def test_a_run_at_a_speed_that_bursts_a_disc_is_doubtful():
+    """As where a speed in rpm is given in rad/s, in either sense; below it is not."""
+    highest = 1500.0 / 0.06  # of the rig's discs
+    assert rf.simulate(rf.load(), speed=0.99 * highest, stop=1e-4).status == "ok"
+    for speed in (1.01 * highest, -1.01 * highest):
+        with pytest.warns(RotorWarning, match=r"above 2\.5e\+04 rad/s, .* meant in rpm"):
+            run = rf.simulate(rf.load(), speed=speed, stop=1e-4)
+        assert run.status.startswith("doubtful: burst-speed")

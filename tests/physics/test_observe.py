@@ -17,7 +17,7 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.time_loop.observe import observed
 
 from papers.dense_machine import clearance_contacts, rest
-from rotor_fmu.fmi.interface import ports
+from rotor_fmu.fmi.interface import interface, ports
 from rotor_fmu.machine_file.loading import load_rotor
 from tools.checkout import ROOT
 
@@ -175,6 +175,20 @@ def test_amplitudes_are_the_largest_distances_from_rest_over_the_last_revolution
                 shown = sim.read(f"disc[{k}].{axis}_amp")
                 assert distance[-200:].max() <= shown * (1 + 1e-12)
                 assert shown <= distance[-402:].max() * (1 + 1e-12)
+
+
+def test_a_peak_is_also_of_all_since_the_last_communication_point():
+    """As its text says: a host with long steps misses none."""
+    by_name = {of.name: of.text for of in interface(rig())}
+    for name in ("disc[3].x_amp", "disc[3].r_amp", "bearing[1].fn_peak"):
+        assert "over the last whole revolution and after it, and since the last" in by_name[name]
+    at_once, often, seen = Simulation(rig(), speed=100.0), Simulation(rig(), speed=100.0), []
+    at_once.advance(1.0, 100.0)
+    for i in range(500):
+        often.advance(2e-3 * (i + 1), 100.0)
+        seen.append(often.read("disc[3].r_amp"))
+    assert at_once.read("disc[3].r_amp") == pytest.approx(max(seen), rel=1e-2)
+    assert seen[-1] < 0.7 * max(seen)
 
 
 def test_every_output_is_filled_in():

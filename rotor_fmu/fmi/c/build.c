@@ -38,7 +38,7 @@ static Status check_machine(Instance *m)
     return OK;
 }
 
-static Status resolve_settings(Instance *m)
+static Status resolve_settings(Instance *m, int is_start)
 {
     const Table *t = m->table;
     double given[MOST_SETTINGS] = {0}, own[MOST_SETTINGS] = {0}, numbers[MESSAGE_NUMBERS] = {0};
@@ -55,7 +55,7 @@ static Status resolve_settings(Instance *m)
         return refuse(m, "internal error in the solver's settings");
     if (code)
         return log_sentence(m, ERROR, sentence(t, code), numbers);
-    for (int64_t slot = 0; slot < t->settings; slot++)
+    for (int64_t slot = 0; is_start && slot < t->settings; slot++)
         if ((code = rotor_settings_warning(m->block, given, own, numbers, slot)) != 0)
             warn(m, code, numbers);
     return OK;
@@ -149,12 +149,13 @@ void choose_contacts(Instance *m)
     *(int64_t *)(m->block + t->stops_at_contact_at) = asked != 0.0 && !m->is_whole;
 }
 
-Status build(Instance *m)
+Status build(Instance *m, int is_start)
 {
     const Table *t = m->table;
     double drive = m->values[t->drive_at], speed = drive, rate = 0.0, numbers[MESSAGE_NUMBERS] = {0};
-    if (m->state->is_built)
+    if (m->state->is_built && !is_start)
         return OK;
+    m->state->is_built = 0;
     if (check_machine(m))
         return ERROR;
     memcpy(m->block, (const char *)t + t->first_block, (size_t)t->block);
@@ -162,7 +163,7 @@ Status build(Instance *m)
     m->state->is_retuned = 0;
     choose_contacts(m);
     *(double *)(m->block + t->time_of_host_at) = m->state->start;
-    if (resolve_settings(m))
+    if (resolve_settings(m, is_start))
         return ERROR;
     *(int64_t *)(m->block + t->is_free_at) = t->is_free;
     for (int64_t i = 0; i < t->observed_at; i++) {
@@ -184,8 +185,10 @@ Status build(Instance *m)
         return refuse(m, "internal error at the start");
     if (code)
         return log_sentence(m, ERROR, sentence(t, code), numbers);
-    warn_beyond_ranges(m);
-    survey(m, 1);
+    if (is_start) {
+        warn_beyond_ranges(m);
+        survey(m, 1);
+    }
     m->state->is_built = 1;
     return OK;
 }

@@ -71,8 +71,9 @@ size_t head_size(const Instance *);
 /* None of the inputs' slopes are known. */
 void forget_slopes(Instance *);
 
-/* The run from the values that are set now, if there is none. */
-Status build(Instance *);
+/* The run from the values that are set now, if there is none; with its warnings, and in any case,
+   where it starts: the values of one that a host asks for before may change. */
+Status build(Instance *, int is_start);
 /* OK where a parameter of the machine may have this value. */
 Status check_parameter(Instance *, const Variable *, double value);
 /* Hand the inputs over, but the drive. */

@@ -59,7 +59,7 @@ Status enter(Instance *m)
 
 Status leave_initialization(Instance *m)
 {
-    if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m)
+    if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m, 1)
         || (m->is_whole && take_state(m, &m->before))) /* steps then need no memory */
         return ERROR;
     m->state->phase = STEPPING;

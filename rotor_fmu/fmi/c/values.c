@@ -61,7 +61,7 @@ Status get_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
         if (m->state->phase == INSTANTIATED)
             return refuse(m, "%s: is computed, and not before the initialization begins",
                           name_of(m, references[i]));
-        if (build(m))
+        if (build(m, 0))
             return ERROR;
     }
     const double *observed = (const double *)(m->block + t->observed);
@@ -216,7 +216,7 @@ Status get_derivatives(Instance *m, const char *call, const uint32_t *references
     const int64_t row = computed(t);
     if (!count)
         return OK;
-    if (build(m))
+    if (build(m, 0))
         return ERROR;
     if (rotor_differentiate(m->block, -1))
         return refuse(m, "internal error");
