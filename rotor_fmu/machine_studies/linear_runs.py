@@ -6,20 +6,11 @@ import math
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import ClassVar
-
-import numpy as np
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar
 
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.variables import Variable
-from ..model.linear.campbell import Campbell, CriticalSpeed, campbell
-from ..model.linear.linear_machine import shared_machine
-from ..model.linear.modes import Modes, count_up_to, modes
-from ..model.linear.static import lowest_speed, static
-from ..model.linear.subsynchronous import subsynchronous_whirl
-from ..model.linear.unbalance import unbalance_response
-from ..model.linear.unbalance_peaks import response_with_peaks
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
 from ..run_status import FAILED, OK
@@ -30,13 +21,14 @@ from .metric import Metric, MetricKind, declared, is_whole
 from .run_excitation import Excitation
 from .run_kinds import Number, RunKind
 
+if TYPE_CHECKING:
+    from .linear_answers import LinearAnswers
+
 KINDS: dict[str, MetricKind] = {}
 _kind = partial(declared, KINDS)
 LOG_DEC, FREQUENCY, SPEED = "log_dec", "frequency", "speed"
 _UNITS = {LOG_DEC: "1", FREQUENCY: "rad/s", SPEED: "rad/s"}
 _FIRST = {"number": 1.0}  # the default of an option
-_MODES = 8  # at least
-_SPEEDS = 31  # between which critical speeds, thresholds and peaks are looked for
 
 
 class _LinearKind(RunKind):
@@ -63,81 +55,6 @@ LINEAR = _LinearKind(
 
 
 @dataclass(frozen=True)
-class LinearAnswers:
-    """The linear answers of a machine that metrics ask for, each computed once: at a speed, and
-    from `low` to `high` [rad/s]."""
-
-    rotor: Rotor
-    speed: float
-    low: float
-    high: float
-
-    @cached_property
-    def modes(self) -> Modes:
-        """The lowest modes at the speed."""
-        return modes(self.rotor, self.speed, count=_MODES)
-
-    @cached_property
-    def slower(self) -> dict[str, float]:
-        """Logarithmic decrement [1] and frequency [rad/s] of the least damped whirl slower than the
-        rotation, NaN of none; -inf of a machine that leaves its rest without oscillation."""
-        if len(self.modes.growing):
-            return {LOG_DEC: -math.inf, FREQUENCY: 0.0}
-        if whirl := subsynchronous_whirl(self.rotor, self.speed):
-            return {LOG_DEC: whirl.log_dec, FREQUENCY: whirl.frequency}
-        found = modes(self.rotor, self.speed, count=count_up_to(self.rotor, self.speed, _MODES))
-        pairs = zip(found.log_dec.tolist(), found.damped.tolist(), found.is_sound, strict=True)
-        slower = [(d, f) for d, f, is_sound in pairs if is_sound and f < abs(self.speed)]
-        return dict(
-            zip((LOG_DEC, FREQUENCY), min(slower, default=(math.nan, math.nan)), strict=True)
-        )
-
-    @cached_property
-    def range(self) -> np.ndarray:
-        """The speeds of the range, from where oil films carry the machine on."""
-        low = max(self.low, lowest_speed(self.rotor, self.high))
-        return np.linspace(low, self.high, _SPEEDS)
-
-    @cached_property
-    def campbell(self) -> Campbell:
-        """The Campbell diagram over the range."""
-        return campbell(self.rotor, self.range, count=count_up_to(self.rotor, self.high, _MODES))
-
-    @property
-    def critical(self) -> list[CriticalSpeed]:
-        """The critical speeds in the range, critically damped ones left out."""
-        return [c for c in self.campbell.critical if not c.is_critically_damped]
-
-    @cached_property
-    def places(self) -> dict[str, int]:
-        """The node (from 1) of each part that has one, by the part's name."""
-        return places_of(self.rotor)
-
-    def major(self, part: str) -> float:
-        """Return the major semi-axis of a part's orbit at the speed [m]."""
-        return float(unbalance_response(self.rotor, [self.speed]).major[0, self.places[part] - 1])
-
-    def peak(self, part: str) -> float:
-        """Return the largest major semi-axis of a part's orbits in the range [m]."""
-        node = self.places[part]
-        response = response_with_peaks(self.rotor, self.range, nodes=[node])
-        return float(response.major[:, node - 1].max())
-
-    @cached_property
-    def loads(self) -> dict[str, float]:
-        """The size of the load on each support at rest while the machine turns at the speed [N]."""
-        rest = static(self.rotor, self.speed)
-        sizes = np.hypot(rest.load_x, rest.load_y).tolist()
-        return dict(zip(rest.supports, sizes, strict=True))
-
-
-def places_of(rotor: Rotor) -> dict[str, int]:
-    """Return the node (from 1) of each part that has one, by the part's name."""
-    nodes = {name: getattr(part, "node", BASE) for name, part in rotor.named_parts()}
-    return {name: node for name, node in nodes.items() if node != BASE}
-
-
-@dataclass(frozen=True)
 class LinearRuns(MachineRuns):
     """Linear answers of a machine."""
 
@@ -160,8 +77,9 @@ class LinearRuns(MachineRuns):
         if name in _OF:
             check_one_of(f"{where} {name} = {metric.of!r}", metric.of, _OF[name])
         elif name == "load":
-            supports = shared_machine(self.machine.rotor).supports.names
-            known_name(where, metric.of, supports)
+            from ..model.linear.linear_machine import shared_machine
+
+            known_name(where, metric.of, shared_machine(self.machine.rotor).supports.names)
         else:
             known_name(where, metric.of, places_of(self.machine.rotor))
         number = metric.option("number")
@@ -195,12 +113,21 @@ class LinearRuns(MachineRuns):
             "machine with these values"
         )
 
-    def answers(self, values: Mapping[str, float]) -> LinearAnswers:
+    def answers(self, values: Mapping[str, float]) -> "LinearAnswers":
         """Return the answers of a run. Raises `InputError` for impossible values."""
+        from .linear_answers import LinearAnswers
+
         how, of_machine = self.split(values)
         n = how.numbers
         rotor = self.machine.rotor.with_values(of_machine)
-        return LinearAnswers(rotor, n["speed"], n["from"], n["to"])
+        count = max(int(metric.option("number") or 1) for metric in self.metrics)
+        return LinearAnswers(rotor, places_of(rotor), n["speed"], n["from"], n["to"], count)
+
+
+def places_of(rotor: Rotor) -> dict[str, int]:
+    """Return the node (from 1) of each part that has one, by the part's name."""
+    nodes = {name: getattr(part, "node", BASE) for name, part in rotor.named_parts()}
+    return {name: node for name, node in nodes.items() if node != BASE}
 
 
 # What a metric may be of, by its kind.
@@ -213,43 +140,43 @@ _OF = {
 
 
 @_kind("{of} of the least damped whirl slower than run.speed, which pads that tilt follow")
-def _subsynchronous(metric: Metric, answers: LinearAnswers) -> float:
-    return answers.slower[metric.of]
+def _subsynchronous(metric: Metric, answers: "LinearAnswers") -> float:
+    return float(getattr(answers.slower, metric.of))
 
 
 @_kind("{of} of mode {number} at run.speed, counted by natural frequency", optional=_FIRST)
-def _mode(metric: Metric, answers: LinearAnswers) -> float:
+def _mode(metric: Metric, answers: "LinearAnswers") -> float:
     found = answers.modes
     values = {LOG_DEC: found.log_dec, FREQUENCY: found.damped}[metric.of]
     return _at(values.tolist(), metric)
 
 
 @_kind("{of} of critical speed {number} in the range", optional=_FIRST)
-def _critical(metric: Metric, answers: LinearAnswers) -> float:
+def _critical(metric: Metric, answers: "LinearAnswers") -> float:
     """Return a critical speed, or its logarithmic decrement, critically damped ones left out."""
     field = {SPEED: "speed", LOG_DEC: "log_dec"}[metric.of]
     return _at([getattr(of, field) for of in answers.critical], metric)
 
 
 @_kind("{of} from which on the machine is unstable, in the range")
-def _threshold(metric: Metric, answers: LinearAnswers) -> float:
+def _threshold(metric: Metric, answers: "LinearAnswers") -> float:
     """Return the threshold of stability, nan of a machine that is stable in the range."""
     found = answers.campbell.threshold
     return math.nan if found is None else found
 
 
 @_kind("response of {of} to unbalance at run.speed, major semi-axis", unit="m")
-def _amplitude(metric: Metric, answers: LinearAnswers) -> float:
+def _amplitude(metric: Metric, answers: "LinearAnswers") -> float:
     return answers.major(metric.of)
 
 
 @_kind("largest response of {of} to unbalance in the range, major semi-axis", unit="m")
-def _peak(metric: Metric, answers: LinearAnswers) -> float:
+def _peak(metric: Metric, answers: "LinearAnswers") -> float:
     return answers.peak(metric.of)
 
 
 @_kind("load on {of} at rest, at run.speed", unit="N")
-def _load(metric: Metric, answers: LinearAnswers) -> float:
+def _load(metric: Metric, answers: "LinearAnswers") -> float:
     return answers.loads[metric.of]
 
 

@@ -21,6 +21,7 @@ slower = { subsynchronous = "log_dec" }
 at = { subsynchronous = "frequency" }
 first = { mode = "log_dec" }
 frequency = { mode = "frequency", number = 2 }
+ninth = { mode = "frequency", number = 9 }
 critical = { critical = "speed" }
 damping = { critical = "log_dec" }
 third = { critical = "speed", number = 3 }
@@ -64,7 +65,7 @@ def test_a_mass_on_springs_has_its_closed_forms(tmp_path):
     assert math.isnan(cells["threshold"])
     assert {c.name: c.unit for c in model.columns} == {
         **dict.fromkeys(("slower", "first", "damping"), "1"),
-        **dict.fromkeys(("at", "frequency", "critical", "third", "threshold"), "rad/s"),
+        **dict.fromkeys(("at", "frequency", "ninth", "critical", "third", "threshold"), "rad/s"),
         **dict.fromkeys(("moved", "most"), "m"),
         "load": "N",
     }
@@ -94,7 +95,8 @@ viscosity = 0.02
     run, name = "speed = 300\nto = 1500\n", "journal_bearing[1].preload"
     cells = study(tmp_path, text, keep=keep, vary=name, run=run).model.run({name: 0.4}).cells
     rotor = parse_rotor(text.replace("preload = 0.1", "preload = 0.4"))
-    found = modes(rotor, 300.0)
+    found = modes(rotor, 300.0, count=12)
+    assert cells["ninth"] == found.damped[8]
     slowest = found.log_dec[found.damped < 300.0].argmin()
     assert (cells["slower"], cells["at"]) == (found.log_dec[slowest], found.damped[slowest])
     diagram = campbell(rotor, np.linspace(150.0, 1500.0, 16))

@@ -1,0 +1,93 @@
+"""The linear answers of a machine that the metrics of a study ask for."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ..model.linear.campbell import Campbell, CriticalSpeed, campbell
+from ..model.linear.modes import Modes, count_up_to, modes
+from ..model.linear.static import lowest_speed, static
+from ..model.linear.subsynchronous import subsynchronous_whirl
+from ..model.linear.unbalance import unbalance_response
+from ..model.linear.unbalance_peaks import response_with_peaks
+from ..model.machine.rotor import Rotor
+
+_MODES = 8  # of a diagram, at least
+_SPEEDS = 31  # between which critical speeds, thresholds and peaks are looked for
+
+
+class Whirl(NamedTuple):
+    """Logarithmic decrement [1] and frequency [rad/s] of a whirl."""
+
+    log_dec: float
+    frequency: float
+
+
+@dataclass(frozen=True)
+class LinearAnswers:
+    """The linear answers of a machine that metrics ask for, each computed once: at a speed, and
+    from `low` to `high` [rad/s]; places: the node (from 1) of each part that has one; count: of
+    the lowest modes at the speed."""
+
+    rotor: Rotor
+    places: Mapping[str, int]
+    speed: float
+    low: float
+    high: float
+    count: int
+
+    @cached_property
+    def modes(self) -> Modes:
+        """The lowest modes at the speed."""
+        return modes(self.rotor, self.speed, count=self.count)
+
+    @cached_property
+    def slower(self) -> Whirl:
+        """The least damped whirl slower than the rotation, of NaN where there is none; -inf of a
+        machine that leaves its rest without oscillation."""
+        if len(self.modes.growing):
+            return Whirl(-math.inf, 0.0)
+        if whirl := subsynchronous_whirl(self.rotor, self.speed):
+            return Whirl(whirl.log_dec, whirl.frequency)
+        count = count_up_to(self.rotor, self.speed, self.count)
+        found = modes(self.rotor, self.speed, count=count)
+        whirls = map(Whirl, found.log_dec[found.is_sound], found.damped[found.is_sound])
+        slower = (whirl for whirl in whirls if whirl.frequency < abs(self.speed))
+        return min(slower, default=Whirl(math.nan, math.nan))
+
+    @cached_property
+    def range(self) -> np.ndarray:
+        """The speeds of the range, from where oil films carry the machine on."""
+        low = max(self.low, lowest_speed(self.rotor, self.high))
+        return np.linspace(low, self.high, _SPEEDS)
+
+    @cached_property
+    def campbell(self) -> Campbell:
+        """The Campbell diagram over the range."""
+        return campbell(self.rotor, self.range, count=count_up_to(self.rotor, self.high, _MODES))
+
+    @property
+    def critical(self) -> list[CriticalSpeed]:
+        """The critical speeds in the range, critically damped ones left out."""
+        return [c for c in self.campbell.critical if not c.is_critically_damped]
+
+    def major(self, part: str) -> float:
+        """Return the major semi-axis of a part's orbit at the speed [m]."""
+        return float(unbalance_response(self.rotor, [self.speed]).major[0, self.places[part] - 1])
+
+    def peak(self, part: str) -> float:
+        """Return the largest major semi-axis of a part's orbits in the range [m]."""
+        node = self.places[part]
+        response = response_with_peaks(self.rotor, self.range, nodes=[node])
+        return float(response.major[:, node - 1].max())
+
+    @cached_property
+    def loads(self) -> dict[str, float]:
+        """The size of the load on each support at rest while the machine turns at the speed [N]."""
+        rest = static(self.rotor, self.speed)
+        sizes = np.hypot(rest.load_x, rest.load_y).tolist()
+        return dict(zip(rest.supports, sizes, strict=True))
