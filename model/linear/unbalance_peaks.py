@@ -11,7 +11,7 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from .amplification import at_pole, tops, with_modes, with_poles
-from .campbell import campbell
+from .campbell import CriticalSpeed, campbell
 from .linear_machine import LinearMachine
 from .modes import count_up_to
 from .orbit import semi_axes
@@ -52,7 +52,8 @@ def with_criticals(
     so that no peak of the response to unbalance lies between two."""
     at = np.unique(np.asarray(speeds, dtype=float))
     first, _ = ends = _ends(rotor, at, contacts)
-    result = with_modes(at, _criticals(rotor, *ends, contacts))
+    criticals = criticals_about(rotor, *ends, contacts)
+    result = with_modes(at, [(c.speed, c.log_dec / (2 * math.pi)) for c in criticals])
     return result[(result >= first) | np.isin(result, at)]
 
 
@@ -62,7 +63,7 @@ def damped_criticals(
     """Return the damped critical speeds [rad/s] between the least and the largest of speeds, and
     those whose flank reaches there."""
     ends = _ends(rotor, np.unique(np.asarray(speeds, dtype=float)), contacts)
-    return [speed for speed, _ in _criticals(rotor, *ends, contacts)]
+    return [critical.speed for critical in criticals_about(rotor, *ends, contacts)]
 
 
 def _ends(rotor: Rotor, at: np.ndarray, contacts: str | None) -> tuple[float, float]:
@@ -71,15 +72,14 @@ def _ends(rotor: Rotor, at: np.ndarray, contacts: str | None) -> tuple[float, fl
 
 
 @lru_cache(maxsize=2)  # a response and its check look for the same ones
-def _criticals(
+def criticals_about(
     rotor: Rotor, low: float, high: float, contacts: str | None
-) -> list[tuple[float, float]]:
-    """Return speed [rad/s] and damping ratio of each critical speed between two speeds, and of
-    those whose flank reaches there."""
+) -> tuple[CriticalSpeed, ...]:
+    """Return the critical speeds between two speeds [rad/s], and those whose flank reaches there;
+    see `Campbell` for `contacts`. Raises `LinearError`."""
     diagram = np.linspace(min(low, _BEYOND * low), max(high, _BEYOND * high), _POINTS)
     count = count_up_to(rotor, max(diagram, key=abs), _MODES, contacts)
-    found = campbell(rotor, diagram, count=count, contacts=contacts).critical
-    return [(c.speed, c.log_dec / (2 * math.pi)) for c in found]
+    return campbell(rotor, diagram, count=count, contacts=contacts).critical
 
 
 def major_axis(whirl: SteadyWhirl, dof: int, other: int, factor: float, speed: float) -> float:

@@ -13,7 +13,7 @@ from ..model.linear.modes import Modes, count_up_to, modes
 from ..model.linear.static import lowest_speed, static
 from ..model.linear.subsynchronous import subsynchronous_whirl
 from ..model.linear.unbalance import unbalance_response
-from ..model.linear.unbalance_peaks import response_with_peaks
+from ..model.linear.unbalance_peaks import criticals_about, response_with_peaks
 from ..model.machine.rotor import Rotor
 
 _MODES = 8  # of a diagram, at least
@@ -73,7 +73,10 @@ class LinearAnswers:
     @property
     def critical(self) -> list[CriticalSpeed]:
         """The critical speeds in the range, critically damped ones left out."""
-        return [c for c in self.campbell.critical if not c.is_critically_damped]
+        low, high = self.range[[0, -1]].tolist()
+        about = criticals_about(self.rotor, low, high, None)  # as the response asks too
+        inside = (c for c in about if low <= c.speed <= high)
+        return [c for c in inside if not c.is_critically_damped]
 
     def major(self, part: str) -> float:
         """Return the major semi-axis of a part's orbit at the speed [m]."""
