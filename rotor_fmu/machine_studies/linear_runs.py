@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, ClassVar
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
+from ..model.message_templates import Message
 from ..model.parts.base import BASE
-from ..run_status import FAILED, OK
+from ..run_status import FAILED, status_of
 from ..runs.recording import Recording
 from ..studies.study import Column, Result
 from .machine_runs import MachineRuns
@@ -104,7 +105,16 @@ class LinearRuns(MachineRuns):
             cells = {metric.name: metric.kind.make(metric, answers) for metric in self.metrics}
         except InputError as error:
             return Result(f"{FAILED}{error}", {})
-        return Result(OK, cells)
+        return Result(status_of(self._beyond(answers)), cells)
+
+    def _beyond(self, answers: "LinearAnswers") -> list[Message]:
+        """Return what is said of speeds beyond tables, of films that are not laminar there."""
+        from ..linear.where_linearized import where_beyond_ranges
+
+        over = {metric.kind.varying for metric in self.metrics}
+        speeds = [answers.speed] if False in over else []
+        speeds += [answers.low, answers.high] if True in over else []
+        return where_beyond_ranges(answers.rotor, speeds)
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """Raise `InputError`: there is nothing to record."""
@@ -151,14 +161,14 @@ def _mode(metric: Metric, answers: "LinearAnswers") -> float:
     return _at(values.tolist(), metric)
 
 
-@_kind("{of} of critical speed {number} in the range", optional=_FIRST)
+@_kind("{of} of critical speed {number} in the range", optional=_FIRST, varying=True)
 def _critical(metric: Metric, answers: "LinearAnswers") -> float:
     """Return a critical speed, or its logarithmic decrement, critically damped ones left out."""
     field = {SPEED: "speed", LOG_DEC: "log_dec"}[metric.of]
     return _at([getattr(of, field) for of in answers.critical], metric)
 
 
-@_kind("{of} from which on the machine is unstable, in the range")
+@_kind("{of} from which on the machine is unstable, in the range", varying=True)
 def _threshold(metric: Metric, answers: "LinearAnswers") -> float:
     """Return the threshold of stability, nan of a machine that is stable in the range."""
     found = answers.campbell.threshold
@@ -170,7 +180,9 @@ def _amplitude(metric: Metric, answers: "LinearAnswers") -> float:
     return answers.major(metric.of)
 
 
-@_kind("largest response of {of} to unbalance in the range, major semi-axis", unit="m")
+@_kind(
+    "largest response of {of} to unbalance in the range, major semi-axis", unit="m", varying=True
+)
 def _peak(metric: Metric, answers: "LinearAnswers") -> float:
     return answers.peak(metric.of)
 

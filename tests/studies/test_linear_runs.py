@@ -13,6 +13,7 @@ from rotor_fmu.machine_studies.machine_tables import read_study
 
 from ..linear.api_617 import SHAFT
 from ..parts.machines import bearings, rigid
+from ..toml_text import table
 
 K, C, MASS, U = 1e4, 20.0, 1.0, 1e-5
 SPRINGS = rigid(MASS, 9.81, bearings(K, C) + f"[[unbalance]]\nnode = 2\namount = {U}\n")
@@ -111,6 +112,18 @@ viscosity = 0.02
 def test_what_leaves_its_rest_without_a_vibration_has_no_decrement(tmp_path):
     model = study(tmp_path, SPRINGS, vary="linear_bearing[2].kxx").model
     assert model.run({"linear_bearing[2].kxx": -1e6}).cells["slower"] == -math.inf
+
+
+def test_an_answer_beyond_a_table_is_doubtful(tmp_path):
+    """At the speed itself, or in the range, whichever is asked for."""
+    keys = {"node": 1, "speed": [10.0, 100.0], "kxx": [90.0, 99.0], "kyy": 90.0}
+    bearing = table("[linear_bearing]", **keys, cxx=1.0, cyy=1.0)
+    asked = {"critical": "at = { critical = 'speed' }", "mode": "at = { mode = 'frequency' }"}
+    status = {
+        name: study(tmp_path, SPRINGS + bearing, keep=keep).model.run({}).status
+        for name, keep in asked.items()
+    }
+    assert status == {"critical": "doubtful: beyond-table", "mode": "ok"}
 
 
 @pytest.mark.parametrize(
