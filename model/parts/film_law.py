@@ -76,8 +76,14 @@ class FilmQuantities(Rough):
     v_stribeck: float = contact_quantity("v_stribeck", 0.01)
 
 
+# Of what a film bears, a journal or a ring.
+PLACE_OUTPUTS = (
+    Output("x", "m", "displacement in the bearing, to the right", nominal=1e-5),
+    Output("y", "m", "displacement in the bearing, upwards", nominal=1e-5),
+)
 OUTPUTS = (
     *FORCE_OUTPUTS,
+    *PLACE_OUTPUTS,
     Output("eccentricity", "1", "of the journal, over the clearance", True, 1.0),
     Output(
         *("attitude", "rad", "angle from the direction of the film's load to the journal's"),

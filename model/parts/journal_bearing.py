@@ -118,6 +118,8 @@ def _observe(part, tables, kinematics, internal_state, out):
     force = film.force + wall.force
     out[_OUT.fx] = force.real
     out[_OUT.fy] = force.imag
+    out[_OUT.x] = d.real
+    out[_OUT.y] = d.imag
     out[_OUT.eccentricity] = modulus(d) / part.clearance
     out[_OUT.attitude] = angle(-d * film.force.conjugate())
     out[_OUT.film] = film.thinnest

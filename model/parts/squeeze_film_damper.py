@@ -19,6 +19,7 @@ from .base import GROUND, Element, InterfaceElement, Part, Shape
 from .clearance_contact import STORES as CONTACT_STORES
 from .film_law import (
     LOSSES,
+    PLACE_OUTPUTS,
     FilmQuantities,
     check_film,
     film_breaks,
@@ -41,6 +42,7 @@ class DamperQuantities(FilmQuantities):
 OUTPUTS = (
     Output("fx", "N", "force on the ring, to the right", True, 10.0),
     Output("fy", "N", "force on the ring, upwards", True, 10.0),
+    *PLACE_OUTPUTS,
     Output("eccentricity", "1", "of the ring, over the clearance", True, 1.0),
     Output("film", "m", "thinnest film; below the roughness the surfaces touch", True, 1e-5),
     Output("pressure", "Pa", "largest pressure in the film", nominal=1e6),
@@ -104,6 +106,8 @@ def _observe(part, tables, kinematics, internal_state, out):
     force = film.force + wall.force - part.stiffness * moving.displacement
     out[_OUT.fx] = force.real
     out[_OUT.fy] = force.imag
+    out[_OUT.x] = moving.displacement.real
+    out[_OUT.y] = moving.displacement.imag
     out[_OUT.eccentricity] = modulus(moving.displacement) / part.clearance
     out[_OUT.film] = film.thinnest
     out[_OUT.pressure] = film.largest

@@ -176,7 +176,7 @@ class Result(RecordedSignals):
         ----------
         kind : str
             `bode`, `polar`, `orbit`, `cascade`, `poincare`, `contact-angle`, `contact-force`,
-            `energy`, `spectrum` or `whirl`.
+            `energy`, `spectrum`, `whirl` or `centerline`.
         place : str, optional
             Name of the part. By default the one that moves most, or is pressed most.
         speed : float, optional

@@ -1,6 +1,7 @@
 """Pictures of recorded signals, one function a kind, for `rotor-fmu plot`."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..plotting.figure_style import (
     new_figure,
 )
 from ..plotting.labels import write_labels
-from ..runs.measuring_points import ContactSignals
+from ..runs.measuring_points import ContactSignals, moves_most
 from .view import View, angle_axis, broken_at_reversals, displacement_axes, two_over_speed, widened
 
 # Of the largest line of a spectrum, and of a cascade: smaller ones do not widen its axis.
@@ -213,13 +214,33 @@ def poincare(view: View) -> Figure:
     """Draw the points of the Poincare section, coloured by the speed, with the clearance."""
     figure, axes = new_figure(6.0, 5.2)
     result = vibration.poincare(*view.signal)
-    x_y, speed = result.points * current().small, _speed(result.speed)
-    shown = axes.scatter(x_y.real, x_y.imag, c=speed, s=6, cmap="cividis", lw=0)
-    shown.set_clim(widened(shown.get_clim()))
-    figure.colorbar(shown, ax=axes, label=current().speed_label)
+    _coloured_by_speed(figure, axes, result.points, result.speed)
     displacement_axes(axes, view.place)
     view.title(axes, f"{view.place.label} once a turn, at the mark")
     return figure
+
+
+def centerline(view: View) -> Figure:
+    """Draw the shaft's mean place, coloured by the speed, in the clearance: by default of the place
+    in one that moves most."""
+    within = [place for place in view.run.places if place.clearance is not None]
+    if view.name is None and within:
+        view = replace(view, name=moves_most(within).name)
+    figure, axes = new_figure(6.0, 5.2)
+    signal = vibration.synchronous(*view.signal)
+    turns = min(_BLOCK_TURNS, signal.longest)
+    result = vibration.displacement_of(signal, turns=turns)
+    _coloured_by_speed(figure, axes, result.mean, result.speed)
+    displacement_axes(axes, view.place)
+    view.title(axes, f"shaft centerline of {view.place.label}, means of {turns} turns")
+    return figure
+
+
+def _coloured_by_speed(figure: Figure, axes: Axes, z: np.ndarray, speed: np.ndarray) -> None:
+    x_y = z * current().small
+    shown = axes.scatter(x_y.real, x_y.imag, c=_speed(speed), s=6, cmap="cividis", lw=0)
+    shown.set_clim(widened(shown.get_clim()))
+    figure.colorbar(shown, ax=axes, label=current().speed_label)
 
 
 def whirl(view: View) -> Figure:
@@ -324,4 +345,5 @@ KINDS: dict[str, Callable[[View], Figure]] = {
     "energy": energy,
     "spectrum": spectrum,
     "whirl": whirl,
+    "centerline": centerline,
 }

@@ -5,7 +5,7 @@ from ..errors import InputError
 # What `rotor-fmu plot` draws of a run, beside its recording.
 PLOTS = (
     "bode", "polar", "orbit", "cascade", "poincare", "contact-angle", "contact-force", "energy",
-    "spectrum", "whirl",
+    "spectrum", "whirl", "centerline",
 )  # fmt: skip
 # Kinds of plot that each option changes.
 PLOTS_CHANGED = {

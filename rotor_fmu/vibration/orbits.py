@@ -61,7 +61,8 @@ class Displacement(ShortRepr):
     the steady drift of the mean position over three blocks, which is no vibration.
 
     begin, t: begins and middles of the blocks [s]; speed [rad/s]; x_pp, y_pp: peak-to-peak [m];
-    s_max: largest distance from the mean position of the block, 0-p [m]; shape (blocks,).
+    s_max: largest distance from the mean position of the block, 0-p [m]; mean: that position, x + i
+    y [m]; shape (blocks,).
     """
 
     begin: np.ndarray
@@ -70,6 +71,7 @@ class Displacement(ShortRepr):
     x_pp: np.ndarray
     y_pp: np.ndarray
     s_max: np.ndarray
+    mean: np.ndarray
 
 
 def orbit(
@@ -162,7 +164,7 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
         for end, values in zip(ends, (z.real, -z.real, z.imag, -z.imag), strict=True):
             np.maximum(end, values.max(axis=1), out=end)
     at = signal.begin[first], signal.middle_of(first, turns), signal.speed_of(first, turns)
-    return Displacement(*at, ends[0] + ends[1], ends[2] + ends[3], farthest)
+    return Displacement(*at, ends[0] + ends[1], ends[2] + ends[3], farthest, centre[:, 0])
 
 
 def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:

@@ -46,10 +46,18 @@ def test_the_place_that_moves_most_is_taken_unless_one_is_named(folder):
     assert run.contact().label == "bearing 1"
 
 
+def test_a_centerline_is_of_a_place_in_a_clearance_unless_one_is_named(folder):
+    run = read_run(folder)
+    labels = [
+        KINDS["centerline"](View(run, name)).axes[0].get_xlabel() for name in (None, "disc[2]")
+    ]
+    assert [label.split(" of ")[1].split(" [")[0] for label in labels] == ["bearing 1", "disc 2"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("bodde", "."), "whirl; did you mean bode?"),
+        (("bodde", "."), "centerline; did you mean bode?"),
         (("bode", "nowhere"), "nowhere: is not there"),
         (("bode", "."), "holds no recording.npz"),
         (("orbit", ".", "--speed", "0"), "--speed 0: must not be 0"),

@@ -50,6 +50,9 @@ def test_films_answer_to_it_as_to_a_weight_of_that_size():
     rest = [static(rotor, SPEED) for rotor in (heavy, turned)]
     np.testing.assert_allclose(rest[1].x[1], -rest[0].y[1], rtol=1e-4)  # the load is to the right
     np.testing.assert_allclose(rest[1].y[1], rest[0].x[1], rtol=1e-4)
+    sim = Simulation(turned, choose("robust"), speed=SPEED)
+    journal = [sim.read(f"journal_bearing[1].{axis}") for axis in "xy"]
+    np.testing.assert_allclose(journal, [rest[1].x[0], rest[1].y[0]], rtol=1e-6)
 
 
 def test_a_run_rests_under_it_and_its_energy_is_in_the_ledger():

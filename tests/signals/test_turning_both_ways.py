@@ -167,6 +167,7 @@ def test_a_whirl_of_its_own_frequency_is_the_circle_that_it_is(order):
     assert whirl.order == pytest.approx(order, rel=1e-3)
     result = vibration.displacement(t, 250 * t, z)
     assert result.s_max == pytest.approx(50e-6, rel=7e-3)
+    np.testing.assert_allclose(result.mean, 3e-4, atol=7e-3 * 50e-6)
     assert result.x_pp == pytest.approx(100e-6, rel=1e-3)
     assert result.y_pp == pytest.approx(100e-6, rel=1e-3)
 

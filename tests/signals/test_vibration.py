@@ -195,6 +195,7 @@ def test_displacements_of_an_ellipse():
     assert result.x_pp == pytest.approx(60e-6, rel=2e-3)
     assert result.y_pp == pytest.approx(40e-6, rel=2e-3)
     assert result.s_max == pytest.approx(30e-6, rel=2e-3)
+    np.testing.assert_allclose(result.mean, 2e-4, rtol=1e-4)
 
 
 def test_a_contact_that_touches_a_quarter_of_each_turn():
