@@ -134,9 +134,9 @@ def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(tmp_path, 
 
 
 def test_a_distance_that_a_part_does_not_have_is_not_suggested(tmp_path):
-    keep = '[keep]\nq = { peak = "journal_bearing[1].r" }\n'
-    with pytest.raises(InputError, match=r"did you mean journal_bearing\[1\]\.f"):
-        read(tmp_path, f'machine = "oil_film/rotor.toml"\n{HELD}{keep}')
+    keep = '[keep]\nq = { peak = "floating_ring_bearing[1].r" }\n'
+    with pytest.raises(InputError, match=r"did you mean floating_ring_bearing\[1\]\.f"):
+        read(tmp_path, f'machine = "turbocharger/rotor.toml"\n{HELD}{keep}')
 
 
 def test_numbers_of_a_run_that_are_varied_suit_one_another(tmp_path):
