@@ -16,6 +16,7 @@ from ..model.linear.subsynchronous import subsynchronous_whirl
 from ..model.linear.unbalance import UnbalanceResponse
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
+from ..model.message_templates import Message
 from ..model.parts.base import GROUND, InterfaceElement
 from ..model.parts.law import never_breaks
 
@@ -34,7 +35,7 @@ def where_linearized(
     machine that nothing holds under its weight, and for oil films; contacts: `open` or `pinned`;
     coupling: further cross-coupled stiffness [N/m] by node (from 1); follows_force: whether what
     follows a vibration has the frequency of a force."""
-    result = where_beyond_ranges(machine, speeds)
+    result: list[str] = [*where_beyond_ranges(machine, speeds)]
     linear = shared_machine(machine)
     if linear.static_load.any() and not linear.is_held:
         where = "linearized in the middle of all clearances, as if it had no weight"
@@ -68,10 +69,10 @@ def where_linearized(
     return result
 
 
-def where_beyond_ranges(machine: Rotor, speeds: Collection[float]) -> list[str]:
-    """Return a sentence for each end of a range, of a table or of a laminar film, beyond which some
+def where_beyond_ranges(machine: Rotor, speeds: Collection[float]) -> list[Message]:
+    """Return a message for each end of a range, of a table or of a laminar film, beyond which some
     speeds [rad/s] lie, on the furthest one, by their size where it is for either sense."""
-    result: list[str] = []
+    result: list[Message] = []
     for allowed in speed_ranges(machine_with_oil(machine)):
         over = [abs(speed) if allowed.is_of_size else speed for speed in speeds]
         below = (speed for speed in over if speed < allowed.low)

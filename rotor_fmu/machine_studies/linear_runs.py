@@ -3,7 +3,7 @@ speeds, and its metrics, a function a kind, are what its modes and its response 
 to."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -13,16 +13,18 @@ import numpy as np
 
 from ..errors import InputError, check_one_of, known_name
 from ..fmi.variables import Variable
+from ..linear.where_linearized import where_beyond_ranges
+from ..model.linear.amplification import largest
 from ..model.linear.campbell import Campbell, CriticalSpeed, campbell
 from ..model.linear.linear_machine import shared_machine
 from ..model.linear.modes import Modes, count_up_to, modes
 from ..model.linear.static import lowest_speed, static
 from ..model.linear.subsynchronous import subsynchronous_whirl
-from ..model.linear.unbalance import unbalance_response
-from ..model.linear.unbalance_peaks import response_with_peaks
+from ..model.linear.unbalance import steady_whirl
+from ..model.linear.unbalance_peaks import major_axis, with_criticals
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
-from ..run_status import FAILED, OK
+from ..run_status import FAILED, status_of
 from ..runs.recording import Recording
 from ..studies.study import Column, Result
 from .machine_runs import MachineRuns
@@ -64,18 +66,19 @@ LINEAR = _LinearKind(
 
 @dataclass(frozen=True)
 class LinearAnswers:
-    """The linear answers of a machine that metrics ask for, each computed once: at a speed, and
-    from `low` to `high` [rad/s]."""
+    """The linear answers of a machine that metrics ask for, each computed once: at a speed, so many
+    modes, and from `low` to `high` [rad/s]."""
 
     rotor: Rotor
     speed: float
     low: float
     high: float
+    count: int = _MODES
 
     @cached_property
     def modes(self) -> Modes:
         """The lowest modes at the speed."""
-        return modes(self.rotor, self.speed, count=_MODES)
+        return modes(self.rotor, self.speed, count=self.count)
 
     @cached_property
     def slower(self) -> dict[str, float]:
@@ -108,20 +111,16 @@ class LinearAnswers:
         """The critical speeds in the range, critically damped ones left out."""
         return [c for c in self.campbell.critical if not c.is_critically_damped]
 
-    @cached_property
-    def places(self) -> dict[str, int]:
-        """The node (from 1) of each part that has one, by the part's name."""
-        return places_of(self.rotor)
-
-    def major(self, part: str) -> float:
-        """Return the major semi-axis of a part's orbit at the speed [m]."""
-        return float(unbalance_response(self.rotor, [self.speed]).major[0, self.places[part] - 1])
+    def orbit(self, part: str) -> Callable[[float], float]:
+        """Return the major semi-axis of the orbit of a part's place [m] as a function of the
+        speed."""
+        node, offset = places_of(self.rotor)[part]
+        whirl = steady_whirl(self.rotor)
+        return partial(major_axis, whirl, 2 * (node - 1), 2 * (node - 1) + 1, offset)
 
     def peak(self, part: str) -> float:
         """Return the largest major semi-axis of a part's orbits in the range [m]."""
-        node = self.places[part]
-        response = response_with_peaks(self.rotor, self.range, nodes=[node])
-        return float(response.major[:, node - 1].max())
+        return largest(self.orbit(part), with_criticals(self.rotor, self.range))[1]
 
     @cached_property
     def loads(self) -> dict[str, float]:
@@ -131,10 +130,12 @@ class LinearAnswers:
         return dict(zip(rest.supports, sizes, strict=True))
 
 
-def places_of(rotor: Rotor) -> dict[str, int]:
-    """Return the node (from 1) of each part that has one, by the part's name."""
+def places_of(rotor: Rotor) -> dict[str, tuple[int, float]]:
+    """Return the node (from 1) of each part that has one, and how far its place lies beyond [m], by
+    the part's name."""
+    beyond = {name: getattr(of, "offset", 0.0) for name, of in rotor.named_elements()}
     nodes = {name: getattr(part, "node", BASE) for name, part in rotor.named_parts()}
-    return {name: node for name, node in nodes.items() if node != BASE}
+    return {name: (node, beyond.get(name, 0.0)) for name, node in nodes.items() if node != BASE}
 
 
 @dataclass(frozen=True)
@@ -184,9 +185,13 @@ class LinearRuns(MachineRuns):
         try:
             answers = self.answers(values)
             cells = {metric.name: metric.kind.make(metric, answers) for metric in self.metrics}
+            kinds = {metric.kind.name for metric in self.metrics}
+            speeds = [answers.speed] if kinds - _OVER_RANGE else []
+            speeds += answers.range[[0, -1]].tolist() if kinds & _OVER_RANGE else []
+            beyond = where_beyond_ranges(answers.rotor, speeds)
         except InputError as error:
             return Result(f"{FAILED}{error}", {})
-        return Result(OK, cells)
+        return Result(status_of(beyond), cells)
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """Raise `InputError`: there is nothing to record."""
@@ -200,7 +205,9 @@ class LinearRuns(MachineRuns):
         how, of_machine = self.split(values)
         n = how.numbers
         rotor = self.machine.rotor.with_values(of_machine)
-        return LinearAnswers(rotor, n["speed"], n["from"], n["to"])
+        asked = (m.option("number") for m in self.metrics if m.kind.name == "mode")
+        count = int(max(_MODES, *asked, 0))
+        return LinearAnswers(rotor, n["speed"], n["from"], n["to"], count)
 
 
 # What a metric may be of, by its kind.
@@ -210,6 +217,7 @@ _OF = {
     "critical": (SPEED, LOG_DEC),
     "threshold": (SPEED,),
 }
+_OVER_RANGE = {"critical", "threshold", "peak"}  # kinds of metrics, others are of a speed
 
 
 @_kind("{of} of the least damped whirl slower than run.speed, which pads that tilt follow")
@@ -240,7 +248,7 @@ def _threshold(metric: Metric, answers: LinearAnswers) -> float:
 
 @_kind("response of {of} to unbalance at run.speed, major semi-axis", unit="m")
 def _amplitude(metric: Metric, answers: LinearAnswers) -> float:
-    return answers.major(metric.of)
+    return answers.orbit(metric.of)(answers.speed)
 
 
 @_kind("largest response of {of} to unbalance in the range, major semi-axis", unit="m")

@@ -8,11 +8,13 @@ import pytest
 from rotor_fmu.model.linear import campbell, modes, response_with_peaks
 from rotor_fmu.model.machine.toml import parse_rotor
 
+import rotor_fmu as rf
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 
 from ..linear.api_617 import SHAFT
-from ..parts.machines import bearings, rigid
+from ..parts.machines import bearings, rigid, shaft
+from ..toml_text import table
 
 K, C, MASS, U = 1e4, 20.0, 1.0, 1e-5
 SPRINGS = rigid(MASS, 9.81, bearings(K, C) + f"[[unbalance]]\nnode = 2\namount = {U}\n")
@@ -130,3 +132,35 @@ def test_an_answer_that_there_is_not_is_refused(keep, said, tmp_path):
 def test_the_range_must_ascend(tmp_path):
     with pytest.raises(InputError, match=r"run.from = 300 rad/s: must be >= 0 and below run.to = "):
         study(tmp_path, SPRINGS, run="from = 300\nto = 200\n")
+
+
+def test_as_many_modes_are_computed_as_are_asked_for(tmp_path):
+    keep = "a = { mode = 'frequency', number = 10 }"
+    cells = study(tmp_path, SHAFT, keep=keep).model.run({}).cells
+    assert cells["a"] == modes(parse_rotor(SHAFT), 60.0, count=10).damped[9]
+
+
+def test_a_body_beyond_its_node_moves_as_it_does_in_a_run(tmp_path):
+    """It overhangs the shaft's end and tilts: where a run observes it the orbit is half again that
+    of the node."""
+    ends = "".join(table("[support]", node=n, stiffness=1e7, damping=500.0) for n in (1, 3))
+    body = table("[body]", node=4, mass=5.0, I_d=0.02, I_p=0.03, offset=0.1)
+    text = shaft(0.0, 0.3, 0.6, 0.8, diameter=0.03) + "eta_v = 2e-4\n" + ends + body
+    text = "gravity = 0.0\n" + text + table("[unbalance]", node=4, offset=0.1, amount=1e-4)
+    keep = "a = { amplitude = 'body[1]' }\nb = { peak = 'body[1]' }"
+    cells = study(tmp_path, text, keep=keep, run="speed = 150\nto = 150\n").model.run({}).cells
+    run = rf.simulate(rf.parse(text), speed=150.0, stop=3.0, tolerance=1e-5)
+    moved = math.hypot(run["body[1].x"][-1], run["body[1].y"][-1])
+    assert cells["a"] == cells["b"] == pytest.approx(moved, rel=1e-4)
+
+
+def test_a_row_beyond_what_a_part_is_known_for_is_doubtful_as_a_run_is(tmp_path):
+    """A disc of 0.3 m bursts at 10000 rad/s; what is of the range is of all of it."""
+    disc = SPRINGS + table("[disc]", node=2, diameter=0.3, width=0.001)
+    for run, keep, status in (
+        ("speed = 60\nto = 200\n", KEEP, "ok"),
+        ("speed = 10001\nto = 200\n", KEEP, "doubtful: burst-speed"),
+        ("speed = 60\nto = 10001\n", "a = { peak = 'disc[1]' }", "doubtful: burst-speed"),
+        ("speed = 60\nto = 10001\n", "a = { amplitude = 'disc[1]' }", "ok"),
+    ):
+        assert study(tmp_path, disc, keep=keep, run=run).model.run({}).status == status
