@@ -144,6 +144,7 @@ class LinearRuns(MachineRuns):
 
     metric_kinds: ClassVar[Mapping[str, MetricKind]] = KINDS
     can_be_verified: ClassVar[bool] = False
+    can_be_selected: ClassVar[bool] = False
 
     @property
     def units(self) -> dict[str, str]:

@@ -69,6 +69,7 @@ class MachineRuns:
 
     metric_kinds: ClassVar[Mapping[str, MetricKind]] = run_metrics.KINDS
     can_be_verified: ClassVar[bool] = True
+    can_be_selected: ClassVar[bool] = True
 
     @property
     def machine(self) -> MachineModel:

@@ -134,6 +134,14 @@ def test_the_range_must_ascend(tmp_path):
         study(tmp_path, SPRINGS, run="from = 300\nto = 200\n")
 
 
+def test_a_page_offers_no_signals_of_linear_answers(tmp_path):
+    """The command that it would name is refused."""
+    of_answers = study(tmp_path, SPRINGS)
+    assert not of_answers.about["can_be_selected"]
+    with pytest.raises(InputError, match="--select: linear answers have no signals"):
+        of_answers.model.record({})
+
+
 def test_as_many_modes_are_computed_as_are_asked_for(tmp_path):
     keep = "a = { mode = 'frequency', number = 10 }"
     cells = study(tmp_path, SHAFT, keep=keep).model.run({}).cells
