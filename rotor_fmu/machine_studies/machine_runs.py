@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any, ClassVar, NamedTuple
@@ -86,7 +87,11 @@ class MachineRuns:
         """Return what may be set or varied, by name: parameters of the FMU, and the machine's other
         numbers."""
         known = [v for v in self.machine.table if v.causality == "parameter"]
-        numbers = [parameter_variable(*of) for of in self.machine.rotor.numbers().values()]
+        rotor, own = self.machine.rotor, self.machine.units
+        with suppress(InputError):  # an impossible machine is said elsewhere
+            # with the units that its numbers have there, as those of a wall with its exponent
+            rotor = rotor.with_values({n: v for n, v in self.values.items() if n in own})
+        numbers = [parameter_variable(*of) for of in rotor.numbers().values()]
         by_name = {v.name: v for v in (*known, *numbers)}
         return {name: v for name, v in by_name.items() if name not in _OF_THE_EXCITATION}
 

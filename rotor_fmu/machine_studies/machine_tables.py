@@ -18,6 +18,7 @@ from ..machine_file.loading import load_rotor, warn_of_changes
 from ..model.contact.wall import ContactQuantities
 from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
+from ..model.quantities import EXPONENT
 from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
@@ -64,12 +65,12 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     check_one_of("run kind" if name is None else f"run kind = {name!r}", name, kinds)
     kind, make = kinds[name]
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
-    values = {}
-    for target, value in table_of(tables, "set").items():
-        rotor, known = runs.machine.rotor, runs.settable
+    given = table_of(tables, "set").items()
+    for target, value in sorted(given, key=lambda each: not each[0].endswith(EXPONENT)):
+        rotor, known = runs.machine.rotor, runs.settable  # in the units that an exponent gives them
         variable = known[known_parameter("set", target, rotor, known, OTHER_NAMES)]
-        values[target] = value_of(f"set {target}", variable, value)
-    runs = replace(runs, values=values)
+        values = {**runs.values, target: value_of(f"set {target}", variable, value)}
+        runs = replace(runs, values=values)
     warn_of_changes("set", runs.machine.rotor, *_machines(runs, {}))
     if runs.how.over:
         ends = (runs.how.numbers[end] for end in ("from", "to"))

@@ -141,3 +141,21 @@ def test_what_is_counted_has_no_distribution_and_no_curve(tmp_path):
         with pytest.raises(InputError, match=said):
             study_over(name, tmp_path, text, vary)
     study_over(name, tmp_path, text, "{ values = [40, 41] }")
+
+
+def test_a_wall_is_varied_in_the_unit_that_its_exponent_gives_it(tmp_path):
+    """The study called it N/m, and refused the right unit."""
+    wall = table("[contact]", node=4, journal_radius=0.02, clearance=1e-4, k=1e8, mu=0.1)
+    (tmp_path / "machine.toml").write_text(MACHINE + wall)
+    file = tmp_path / "study.toml"
+    file.write_text(
+        "machine = 'machine.toml'\n[run]\nkind = 'linear'\nspeed = 150\nto = 200\n"
+        "[set]\n'contact[1].c' = '1 kN.s/m'\n'contact[1].exponent' = 1.5\n"
+        "[keep]\na = { mode = 'frequency' }\n"
+        "[vary]\n'contact[1].k' = { values = ['1e9 N/m^1.5', 2e9] }\n"
+    )
+    (axis,) = read_study(file).design.axes
+    assert (axis.values, axis.unit) == ((1e9, 2e9), "N/m^1.5")
+    text = file.read_text().replace("contact[1].c' = '1 kN.s/m'", "contact[1].k' = '2e9 N/m^1.5'")
+    file.write_text(text.partition("[vary]")[0] + "[vary]\ngravity = { values = [1.0] }\n")
+    assert read_study(file).model.values["contact[1].k"] == 2e9
