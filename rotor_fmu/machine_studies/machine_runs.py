@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any, ClassVar, NamedTuple
@@ -23,6 +22,7 @@ from ..model.time_loop.recorder import Record, recordable
 from ..run_status import FAILED, has_failed, messages_and_codes, not_confirmed, status_of
 from ..runs.recording import Recording
 from ..runs.run_down import RECORDER_ROWS, usual
+from ..runs.settings_text import as_set
 from ..runs.verify_run import STILL, allowed, finer
 from ..studies.study import Cell, Column, Result
 from . import run_metrics
@@ -87,10 +87,8 @@ class MachineRuns:
         """Return what may be set or varied, by name: parameters of the FMU, and the machine's other
         numbers."""
         known = [v for v in self.machine.table if v.causality == "parameter"]
-        rotor, own = self.machine.rotor, self.machine.units
-        with suppress(InputError):  # an impossible machine is said elsewhere
-            # with the units that its numbers have there, as those of a wall with its exponent
-            rotor = rotor.with_values({n: v for n, v in self.values.items() if n in own})
+        own = {n: v for n, v in self.values.items() if n in self.machine.units}
+        rotor = as_set(self.machine.rotor, own)
         numbers = [parameter_variable(*of) for of in rotor.numbers().values()]
         by_name = {v.name: v for v in (*known, *numbers)}
         return {name: v for name, v in by_name.items() if name not in _OF_THE_EXCITATION}

@@ -18,11 +18,10 @@ from ..machine_file.loading import load_rotor, warn_of_changes
 from ..model.contact.wall import ContactQuantities
 from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
-from ..model.quantities import EXPONENT
 from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
-from ..runs.settings_text import known_parameter, value_of
+from ..runs.settings_text import exponents_first, known_parameter, value_of
 from ..studies.design import MOST, Axis
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
@@ -65,9 +64,8 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     check_one_of("run kind" if name is None else f"run kind = {name!r}", name, kinds)
     kind, make = kinds[name]
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
-    given = table_of(tables, "set").items()
-    for target, value in sorted(given, key=lambda each: not each[0].endswith(EXPONENT)):
-        rotor, known = runs.machine.rotor, runs.settable  # in the units that an exponent gives them
+    for target, value in exponents_first(table_of(tables, "set")):
+        rotor, known = runs.machine.rotor, runs.settable
         variable = known[known_parameter("set", target, rotor, known, OTHER_NAMES)]
         values = {**runs.values, target: value_of(f"set {target}", variable, value)}
         runs = replace(runs, values=values)

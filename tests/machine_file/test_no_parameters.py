@@ -7,7 +7,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.periodic.request import response_request
-from rotor_fmu.runs.settings_text import parse_starts
+from rotor_fmu.runs.settings_text import machine_values, parse_starts
 from tests.linear.api_617 import SHAFT
 from tests.parts.films import OF_A_FILM
 from tests.toml_text import table
@@ -159,3 +159,5 @@ def test_a_wall_is_varied_in_the_unit_that_its_exponent_gives_it(tmp_path):
     text = file.read_text().replace("contact[1].c' = '1 kN.s/m'", "contact[1].k' = '2e9 N/m^1.5'")
     file.write_text(text.partition("[vary]")[0] + "[vary]\ngravity = { values = [1.0] }\n")
     assert read_study(file).model.values["contact[1].k"] == 2e9
+    given = {"contact[1].k": "2e9 N/m^1.5", "contact[1].exponent": "1.5"}
+    assert machine_values("", parse_rotor(MACHINE + wall), given)["contact[1].k"] == 2e9
