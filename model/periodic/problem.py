@@ -23,6 +23,7 @@ from .linear_structure import CondensedMachine
 
 SPEED = "speed"
 _SLOWEST = 1e-6  # rad/s, a turn in ten weeks; a machine that turns slower is one of wrong units
+_BETWEEN = 0.382  # of a range: where a whole number is none
 KEPT = 8  # machines, or equations, at the last values of a parameter
 
 Machines = Callable[[float], CondensedMachine]  # of a value of the parameter
@@ -152,8 +153,7 @@ def check(rotor: Rotor, task: Task) -> list[Message]:
                 f"speed = {speed:g} rad/s: must be at least {_SLOWEST:g} rad/s in size, and finite"
             )
     if task.name != SPEED:
-        for value in (task.low, task.high):
-            rotor.with_value(task.name, value)
+        check_range(rotor, task.name, task.low, task.high)
     beyond = []
     for allowed in speed_ranges(machine_with_oil(rotor)):
         if left := [speed for speed in speeds if not allowed.holds(speed)]:
@@ -161,6 +161,13 @@ def check(rotor: Rotor, task: Task) -> list[Message]:
             if allowed.code == BEYOND_TABLE:
                 raise PeriodicError(f"{beyond[-1]}; no periodic response is computed there")
     return beyond
+
+
+def check_range(rotor: Rotor, name: str, low: float, high: float) -> None:
+    """Raise `QuantityError` for a range of a machine's number whose ends it cannot have, or what is
+    between: a number of balls is never followed."""
+    for value in (low, high, low + _BETWEEN * (high - low)):
+        rotor.with_value(name, value)
 
 
 def check_parts(rotor: Rotor) -> None:

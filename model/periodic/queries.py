@@ -16,7 +16,7 @@ from .folds import FoldCurve, fold_curve
 from .fourier import repeated, resized
 from .method_switch import PeriodicEquations
 from .newton import NotConverged
-from .problem import KEPT, SPEED, Machines, PeriodicError, Response, Task, machines_of
+from .problem import KEPT, SPEED, Machines, PeriodicError, Response, Task, check_range, machines_of
 from .shooting import Shooting
 from .starting_points import Persistence, integrate_from_orbit
 
@@ -110,8 +110,7 @@ def check_second(rotor: Rotor, task: Task, name: str, low: float, high: float) -
     start = rotor.numbers()[name].value
     if not low <= start <= high:
         raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
-    for end in (low, high):
-        rotor.with_value(name, end)
+    check_range(rotor, name, low, high)
 
 
 def folds_over(

@@ -74,20 +74,22 @@ def response(
         without unit.
     out: Folder for picture and numbers.
     """
-    from ..runs.settings_text import machine_values, named_texts
+    from ..runs.settings_text import as_set, machine_values, named_texts
 
     if whirl and check:
         raise InputError("--check: not with --whirl, which is computed without unbalance")
     toml, machine = load_rotor(rotor)
     choose(units, machine.units, rotor or "")
     loads = named_texts("--load", load or [])
-    of = {name: known.quantity.unit for name, known in machine.numbers().items()}
-    at, varied = _varied(speed or _usual(machine, over), over, machine)
+    parameters = machine_values("--set", machine, named_texts("--set", values or []))
+    set_so = as_set(machine, parameters)
+    of = {name: known.quantity.unit for name, known in set_so.numbers().items()}
+    at, varied = _varied(speed or _usual(machine, over), over, set_so)
     unit = "rad/s" if varied is None else of.get(varied[0], "1")
     options: dict[str, Any] = {
         "speed": at,
         "over": varied,
-        "parameters": machine_values("--set", machine, named_texts("--set", values or [])),
+        "parameters": parameters,
         "loads": {n: in_si(f"--load {n} =", v, "N") for n, v in loads.items()},
         "period": period,
         "harmonics": harmonics,
@@ -97,7 +99,7 @@ def response(
         "whirl": whirl,
         "branches": branches,
     }
-    second = None if fold_over is None else _second(fold_over, machine, options)
+    second = None if fold_over is None else _second(fold_over, set_so, options)
     result = _computed(machine, toml, options, out, current().of_si(unit))
     summary = dict(result.summary)
     write_response(result, machine.name, summary, out)  # kept where what follows is stopped

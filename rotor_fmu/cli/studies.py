@@ -31,6 +31,7 @@ from ..studies.runner import Progress, run_study
 from ..studies.study import Study
 from .shared import Units
 
+_NO_VALUES = ("count", "infinite", "quantiles")  # of a column's statistics
 _WIDEST = 10_000  # characters of a table's line
 
 
@@ -196,12 +197,12 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
     shown = {c.name: current().of_si(c.unit) for c in definition.model.columns}
     rows, empty = [], []
     for name, result in report["columns"].items():
-        if not result["count"]:
+        if not result["count"] and not result.get("infinite"):
             empty.append(name)
-        else:
+        elif result["count"]:
             factor, unit = shown[name].factor, shown[name].word
             values = result | result.get("quantiles", {})
-            lengths = {k: factor * v for k, v in values.items() if k not in ("count", "quantiles")}
+            lengths = {k: factor * v for k, v in values.items() if k not in _NO_VALUES}
             rows.append({"column": column_head(name, unit), "count": result["count"], **lengths})
     if rows:
         typer.echo("columns:")

@@ -1,19 +1,20 @@
 """The linear answers of a machine that the metrics of a study ask for."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 
+from ..model.linear.amplification import largest
 from ..model.linear.campbell import Campbell, CriticalSpeed, campbell
 from ..model.linear.modes import Modes, count_up_to, modes
 from ..model.linear.static import lowest_speed, static
 from ..model.linear.subsynchronous import subsynchronous_whirl
-from ..model.linear.unbalance import unbalance_response
-from ..model.linear.unbalance_peaks import criticals_about, response_with_peaks
+from ..model.linear.unbalance import steady_whirl
+from ..model.linear.unbalance_peaks import criticals_about, major_axis, with_criticals
 from ..model.machine.rotor import Rotor
 
 _MODES = 8  # of a diagram, at least
@@ -30,11 +31,11 @@ class Whirl(NamedTuple):
 @dataclass(frozen=True)
 class LinearAnswers:
     """The linear answers of a machine that metrics ask for, each computed once: at a speed, and
-    from `low` to `high` [rad/s]; places: the node (from 1) of each part that has one; count: of
-    the lowest modes at the speed."""
+    from `low` to `high` [rad/s]; places: see `linear_runs.places_of`; count: of the lowest modes at
+    the speed."""
 
     rotor: Rotor
-    places: Mapping[str, int]
+    places: Mapping[str, tuple[int, float]]
     speed: float
     low: float
     high: float
@@ -78,15 +79,16 @@ class LinearAnswers:
         inside = (c for c in about if low <= c.speed <= high)
         return [c for c in inside if not c.is_critically_damped]
 
-    def major(self, part: str) -> float:
-        """Return the major semi-axis of a part's orbit at the speed [m]."""
-        return float(unbalance_response(self.rotor, [self.speed]).major[0, self.places[part] - 1])
+    def orbit(self, part: str) -> Callable[[float], float]:
+        """Return the major semi-axis of the orbit of a part's place [m] as a function of the
+        speed."""
+        node, offset = self.places[part]
+        whirl = steady_whirl(self.rotor)
+        return partial(major_axis, whirl, 2 * (node - 1), 2 * (node - 1) + 1, offset)
 
     def peak(self, part: str) -> float:
         """Return the largest major semi-axis of a part's orbits in the range [m]."""
-        node = self.places[part]
-        response = response_with_peaks(self.rotor, self.range, nodes=[node])
-        return float(response.major[:, node - 1].max())
+        return largest(self.orbit(part), with_criticals(self.rotor, self.range))[1]
 
     @cached_property
     def loads(self) -> dict[str, float]:

@@ -10,7 +10,6 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from ..errors import InputError, check_one_of, known_name
-from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
 from ..model.parts.base import BASE
@@ -30,6 +29,7 @@ _kind = partial(declared, KINDS)
 LOG_DEC, FREQUENCY, SPEED = "log_dec", "frequency", "speed"
 _UNITS = {LOG_DEC: "1", FREQUENCY: "rad/s", SPEED: "rad/s"}
 _FIRST = {"number": 1.0}  # the default of an option
+_MODES = 8  # at a speed, at least
 
 
 class _LinearKind(RunKind):
@@ -61,16 +61,13 @@ class LinearRuns(MachineRuns):
 
     metric_kinds: ClassVar[Mapping[str, MetricKind]] = KINDS
     can_be_verified: ClassVar[bool] = False
+    can_be_selected: ClassVar[bool] = False
+    has_solver: ClassVar[bool] = False
 
     @property
     def units(self) -> dict[str, str]:
         """Return the quantities of modes and of critical speeds, with their units."""
         return _UNITS
-
-    @property
-    def settable(self) -> dict[str, Variable]:
-        """Return the machine's own numbers, without the solver's, by name."""
-        return {n: v for n, v in super().settable.items() if n in self.machine.units}
 
     def check_metric(self, metric: Metric, how: Excitation) -> None:
         """Raise `InputError` for a metric that no machine, or not this one, has."""
@@ -103,17 +100,18 @@ class LinearRuns(MachineRuns):
         try:
             answers = self.answers(values)
             cells = {metric.name: metric.kind.make(metric, answers) for metric in self.metrics}
+            beyond = self._beyond(answers)
         except InputError as error:
             return Result(f"{FAILED}{error}", {})
-        return Result(status_of(self._beyond(answers)), cells)
+        return Result(status_of(beyond), cells)
 
     def _beyond(self, answers: "LinearAnswers") -> list[Message]:
-        """Return what is said of speeds beyond tables, of films that are not laminar there."""
+        """Return what is said of speeds beyond tables, of turbulent films, of discs that burst."""
         from ..linear.where_linearized import where_beyond_ranges
 
         over = {metric.kind.varying for metric in self.metrics}
         speeds = [answers.speed] if False in over else []
-        speeds += [answers.low, answers.high] if True in over else []
+        speeds += answers.range[[0, -1]].tolist() if True in over else []
         return where_beyond_ranges(answers.rotor, speeds)
 
     def record(self, values: Mapping[str, float]) -> Recording:
@@ -130,14 +128,17 @@ class LinearRuns(MachineRuns):
         how, of_machine = self.split(values)
         n = how.numbers
         rotor = self.machine.rotor.with_values(of_machine)
-        count = max(int(metric.option("number") or 1) for metric in self.metrics)
+        asked = (m.option("number") for m in self.metrics if m.kind.name == "mode")
+        count = int(max(_MODES, *asked, 0))
         return LinearAnswers(rotor, places_of(rotor), n["speed"], n["from"], n["to"], count)
 
 
-def places_of(rotor: Rotor) -> dict[str, int]:
-    """Return the node (from 1) of each part that has one, by the part's name."""
+def places_of(rotor: Rotor) -> dict[str, tuple[int, float]]:
+    """Return the node (from 1) of each part that has one, and how far its place lies beyond [m], by
+    the part's name."""
+    beyond = {name: getattr(of, "offset", 0.0) for name, of in rotor.named_elements()}
     nodes = {name: getattr(part, "node", BASE) for name, part in rotor.named_parts()}
-    return {name: node for name, node in nodes.items() if node != BASE}
+    return {name: (node, beyond.get(name, 0.0)) for name, node in nodes.items() if node != BASE}
 
 
 # What a metric may be of, by its kind.
@@ -177,7 +178,7 @@ def _threshold(metric: Metric, answers: "LinearAnswers") -> float:
 
 @_kind("response of {of} to unbalance at run.speed, major semi-axis", unit="m")
 def _amplitude(metric: Metric, answers: "LinearAnswers") -> float:
-    return answers.major(metric.of)
+    return answers.orbit(metric.of)(answers.speed)
 
 
 @_kind(

@@ -22,6 +22,7 @@ from ..model.time_loop.recorder import Record, recordable
 from ..run_status import FAILED, has_failed, messages_and_codes, not_confirmed, status_of
 from ..runs.recording import Recording
 from ..runs.run_down import RECORDER_ROWS, usual
+from ..runs.settings_text import as_set
 from ..runs.verify_run import STILL, allowed, finer
 from ..studies.study import Cell, Column, Result
 from . import run_metrics
@@ -69,6 +70,8 @@ class MachineRuns:
 
     metric_kinds: ClassVar[Mapping[str, MetricKind]] = run_metrics.KINDS
     can_be_verified: ClassVar[bool] = True
+    can_be_selected: ClassVar[bool] = True
+    has_solver: ClassVar[bool] = True  # of runs in time, whose settings may be varied
 
     @property
     def machine(self) -> MachineModel:
@@ -84,8 +87,11 @@ class MachineRuns:
     def settable(self) -> dict[str, Variable]:
         """Return what may be set or varied, by name: parameters of the FMU, and the machine's other
         numbers."""
-        known = [v for v in self.machine.table if v.causality == "parameter"]
-        numbers = [parameter_variable(*of) for of in self.machine.rotor.numbers().values()]
+        table = self.machine.table if self.has_solver else ()
+        known = [v for v in table if v.causality == "parameter"]
+        own = {n: v for n, v in self.values.items() if n in self.machine.units}
+        rotor = as_set(self.machine.rotor, own)
+        numbers = [parameter_variable(*of) for of in rotor.numbers().values()]
         by_name = {v.name: v for v in (*known, *numbers)}
         return {name: v for name, v in by_name.items() if name not in _OF_THE_EXCITATION}
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
-from itertools import product
+from itertools import islice, product
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -21,7 +21,7 @@ from ..model.machine.rotor import Rotor
 from ..model.settings import SettingsError
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
-from ..runs.settings_text import known_parameter, value_of
+from ..runs.settings_text import exponents_first, known_parameter, value_of
 from ..studies.design import MOST, Axis
 from ..studies.study import Column, Study, Tables, table_of
 from ..studies.study_file import read_study_file
@@ -34,7 +34,9 @@ from .run_excitation import Excitation, Kick
 from .run_kinds import IN_TIME, SIGNALS, RunKind
 from .run_metrics import DIRECTIONS
 
-_SHARES = np.array([0.05, 0.5, 0.95])  # of a distribution, where its values are tried
+# Of a distribution, where its values are tried: irrational, so that these are no whole numbers.
+_SHARES = np.array([1.0, 9.0, 18.0]) / (6.0 * np.pi)
+_MOST_TRIED = 200  # combinations of values
 _CHOICES = {"way": DIRECTIONS, "which": WHICH}  # of options of metrics
 # Kinds of runs by name, with the class of their runs.
 RunKinds = Mapping[str, tuple[RunKind, type[MachineRuns]]]
@@ -62,12 +64,11 @@ def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> "Mach
     check_one_of("run kind" if name is None else f"run kind = {name!r}", name, kinds)
     kind, make = kinds[name]
     runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
-    values = {}
-    for target, value in table_of(tables, "set").items():
+    for target, value in exponents_first(table_of(tables, "set")):
         rotor, known = runs.machine.rotor, runs.settable
         variable = known[known_parameter("set", target, rotor, known, OTHER_NAMES)]
-        values[target] = value_of(f"set {target}", variable, value)
-    runs = replace(runs, values=values)
+        values = {**runs.values, target: value_of(f"set {target}", variable, value)}
+        runs = replace(runs, values=values)
     warn_of_changes("set", runs.machine.rotor, *_machines(runs, {}))
     if runs.how.over:
         ends = (runs.how.numbers[end] for end in ("from", "to"))
@@ -281,6 +282,7 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
             check(value)
         if axis.stated and target in runs.machine.units:
             _ask_about(runs, f"vary {axis.name}:", target, min(axis.stated), max(axis.stated))
+    _check_possible(runs, axes)
     # numbers of a run suit one another, or not
     for point in _points((axis for axis in axes if axis.values), RUN):
         how, _ = runs.split(point)
@@ -298,6 +300,23 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
         raise first_error
 
 
+def _check_possible(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
+    """Raise `InputError` where none of the combinations of values, as far as they are tried, makes
+    a machine that can be: of what is counted, say, a distribution has none. Those of a normal
+    distribution fail run by run."""
+    own, error = runs.machine.units, None
+    chosen = tuple(axis for axis in axes if not own.keys().isdisjoint(axis.targets))
+    tried = [*islice(_points(chosen, ""), _MOST_TRIED)] if all(a.stated for a in chosen) else []
+    for point in tried:
+        try:
+            runs.machine.rotor.with_values(_own_of(runs, point))
+            return
+        except InputError as failure:
+            error = error or failure
+    if error is not None and len(tried) < _MOST_TRIED:
+        raise InputError(f"vary {', '.join(axis.name for axis in chosen)}: {error}") from error
+
+
 def _ask_about(runs: MachineRuns, where: str, name: str, *values: float) -> None:
     """Warn of implausible values of a parameter that is varied."""
     changed = (machine for value in values for machine in _machines(runs, {name: value}))
@@ -308,11 +327,15 @@ def _ask_about(runs: MachineRuns, where: str, name: str, *values: float) -> None
 def _machines(runs: MachineRuns, values: Mapping[str, float]) -> list[Rotor]:
     """Return the machine with the values of all runs and others; nothing where it cannot be, which
     is said elsewhere."""
-    own = {n: v for n, v in {**runs.values, **values}.items() if n in runs.machine.units}
     try:
-        return [runs.machine.rotor.with_values(own)]
+        return [runs.machine.rotor.with_values(_own_of(runs, values))]
     except InputError:
         return []
+
+
+def _own_of(runs: MachineRuns, values: Mapping[str, float]) -> dict[str, float]:
+    """Return the machine's own numbers of the values of all runs and others."""
+    return {n: v for n, v in {**runs.values, **values}.items() if n in runs.machine.units}
 
 
 def _points(axes: Iterable[Axis], prefix: str) -> Iterable[dict[str, float]]:

@@ -16,7 +16,6 @@ import numpy as np
 
 from ..display import Shown
 from ..errors import InputError, check_one_of, known_name
-from ..fmi.variables import Variable
 from ..model.quantities import POSITIVE
 from ..run_status import FAILED, status_of
 from ..studies.study import Column, Result
@@ -77,6 +76,7 @@ class ResponseRuns(MachineRuns):
 
     metric_kinds: ClassVar[Mapping[str, MetricKind]] = KINDS
     can_be_verified: ClassVar[bool] = False
+    has_solver: ClassVar[bool] = False
 
     @property
     def units(self) -> dict[str, str]:
@@ -86,11 +86,6 @@ class ResponseRuns(MachineRuns):
         places = probes(self.machine.rotor)
         of_places = {f"{place}.{q}": unit for place in places for q, unit in UNITS.items()}
         return of_places | {PARAMETER: self.how.abscissa_unit, STABLE: "1", BRANCH: "1"}
-
-    @property
-    def settable(self) -> dict[str, Variable]:
-        """Return the machine's own parameters, without the solver's, by name."""
-        return {n: v for n, v in super().settable.items() if n in self.machine.units}
 
     @property
     def variable_units(self) -> dict[str, str]:

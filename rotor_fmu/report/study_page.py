@@ -61,6 +61,7 @@ def study_page(
         "ids": [str(rows["id"][int(i)]) for i in shown],
         "status": [status[i] for i in shown],
         "pages": dict(pages or {}),
+        "again": about.get("can_be_selected", True),
         "runs": rows["run"].to_numpy()[shown].tolist(),
         "values": {name: packed(column[shown]) for name, column in values.items()},
         "curves": _curves(about["columns"], rows, shown),

@@ -11,7 +11,7 @@ from ..fmi.variables import Variable
 from ..model.machine.no_parameters import why_no_parameter
 from ..model.machine.rotor import Rotor
 from ..model.near_names import suggestion
-from ..model.quantities import check_size
+from ..model.quantities import EXPONENT, check_size
 from ..model.settings import SettingsError
 from ..units import number
 
@@ -83,11 +83,26 @@ def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[s
 def machine_values(where: str, rotor: Rotor, given: Mapping[str, object]) -> dict[str, float]:
     """Return values of the machine's own numbers by name. Raises `InputError`, which begins with
     `where`."""
-    known = {name: parameter_variable(*of) for name, of in rotor.numbers().items()}
-    return {
-        n: value_of(f"{where} {n}", known[known_parameter(where, n, rotor, known)], v)
-        for n, v in given.items()
-    }
+    values: dict[str, float] = {}
+    for n, v in exponents_first(given):
+        numbers = as_set(rotor, values).numbers()
+        known = {name: parameter_variable(*of) for name, of in numbers.items()}
+        values[n] = value_of(f"{where} {n}", known[known_parameter(where, n, rotor, known)], v)
+    return values
+
+
+def exponents_first(given: Mapping[str, object]) -> list[tuple[str, object]]:
+    """Return given values with those first that decide on the units of others; see `as_set`."""
+    return sorted(given.items(), key=lambda each: not str(each[0]).endswith(EXPONENT))
+
+
+def as_set(rotor: Rotor, values: Mapping[str, float]) -> Rotor:
+    """Return the machine whose numbers have the units that they have with some values, as those of
+    a wall with its exponent; itself where it cannot be, which is said elsewhere."""
+    try:
+        return rotor.with_values(values)
+    except InputError:
+        return rotor
 
 
 def known_parameter(

@@ -23,11 +23,12 @@ _EVEN = ("latin-hypercube", "sobol", "saltelli")
 def analyse(folder: Path) -> dict[str, Any]:
     """Return the figures of the rows there are, as JSON can say them.
 
-    columns: of every metric, count, least and largest, and, unless the design is morris, whose
-    points are placed to be compared, mean, std and quantiles; limits: how many runs pass each,
-    and the share, in which a run that failed counts as one that does; of runs drawn independently
-    with its interval of Clopper and Pearson; says: notes on how to read them; sensitivity: indices
-    of Sobol or Morris with their confidence intervals, where the design is one of theirs.
+    columns: of every metric, count of finite and infinite values, least and largest, and, unless
+    the design is morris, whose points are placed to be compared, mean, std and quantiles; limits:
+    how many runs pass each, and the share, in which a run that failed counts as one that does; of
+    runs drawn independently with its interval of Clopper and Pearson; says: notes on how to read
+    them; sensitivity: indices of Sobol or Morris with their confidence intervals, where the design
+    is one of theirs.
     """
     about, data = about_of(folder), open_dataset(folder)
     design = design_of(about["design"])
@@ -62,6 +63,12 @@ def analyse(folder: Path) -> dict[str, Any]:
                 f"{lacking} of {len(rows)} runs have no value of {name}, whose share is of the "
                 "others"
             )
+    said += [
+        f"{result['infinite']} of {len(rows)} runs have an infinite value of {name}, which stands "
+        "in no quantile"
+        for name, result in columns.items()
+        if "infinite" in result
+    ]
     report: dict[str, Any] = {
         "name": about["name"],
         "runs": about["runs"],
@@ -137,12 +144,16 @@ def about_their_mean(angles: np.ndarray) -> np.ndarray:
 
 
 def statistics(values: np.ndarray) -> dict[str, Any]:
-    """Return the count of finite values, mean, standard deviation, quantiles; shape (n,)."""
+    """Return how many values are finite, how many infinite if any are, and mean, standard deviation
+    and quantiles of the finite ones; shape (n,)."""
     finite = values[np.isfinite(values)]
+    infinite = int(np.isinf(values).sum())
+    of_infinite = {"infinite": infinite} if infinite else {}
     if not len(finite):
-        return {"count": 0}
+        return {"count": 0, **of_infinite}
     result = np.quantile(finite, QUANTILES).tolist()
     return {
+        **of_infinite,
         "count": len(finite),
         "mean": float(finite.mean()),
         "std": float(finite.std(ddof=1)) if len(finite) > 1 else 0.0,

@@ -118,6 +118,7 @@ class Study:
             "limits": {name: limit._asdict() for name, limit in self.limits.items()},
             "text": self.text,
             "units": self.units,
+            "can_be_selected": getattr(self.model, "can_be_selected", False),
         }
 
 

@@ -60,8 +60,10 @@ def test_doubtful_runs_are_marked_and_a_map_of_one_value_has_its_size(silent, tm
     rows = rows.set_column(2, "status", pa.array(status))
     same = pa.array([None if text.startswith("failed") else 1e-9 for text in status])
     rows = rows.set_column(rows.column_names.index("peak"), "peak", same)
+    about = {**about, "can_be_selected": False}  # linear answers have no signals
     write_text(study_page(about, rows, *more), tmp_path / "study.html")
     page = Page(silent, tmp_path / "study.html")
+    assert "--select" not in page.text("picked")
     marked = page.run("return [...map.doubtful.data.x]")
     good = [mu for mu, text in zip(columns["mu"], status, strict=True) if text[:6] == "doubtf"]
     assert marked == pytest.approx(good, abs=1e-6)

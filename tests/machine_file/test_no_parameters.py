@@ -7,8 +7,10 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.periodic.request import response_request
-from rotor_fmu.runs.settings_text import parse_starts
+from rotor_fmu.runs.settings_text import machine_values, parse_starts
 from tests.linear.api_617 import SHAFT
+from tests.parts.films import OF_A_FILM
+from tests.toml_text import table
 
 MACHINE = (
     SHAFT
@@ -64,12 +66,12 @@ SAID_BY_AN_FMU = {
 }
 
 
-def study_over(name, folder, machine=MACHINE):
+def study_over(name, folder, machine=MACHINE, vary="{ values = [0.1, 0.2] }"):
     (folder / "machine.toml").write_text(machine)
     file = folder / "study.toml"
     file.write_text(
         "machine = 'machine.toml'\n[run]\nkind = 'run-down'\nfrom = 50\nrate = 1e4\n"
-        f"[keep]\na = {{ last = 'disc[1].y' }}\n[vary]\n'{name}' = {{ values = [0.1, 0.2] }}\n"
+        f"[keep]\na = {{ last = 'disc[1].y' }}\n[vary]\n'{name}' = {vary}\n"
     )
     return read_study(file)
 
@@ -123,3 +125,39 @@ def test_of_parameters_and_of_names_of_nothing_there_is_nothing_to_say():
     rotor = parse_rotor(MACHINE)
     for name in ("gravity", "shaft.eta_v", "spport[1].stiffness", "mu", ""):
         assert why_no_parameter(rotor, name, rotor.parameters()) == ""
+
+
+def test_what_is_counted_has_no_distribution_and_no_curve(tmp_path):
+    """A curve over it ended in a traceback, and every row of a study was a failed one."""
+    text = MACHINE + table("[journal_bearing]", node=1, length=0.02, **OF_A_FILM)
+    name = "journal_bearing[1].points"
+    with pytest.raises(InputError, match=r"journal_bearing\[1\].points = .*: must be a whole numb"):
+        response_request(parse_rotor(text), speed=150.0, over=(name, 40.0, 61.0))
+    drawn = "{ distribution = 'uniform', low = 40, high = 60 }\n[design]\nkind = 'random'\nsize = 2"
+    for vary, said in (
+        (drawn, r"vary .*: journal_bearing\[1\].points = .*: must be a whole number"),
+        ("{ values = [40.5] }", r"points = 40.5: must be a whole number"),
+    ):
+        with pytest.raises(InputError, match=said):
+            study_over(name, tmp_path, text, vary)
+    study_over(name, tmp_path, text, "{ values = [40, 41] }")
+
+
+def test_a_wall_is_varied_in_the_unit_that_its_exponent_gives_it(tmp_path):
+    """The study called it N/m, and refused the right unit."""
+    wall = table("[contact]", node=4, journal_radius=0.02, clearance=1e-4, k=1e8, mu=0.1)
+    (tmp_path / "machine.toml").write_text(MACHINE + wall)
+    file = tmp_path / "study.toml"
+    file.write_text(
+        "machine = 'machine.toml'\n[run]\nkind = 'linear'\nspeed = 150\nto = 200\n"
+        "[set]\n'contact[1].c' = '1 kN.s/m'\n'contact[1].exponent' = 1.5\n"
+        "[keep]\na = { mode = 'frequency' }\n"
+        "[vary]\n'contact[1].k' = { values = ['1e9 N/m^1.5', 2e9] }\n"
+    )
+    (axis,) = read_study(file).design.axes
+    assert (axis.values, axis.unit) == ((1e9, 2e9), "N/m^1.5")
+    text = file.read_text().replace("contact[1].c' = '1 kN.s/m'", "contact[1].k' = '2e9 N/m^1.5'")
+    file.write_text(text.partition("[vary]")[0] + "[vary]\ngravity = { values = [1.0] }\n")
+    assert read_study(file).model.values["contact[1].k"] == 2e9
+    given = {"contact[1].k": "2e9 N/m^1.5", "contact[1].exponent": "1.5"}
+    assert machine_values("", parse_rotor(MACHINE + wall), given)["contact[1].k"] == 2e9

@@ -9,6 +9,7 @@ from SALib.analyze import morris
 from xarray import Dataset
 
 from rotor_fmu.cli.studies import _analyse, _print_table, _say_result
+from rotor_fmu.run_status import OK
 from rotor_fmu.studies.analysis import (
     analyse,
     design_of,
@@ -21,7 +22,7 @@ from rotor_fmu.studies.analysis import (
 from rotor_fmu.studies.design import Axis, Design, Distribution
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.store import about_of, open_dataset
-from rotor_fmu.studies.study import Column, Limit
+from rotor_fmu.studies.study import Column, Limit, Result
 
 from .functions import Ishigami, here, ishigami_study, quiet, study_text
 
@@ -200,6 +201,29 @@ def test_columns_without_a_number_are_said_instead_of_an_empty_table(of, said, t
     run_study(study, tmp_path / "out", here, quiet)
     _analyse(study, tmp_path / "out")
     assert capsys.readouterr().out.startswith(said)
+
+
+def test_infinite_values_are_counted_as_values(tmp_path, capsys):
+    """As of a machine that leaves its rest without a vibration, whose decrement is -inf."""
+
+    class Leaving(Ishigami):
+        columns = Ishigami.columns[:1]
+
+        def run(self, values):
+            return Result(OK, {"y": -math.inf if values["x1"] < 2.0 else 1.0})
+
+    def said(values, name):
+        text = f"[vary]\nx1 = {{ values = {values} }}\nx2 = {{ values = [1.0] }}\n"
+        study = ishigami_study(tmp_path, Leaving(), f"{text}x3 = {{ values = [1.0] }}\n")
+        run_study(study, tmp_path / name, here, quiet)
+        _analyse(study, tmp_path / name)
+        return capsys.readouterr().out
+
+    infinite = "runs have an infinite value of y, which stands in no quantile\n"
+    assert f"1 of 2 {infinite}" in said([1.0, 2.0], "some")
+    of_all = said([0.0, 1.0], "all")
+    assert f"2 of 2 {infinite}" in of_all
+    assert "no run has a value" not in of_all
 
 
 def test_points_that_morris_places_give_no_quantiles_and_no_share(tmp_path):

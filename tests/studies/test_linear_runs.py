@@ -8,11 +8,12 @@ import pytest
 from rotor_fmu.model.linear import campbell, modes, response_with_peaks
 from rotor_fmu.model.machine.toml import parse_rotor
 
+import rotor_fmu as rf
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 
 from ..linear.api_617 import SHAFT
-from ..parts.machines import bearings, rigid
+from ..parts.machines import bearings, rigid, shaft
 from ..toml_text import table
 
 K, C, MASS, U = 1e4, 20.0, 1.0, 1e-5
@@ -22,7 +23,6 @@ slower = { subsynchronous = "log_dec" }
 at = { subsynchronous = "frequency" }
 first = { mode = "log_dec" }
 frequency = { mode = "frequency", number = 2 }
-ninth = { mode = "frequency", number = 9 }
 critical = { critical = "speed" }
 damping = { critical = "log_dec" }
 third = { critical = "speed", number = 3 }
@@ -66,7 +66,7 @@ def test_a_mass_on_springs_has_its_closed_forms(tmp_path):
     assert math.isnan(cells["threshold"])
     assert {c.name: c.unit for c in model.columns} == {
         **dict.fromkeys(("slower", "first", "damping"), "1"),
-        **dict.fromkeys(("at", "frequency", "ninth", "critical", "third", "threshold"), "rad/s"),
+        **dict.fromkeys(("at", "frequency", "critical", "third", "threshold"), "rad/s"),
         **dict.fromkeys(("moved", "most"), "m"),
         "load": "N",
     }
@@ -96,8 +96,7 @@ viscosity = 0.02
     run, name = "speed = 300\nto = 1500\n", "journal_bearing[1].preload"
     cells = study(tmp_path, text, keep=keep, vary=name, run=run).model.run({name: 0.4}).cells
     rotor = parse_rotor(text.replace("preload = 0.1", "preload = 0.4"))
-    found = modes(rotor, 300.0, count=12)
-    assert cells["ninth"] == found.damped[8]
+    found = modes(rotor, 300.0)
     slowest = found.log_dec[found.damped < 300.0].argmin()
     assert (cells["slower"], cells["at"]) == (found.log_dec[slowest], found.damped[slowest])
     diagram = campbell(rotor, np.linspace(150.0, 1500.0, 16))
@@ -112,18 +111,6 @@ viscosity = 0.02
 def test_what_leaves_its_rest_without_a_vibration_has_no_decrement(tmp_path):
     model = study(tmp_path, SPRINGS, vary="linear_bearing[2].kxx").model
     assert model.run({"linear_bearing[2].kxx": -1e6}).cells["slower"] == -math.inf
-
-
-def test_an_answer_beyond_a_table_is_doubtful(tmp_path):
-    """At the speed itself, or in the range, whichever is asked for."""
-    keys = {"node": 1, "speed": [10.0, 100.0], "kxx": [90.0, 99.0], "kyy": 90.0}
-    bearing = table("[linear_bearing]", **keys, cxx=1.0, cyy=1.0)
-    asked = {"critical": "at = { critical = 'speed' }", "mode": "at = { mode = 'frequency' }"}
-    status = {
-        name: study(tmp_path, SPRINGS + bearing, keep=keep).model.run({}).status
-        for name, keep in asked.items()
-    }
-    assert status == {"critical": "doubtful: beyond-table", "mode": "ok"}
 
 
 @pytest.mark.parametrize(
@@ -145,3 +132,43 @@ def test_an_answer_that_there_is_not_is_refused(keep, said, tmp_path):
 def test_the_range_must_ascend(tmp_path):
     with pytest.raises(InputError, match=r"run.from = 300 rad/s: must be >= 0 and below run.to = "):
         study(tmp_path, SPRINGS, run="from = 300\nto = 200\n")
+
+
+def test_a_page_offers_no_signals_of_linear_answers(tmp_path):
+    """The command that it would name is refused."""
+    of_answers = study(tmp_path, SPRINGS)
+    assert not of_answers.about["can_be_selected"]
+    with pytest.raises(InputError, match="--select: linear answers have no signals"):
+        of_answers.model.record({})
+
+
+def test_as_many_modes_are_computed_as_are_asked_for(tmp_path):
+    keep = "a = { mode = 'frequency', number = 10 }"
+    cells = study(tmp_path, SHAFT, keep=keep).model.run({}).cells
+    assert cells["a"] == modes(parse_rotor(SHAFT), 60.0, count=10).damped[9]
+
+
+def test_a_body_beyond_its_node_moves_as_it_does_in_a_run(tmp_path):
+    """It overhangs the shaft's end and tilts: where a run observes it the orbit is half again that
+    of the node."""
+    ends = "".join(table("[support]", node=n, stiffness=1e7, damping=500.0) for n in (1, 3))
+    body = table("[body]", node=4, mass=5.0, I_d=0.02, I_p=0.03, offset=0.1)
+    text = shaft(0.0, 0.3, 0.6, 0.8, diameter=0.03) + "eta_v = 2e-4\n" + ends + body
+    text = "gravity = 0.0\n" + text + table("[unbalance]", node=4, offset=0.1, amount=1e-4)
+    keep = "a = { amplitude = 'body[1]' }\nb = { peak = 'body[1]' }"
+    cells = study(tmp_path, text, keep=keep, run="speed = 150\nto = 150\n").model.run({}).cells
+    run = rf.simulate(rf.parse(text), speed=150.0, stop=3.0, tolerance=1e-5)
+    moved = math.hypot(run["body[1].x"][-1], run["body[1].y"][-1])
+    assert cells["a"] == cells["b"] == pytest.approx(moved, rel=1e-4)
+
+
+def test_a_row_beyond_what_a_part_is_known_for_is_doubtful_as_a_run_is(tmp_path):
+    """A disc of 0.3 m bursts at 10000 rad/s; what is of the range is of all of it."""
+    disc = SPRINGS + table("[disc]", node=2, diameter=0.3, width=0.001)
+    for run, keep, status in (
+        ("speed = 60\nto = 200\n", KEEP, "ok"),
+        ("speed = 10001\nto = 200\n", KEEP, "doubtful: burst-speed"),
+        ("speed = 60\nto = 10001\n", "a = { peak = 'disc[1]' }", "doubtful: burst-speed"),
+        ("speed = 60\nto = 10001\n", "a = { amplitude = 'disc[1]' }", "ok"),
+    ):
+        assert study(tmp_path, disc, keep=keep, run=run).model.run({}).status == status

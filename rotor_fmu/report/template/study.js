@@ -130,7 +130,8 @@ class StudyMap {
     for (const { name } of study.columns) entries.push([this.label(name), shown(study.values[name][row])]);
     const page = study.pages[study.ids[row]];
     const again = `rotor-fmu study ... --select ${study.ids[row]}`;
-    entries.push(page ? ["its signals", "its page"] : ["with its signals", again]);
+    if (page) entries.push(["its signals", "its page"]);
+    else if (study.again) entries.push(["with its signals", again]);
     const lines = entries.map(([name, value]) => {
       const line = document.createElement("tr");
       for (const text of [name, value]) line.insertCell().textContent = text;
