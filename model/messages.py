@@ -38,7 +38,7 @@ _AT_REST = (
 )
 _SENTENCES = {
     "NOT_SUPPORTED": "no static equilibrium: the rotor is supported at {d} of its nodes and "
-    "would tilt under gravity; at least 2 bearings or supports are needed",
+    "would tilt; at least 2 bearings or supports are needed",
     "TOO_FAR": f"{_NO_REST}: it would lie beyond {{.3g}} m, a tenth of the shaft's length; "
     "clearances and loads must be smaller, or springs stiffer",
     "NO_REST": f"{_NO_REST} was found",
@@ -108,12 +108,14 @@ FIRST_RUN_WARNING = len(SENTENCES) - len(RUN_WARNINGS)
 
 
 def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
-    """Return the choice of contact states that `{where}` stands for: all contacts open, all that
-    slip closed, those closed that carry the machine, or one of them closed.
+    """Return the choice of contact states that `{where}` stands for: all contacts open, or that
+    there are none, all that slip closed, those closed that carry the machine, or one of them
+    closed.
 
     contacts: names of the interfaces.
     """
     walls = np.flatnonzero(interfaces.slips == 1).tolist()
     together = " and ".join(contacts[j] for j in walls)
     alone = [f"{name}{_SLIPPING}" for name in contacts]
-    return choice(("all contacts open", f"{together}{_SLIPPING}", _AS_AT_REST, *alone))
+    opened = "all contacts open" if interfaces.has_wall.any() else "no contacts"
+    return choice((opened, f"{together}{_SLIPPING}", _AS_AT_REST, *alone))

@@ -270,7 +270,8 @@ class Part(ABC):
 class Shape(NamedTuple):
     """A block of a drawing: its left end and width along the shaft, its radii [m] (outer 0: that of
     the shaft), and its role: `body`; about the journal `housing`, on springs, or `stator`; `spring`
-    to ground or `pedestal`, a spring to a housing; `force` or `gauge`."""
+    to ground or `pedestal`, a spring to a housing; `force`, from above, or `lift`, from below;
+    `gauge`."""
 
     left: float
     width: float

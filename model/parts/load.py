@@ -28,4 +28,4 @@ class Load(of.Part):
 
     def outline(self) -> Iterator[of.Shape]:
         """Yield an arrow to the shaft."""
-        yield of.Shape(self.offset, 0.0, 0.0, 0.0, "force")
+        yield of.Shape(self.offset, 0.0, 0.0, 0.0, "lift" if self.fy > 0.0 else "force")

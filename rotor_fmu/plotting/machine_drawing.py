@@ -1,7 +1,7 @@
 """The picture of the machine to scale, from the outlines of its parts."""
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -197,11 +197,15 @@ def _ground(axes: Axes, z: float, high: float, size: float, width: float, line: 
     axes.plot([z - width, z + width], [-low, -low], color="black", lw=2.0)
 
 
-def _force(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+def _force(
+    axes: Axes, z: float, shape: Shape, size: float, length: float, from_: float = 1.0
+) -> None:
+    """Draw an arrow to the shaft from above, or with from_ = -1 from below."""
     tip, half = shape.outer, 0.008 * length
-    axes.plot([z, z], [tip + half, tip + 0.05 * length], color=_PORT, lw=2.0)
-    head = Polygon([(z, tip), (z - half, tip + 2 * half), (z + half, tip + 2 * half)], color=_PORT)
-    axes.add_patch(head)
+    axes.plot([z, z], [from_ * (tip + half), from_ * (tip + 0.05 * length)], color=_PORT, lw=2.0)
+    back = from_ * (tip + 2 * half)
+    head = [(z, from_ * tip), (z - half, back), (z + half, back)]
+    axes.add_patch(Polygon(head, color=_PORT))
 
 
 def _gauge(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
@@ -218,5 +222,6 @@ _DRAWN: dict[str, Callable[[Axes, float, Shape, float, float], None]] = {
     "spring": _spring,
     "pedestal": _pedestal,
     "force": _force,
+    "lift": partial(_force, from_=-1.0),
     "gauge": _gauge,
 }

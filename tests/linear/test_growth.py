@@ -103,7 +103,7 @@ def test_an_unstable_mode_grows_at_the_rate_of_its_eigenvalue(seed, tolerance):
     growth, said = seen_growth(rotor, speed, root, tolerance)
     assert growth == pytest.approx(root.real, rel=0.05)
     (message,) = said
-    assert message.startswith("unstable: with all contacts open a forward whirl")
+    assert message.startswith("unstable: with no contacts a forward whirl")
     assert f"{root.imag:.4g} rad/s" in message
     assert f"{speed:.4g} rad/s" in message
 

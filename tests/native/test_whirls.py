@@ -114,7 +114,7 @@ def test_a_speed_that_passes_the_surveyed_ones_is_looked_at_anew(make, capfd):
         machine.set(speed=speed)
         machine.step(1e-4)
         simulation.advance(machine.t, speed)
-    assert "with all contacts open a forward whirl" in said[0]
+    assert "with no contacts a forward whirl" in said[0]
     assert output(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     machine.close()
 
