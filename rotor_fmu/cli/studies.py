@@ -266,8 +266,8 @@ def _select(definition: Study, select: str, out: Path) -> dict[str, Any]:
     from ..studies.store import Store
 
     model = definition.model
-    if not isinstance(model, MachineRuns):
-        raise InputError("--select: only of a machine's runs")
+    if not (isinstance(model, MachineRuns) and model.can_be_selected):
+        raise InputError("--select: only of a machine's runs in time, and of its responses")
     number = _number_of(definition, select)
     Store(out, definition)  # refuses a folder of another study
     values = definition.design.values(number)

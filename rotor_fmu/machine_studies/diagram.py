@@ -152,8 +152,7 @@ def _response(
     from ..periodic.request import compute_response, response_request
 
     rotor = machine_of(runs.toml, False).rotor
-    names = rotor.numbers()
-    given = {n: v for n, v in {**runs.values, **settings}.items() if n in names}
+    names, given = rotor.numbers(), runs.own_numbers(settings)
     low, high = float(over.min()), float(over.max())
     request = partial(response_request, rotor, parameters=given, branches=True)
     of = current().of_si("rad/s" if axis is None else axis.unit)

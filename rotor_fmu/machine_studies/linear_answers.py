@@ -10,14 +10,14 @@ import numpy as np
 
 from ..model.linear.amplification import largest
 from ..model.linear.campbell import Campbell, CriticalSpeed, campbell
-from ..model.linear.modes import Modes, count_up_to, modes
+from ..model.linear.linear_machine import shared_machine
+from ..model.linear.modes import DEFAULT_COUNT, Modes, count_up_to, modes, modes_up_to
 from ..model.linear.static import lowest_speed, static
 from ..model.linear.subsynchronous import subsynchronous_whirl
 from ..model.linear.unbalance import steady_whirl
 from ..model.linear.unbalance_peaks import criticals_about, major_axis, with_criticals
 from ..model.machine.rotor import Rotor
 
-_MODES = 8  # of a diagram, at least
 _SPEEDS = 31  # between which critical speeds, thresholds and peaks are looked for
 
 
@@ -32,7 +32,7 @@ class Whirl(NamedTuple):
 class LinearAnswers:
     """The linear answers of a machine that metrics ask for, each computed once: at a speed, and
     from `low` to `high` [rad/s]; places: see `linear_runs.places_of`; count: of the lowest modes at
-    the speed."""
+    the speed that are asked for."""
 
     rotor: Rotor
     places: Mapping[str, tuple[int, float]]
@@ -44,18 +44,18 @@ class LinearAnswers:
     @cached_property
     def modes(self) -> Modes:
         """The lowest modes at the speed."""
-        return modes(self.rotor, self.speed, count=self.count)
+        return modes(self.rotor, self.speed, count=max(self.count, DEFAULT_COUNT))
 
     @cached_property
     def slower(self) -> Whirl:
         """The least damped whirl slower than the rotation, of NaN where there is none; -inf of a
         machine that leaves its rest without oscillation."""
-        if len(self.modes.growing):
+        machine = shared_machine(self.rotor)
+        found = modes_up_to(machine, machine.at(self.speed), abs(self.speed))
+        if len(found.growing):
             return Whirl(-math.inf, 0.0)
         if whirl := subsynchronous_whirl(self.rotor, self.speed):
             return Whirl(whirl.log_dec, whirl.frequency)
-        count = count_up_to(self.rotor, self.speed, self.count)
-        found = modes(self.rotor, self.speed, count=count)
         whirls = map(Whirl, found.log_dec[found.is_sound], found.damped[found.is_sound])
         slower = (whirl for whirl in whirls if whirl.frequency < abs(self.speed))
         return min(slower, default=Whirl(math.nan, math.nan))
@@ -69,7 +69,9 @@ class LinearAnswers:
     @cached_property
     def campbell(self) -> Campbell:
         """The Campbell diagram over the range."""
-        return campbell(self.rotor, self.range, count=count_up_to(self.rotor, self.high, _MODES))
+        return campbell(
+            self.rotor, self.range, count=count_up_to(self.rotor, self.high, DEFAULT_COUNT)
+        )
 
     @property
     def critical(self) -> list[CriticalSpeed]:

@@ -14,7 +14,6 @@ from ..model.machine.rotor import Rotor
 from ..model.message_templates import Message
 from ..model.parts.base import BASE
 from ..run_status import FAILED, status_of
-from ..runs.recording import Recording
 from ..studies.study import Column, Result
 from .machine_runs import MachineRuns
 from .metric import Metric, MetricKind, declared, is_whole
@@ -29,7 +28,6 @@ _kind = partial(declared, KINDS)
 LOG_DEC, FREQUENCY, SPEED = "log_dec", "frequency", "speed"
 _UNITS = {LOG_DEC: "1", FREQUENCY: "rad/s", SPEED: "rad/s"}
 _FIRST = {"number": 1.0}  # the default of an option
-_MODES = 8  # at a speed, at least
 
 
 class _LinearKind(RunKind):
@@ -114,13 +112,6 @@ class LinearRuns(MachineRuns):
         speeds += answers.range[[0, -1]].tolist() if True in over else []
         return where_beyond_ranges(answers.rotor, speeds)
 
-    def record(self, values: Mapping[str, float]) -> Recording:
-        """Raise `InputError`: there is nothing to record."""
-        raise InputError(
-            "--select: linear answers have no signals: ask modes, campbell or unbalance of the "
-            "machine with these values"
-        )
-
     def answers(self, values: Mapping[str, float]) -> "LinearAnswers":
         """Return the answers of a run. Raises `InputError` for impossible values."""
         from .linear_answers import LinearAnswers
@@ -129,7 +120,7 @@ class LinearRuns(MachineRuns):
         n = how.numbers
         rotor = self.machine.rotor.with_values(of_machine)
         asked = (m.option("number") for m in self.metrics if m.kind.name == "mode")
-        count = int(max(_MODES, *asked, 0))
+        count = int(max(asked, default=0))
         return LinearAnswers(rotor, places_of(rotor), n["speed"], n["from"], n["to"], count)
 
 

@@ -89,11 +89,15 @@ class MachineRuns:
         numbers."""
         table = self.machine.table if self.has_solver else ()
         known = [v for v in table if v.causality == "parameter"]
-        own = {n: v for n, v in self.values.items() if n in self.machine.units}
-        rotor = as_set(self.machine.rotor, own)
+        rotor = as_set(self.machine.rotor, self.own_numbers({}))
         numbers = [parameter_variable(*of) for of in rotor.numbers().values()]
         by_name = {v.name: v for v in (*known, *numbers)}
         return {name: v for name, v in by_name.items() if name not in _OF_THE_EXCITATION}
+
+    def own_numbers(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the machine's own numbers of the values of all runs and others."""
+        own = self.machine.units
+        return {n: v for n, v in {**self.values, **values}.items() if n in own}
 
     @property
     def variable_units(self) -> dict[str, str]:

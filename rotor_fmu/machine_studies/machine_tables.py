@@ -309,7 +309,7 @@ def _check_possible(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
     tried = [*islice(_points(chosen, ""), _MOST_TRIED)] if all(a.stated for a in chosen) else []
     for point in tried:
         try:
-            runs.machine.rotor.with_values(_own_of(runs, point))
+            runs.machine.rotor.with_values(runs.own_numbers(point))
             return
         except InputError as failure:
             error = error or failure
@@ -328,14 +328,9 @@ def _machines(runs: MachineRuns, values: Mapping[str, float]) -> list[Rotor]:
     """Return the machine with the values of all runs and others; nothing where it cannot be, which
     is said elsewhere."""
     try:
-        return [runs.machine.rotor.with_values(_own_of(runs, values))]
+        return [runs.machine.rotor.with_values(runs.own_numbers(values))]
     except InputError:
         return []
-
-
-def _own_of(runs: MachineRuns, values: Mapping[str, float]) -> dict[str, float]:
-    """Return the machine's own numbers of the values of all runs and others."""
-    return {n: v for n, v in {**runs.values, **values}.items() if n in runs.machine.units}
 
 
 def _points(axes: Iterable[Axis], prefix: str) -> Iterable[dict[str, float]]:

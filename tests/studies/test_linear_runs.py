@@ -9,6 +9,7 @@ from rotor_fmu.model.linear import campbell, modes, response_with_peaks
 from rotor_fmu.model.machine.toml import parse_rotor
 
 import rotor_fmu as rf
+from rotor_fmu.cli.studies import _select
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_studies.machine_tables import read_study
 
@@ -138,8 +139,9 @@ def test_a_page_offers_no_signals_of_linear_answers(tmp_path):
     """The command that it would name is refused."""
     of_answers = study(tmp_path, SPRINGS)
     assert not of_answers.about["can_be_selected"]
-    with pytest.raises(InputError, match="--select: linear answers have no signals"):
-        of_answers.model.record({})
+    with pytest.raises(InputError, match="--select: only of a machine's runs in time, and of "):
+        _select(of_answers, "0", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def test_as_many_modes_are_computed_as_are_asked_for(tmp_path):

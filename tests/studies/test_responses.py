@@ -11,7 +11,10 @@ import pytest
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.machine_studies.diagram import _points, _response, diagrams
+from rotor_fmu.machine_studies.machine_runs import MachineRuns
 from rotor_fmu.machine_studies.machine_tables import read_study
+from rotor_fmu.machine_studies.run_excitation import Excitation
+from rotor_fmu.machine_studies.run_kinds import CONSTANT
 from rotor_fmu.periodic import request
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.store import open_dataset
@@ -252,7 +255,7 @@ def test_motions_under_a_section_over_a_quantity_are_those_over_its_range_at_the
 
     monkeypatch.setattr(request, "compute_response", made_of)
     text = (EXAMPLES / JEFFCOTT).read_text(encoding="utf-8")
-    runs = SimpleNamespace(toml=text, values={}, how=SimpleNamespace(numbers={"speed": 140.0}))
+    runs = MachineRuns(text, {}, Excitation(CONSTANT, {"speed": 140.0}), ())
 
     def asked(*targets, settings):
         axis, said = SimpleNamespace(name="mu", targets=targets, unit="1"), []
