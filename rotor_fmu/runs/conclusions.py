@@ -37,17 +37,18 @@ def _peak(figures: Mapping[str, Any], recording: Recording) -> str:
         for axis in "xy"
         if (amount := figures[f"{axis}_peak_um"]) is not None
     ]
-    drop = ""
-    if (dropped := figures.get("r_drop_um")) is not None:
+    start = ""
+    first, later = figures["r_start_um"], figures["r_largest_um"]
+    if first is not None and (recording.is_released or first > later):
         end = start_up(recording.t, recording.w)
-        drop = f" In the start-up, the first {end:.3g} s, it moved by at most {_length(dropped)}."
+        start = f" In the start-up, the first {end:.3g} s, it moved by at most {_length(first)}."
     if peaks:
-        return f"Peak of {display_name(place)}, 0-p from {begin}: {', '.join(peaks)}.{drop}"
+        return f"Peak of {display_name(place)}, 0-p from {begin}: {', '.join(peaks)}.{start}"
     moved = ""
     if figures["r_largest_um"] is not None:
         far = _length(figures["r_largest_um"])
         moved = f"; {display_name(place)} moved by at most {far} from {begin} after the start-up"
-    return f"No peak, because {figures['no_peak']}{moved}.{drop}"
+    return f"No peak, because {figures['no_peak']}{moved}.{start}"
 
 
 def _not_once_a_turn(figures: Mapping[str, Any]) -> str:

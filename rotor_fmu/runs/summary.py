@@ -19,7 +19,7 @@ _NEAR_PEAK = 0.005  # of its speed, within which contact angles are those of a p
 _NO_LOSS = 1e-12  # of the energies of a run: of less dissipation the ledger's rounding is a share
 _PEAKS = (
     *("place", "x_peak_um", "x_peak_hz", "x_peak_s", "y_peak_um", "y_peak_hz", "y_peak_s"),
-    *("no_peak", "x_largest_um", "y_largest_um", "r_largest_um", "r_drop_um", "y_static_um"),
+    *("no_peak", "x_largest_um", "y_largest_um", "r_largest_um", "r_start_um", "y_static_um"),
 )
 _OF_REST = ("y_static_um", "circulation_hz")  # of no machine that begins in the air
 
@@ -35,8 +35,7 @@ def summary(
     the speed and the time of it; no_peak: why there is none, and these are None, as of an amplitude
     that is largest at an edge of the run, or of a run at one speed; x_largest_um, y_largest_um,
     r_largest_um: the largest after the start-up, peak or not, in x, in y, in any direction;
-    r_drop_um: the largest in the start-up of a machine that begins in the air, None of another;
-    y_static_um: where the place begins in y.
+    r_start_um: the largest in the start-up; y_static_um: where the place begins in y.
 
     other_order, other_hz, other_um: order, negative backward, frequency and major semi-axis of the
     largest whirl in the place's full spectrum where it moves most, if that is not 1x and a fifth of
@@ -71,7 +70,7 @@ def summary(
         **_other_than_synchronous(run, figures["place"], recording),
         **_synchronous(recording),
         **_angles(recording or run, figures["x_peak_hz"]),
-        **(dict.fromkeys(_OF_REST) if recording and recording.is_released else {"r_drop_um": None}),
+        **(dict.fromkeys(_OF_REST) if recording and recording.is_released else {}),
         "steps": int(steps),
         "rejected": int(last["solver.rejected"]),
         "newton_per_step": last["solver.newton"] / steps if steps else None,
@@ -119,7 +118,7 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
         return figures | {"no_peak": why_no_peak(run.t, c["w"], run.status)}
     if place:
         before, after = np.split(c[f"{place}.r_amp"] * 1e6, late[:1])
-        figures["r_drop_um"] = float(before.max(initial=0.0))
+        figures["r_start_um"] = float(before.max(initial=0.0))
         figures["r_largest_um"] = float(after.max())
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
