@@ -1,8 +1,10 @@
-"""Frequency response of displacements to a force, and the sensitivity of the control loops of
-magnetic bearings (ISO 14839-3).
+"""Frequency response of displacements to a force or to the base's acceleration, and the sensitivity
+of the control loops of magnetic bearings (ISO 14839-3).
 
 At a speed, displacements u exp(i omega t) answer forces f exp(i omega t) by
-(K + i omega D - omega^2 M) u = f, where tilting pads and floating rings follow at omega. A control
+(K + i omega D - omega^2 M) u = f, where tilting pads and floating rings follow at omega. An
+acceleration of the base acts as -M r, r its motion as a rigid body, on displacements relative to
+it. A control
 loop reads the displacement at a sensor and acts with the force -H(s) at a magnet, beside the
 magnet's own negative stiffness; with the matrix G of the sensors' displacements by the magnets'
 forces, that stiffness included, the sensitivity of loop j is the j-th diagonal element of
@@ -23,7 +25,7 @@ from ..quantities import NOT_NEGATIVE, quantity
 from .amplification import with_peaks
 from .linear_machine import LinearError, shared_machine
 from .modes import checked_speed, modes_up_to
-from .places import AnyPlace, as_place
+from .places import MOVED, AnyPlace, as_place
 from .static import check_node
 from .system_at_speed import Linear
 
@@ -35,15 +37,16 @@ _UNSTABLE = 1e-6  # share of growth of a pole that is more than rounding
 class FrequencyResponse:
     """Displacements of n places by a force on one, at f frequencies [rad/s] and one speed [rad/s].
 
-    contacts: `open` or `pinned`; force: its node (from 1); nodes: from 1; force_offset, offsets:
-    how far beyond their nodes the places lie [m]; receptance: complex of shape (f, n, 2, 2) [m/N],
-    displacement in x, y by the force in x, y.
+    contacts: `open` or `pinned`; force: its node (from 1), or `base`: an acceleration of the base;
+    nodes: from 1; force_offset, offsets: how far beyond their nodes the places lie [m]; receptance:
+    complex of shape (f, n, 2, 2) [m/N], displacement in x, y by the force in x, y, or, relative to
+    the base, by its acceleration in x, y [m/(m/s2)].
     """
 
     speed: float
     contacts: str
     frequencies: np.ndarray
-    force: int
+    force: int | str
     force_offset: float
     nodes: tuple[int, ...]
     offsets: tuple[float, ...]
@@ -113,15 +116,15 @@ class Sensitivity:
 def frequency_response(
     rotor: Rotor,
     frequencies: Sequence[float] | np.ndarray,
-    force: AnyPlace,
+    force: AnyPlace | str,
     nodes: Sequence[AnyPlace],
     *,
     speed: float = 0.0,
     contacts: str | None = None,
     peaks: bool = False,
 ) -> FrequencyResponse:
-    """Return the displacements of nodes (from 1), or places, by a force on one, at frequencies
-    [rad/s] above 0 and a speed [rad/s].
+    """Return the displacements of nodes (from 1), or places, by a force on one, or by an
+    acceleration of the base, `base`, at frequencies [rad/s] above 0 and a speed [rad/s].
 
     contacts: `open` or `pinned`; None: open where the machine is held without them; peaks: whether
     the frequencies of all peaks between those asked for are added. Raises `LinearError`.
@@ -131,8 +134,15 @@ def frequency_response(
     if not nodes:
         raise LinearError("nodes: at least one must be given")
     plant = _Plant(rotor, speed, contacts)
-    at_force, places = as_place(force), [as_place(node) for node in nodes]
-    push, read = plant.selection([at_force]), plant.selection(places)
+    places = [as_place(node) for node in nodes]
+    read = plant.selection(places)
+    at_force: tuple[int | str, float]
+    if isinstance(force, str):
+        if force != MOVED:
+            raise LinearError(f"force = {force!r}: must be a node, a place, or {MOVED!r}")
+        at_force, push = (force, 0.0), plant.base_motion()
+    else:
+        at_force, push = as_place(force), plant.selection([as_place(force)])
 
     def answer(w: float) -> np.ndarray:
         return plant(1j * w, push, read).reshape(-1, 2, 2)
@@ -145,8 +155,8 @@ def frequency_response(
         speed=plant.linear.speed,
         contacts=plant.machine.contacts,
         frequencies=at,
-        force=at_force.node,
-        force_offset=at_force.offset,
+        force=at_force[0],
+        force_offset=at_force[1],
         nodes=tuple(place.node for place in places),
         offsets=tuple(place.offset for place in places),
         receptance=receptance,
@@ -217,9 +227,14 @@ class _Plant:
             rows.append(expand[at : at + 2] + offset * expand[at + 2 : at + 4])
         return sp.vstack(rows).toarray()
 
+    def base_motion(self) -> np.ndarray:
+        """Return what pushes the unknowns where the base is accelerated in x, y, shape (2, N)
+        [kg]."""
+        return np.asarray(self.machine.base_load @ self.machine.expand)
+
     def __call__(self, s: complex, push: np.ndarray, read: np.ndarray) -> np.ndarray:
         """Return x, y of places by forces in x, y on places, shape (2 places, 2 forces) [m/N];
-        push, read: `selection` of the forces' places and of the others."""
+        push, read: `selection` of the forces' places, or `base_motion`, and of the others."""
         there = self.machine.vibrating(self.linear, abs(s))
         return read @ there.factorized(s)(push.T.astype(complex))[0]
 

@@ -199,10 +199,21 @@ class Linearization:
     @property
     def static_load(self) -> np.ndarray:
         """Gravity and constant forces, x, y of every dof, shape (2 size,) [N, N.m]."""
-        s = self.structure
         g = self.rotor.gravity * self.rotor.down
-        m_x, m_y = interpreted(masses)(s.housings)
-        return in_plane(np.concatenate([s.static_load, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
+        return in_plane(self._on_all(self.structure.static_load, g))
+
+    @property
+    def base_load(self) -> np.ndarray:
+        """Forces on x, y of every dof by an acceleration of the base in x and in y, shape
+        (2, 2 size) [kg, kg.m]: of all that moves, its displacements being relative to the base."""
+        masses_of_dofs = self.structure.mass_sum
+        return -in_plane(np.array([self._on_all(masses_of_dofs * to, to) for to in (1.0, 1j)]))
+
+    def _on_all(self, on_shaft: np.ndarray, acceleration: complex) -> np.ndarray:
+        """Return forces on the shaft's dofs, and on the housings by an acceleration [m/s2]."""
+        m_x, m_y = interpreted(masses)(self.structure.housings)
+        of_housings = m_x * acceleration.real + 1j * m_y * acceleration.imag
+        return np.concatenate([on_shaft, of_housings, [0.0]])
 
     def linearized(
         self, speed: float, at: np.ndarray, frequency: float = 0.0, states: np.ndarray | None = None

@@ -15,6 +15,7 @@ class Place(NamedTuple):
     offset: float = 0.0
 
 
+MOVED = "base"  # where the foundation's acceleration acts, in the place of a force
 AnyPlace = int | tuple[int, float]  # a node (from 1), or a place
 PlacedAmount = tuple[AnyPlace, float, float]  # an unbalance [kg.m] and its angle [rad]
 

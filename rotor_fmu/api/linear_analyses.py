@@ -245,18 +245,20 @@ class LinearAnalyses:
     def frequency_response(
         self,
         frequencies: Sequence[float] | np.ndarray,
-        force: int | tuple[int, float],
+        force: int | tuple[int, float] | str,
         nodes: Sequence[int | tuple[int, float]],
         **options: Any,
     ) -> "FrequencyResponse":
-        """Displacements of nodes by a force on a node, over the frequency.
+        """Displacements of nodes by a force on a node, or by the base's acceleration, over the
+        frequency.
 
         Parameters
         ----------
         frequencies : sequence of float
             Frequencies of the force [rad/s], above 0.
-        force : int or (int, float)
-            Node (from 1) of the force, or such a node with how far beyond it the force acts [m].
+        force : int or (int, float) or str
+            Node (from 1) of the force, or such a node with how far beyond it the force acts [m], or
+            `base`: the base is accelerated, and displacements are relative to it.
         nodes : sequence of int or (int, float)
             Nodes (from 1), or places beyond them, whose displacement is asked for.
         speed : float
@@ -267,7 +269,7 @@ class LinearAnalyses:
         Returns
         -------
         FrequencyResponse
-            Complex receptances [m/N], with a table and a picture.
+            Complex receptances [m/N], of the base [m/(m/s2)], with a table and a picture.
 
         Raises
         ------

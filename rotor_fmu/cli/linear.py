@@ -137,11 +137,14 @@ def frequency_response(
     units: Units = None,
     out: PictureFolder = Path("out/frequency_response"),
 ) -> dict[str, Any]:
-    """Compute the frequency response of displacements to a force at a speed, or, with --loop, the
-    sensitivity of the control loops of magnetic bearings (ISO 14839-3).
+    """Compute the frequency response of displacements to a force, or to an acceleration of the
+    base, at a speed, or, with --loop, the sensitivity of the control loops of magnetic bearings
+    (ISO 14839-3).
 
-    force: Where the force acts: a node from 1, or a part, such as a port.
-    node: Node or part whose motion is shown; repeatable; default: the force's.
+    force: Where the force acts: a node from 1, or a part, such as a port; base: the base is
+        accelerated instead, and displacements are relative to it.
+    node: Node or part whose motion is shown; repeatable; default: the force's, with the base those
+        of the sensors, or of discs, bodies and bearings.
     frequency: FROM:TO or FROM:TO:POINTS in rad/s, or with Hz or rpm added, peaks between the points
         included; default: from 1 Hz, or half the lowest natural frequency, to 500 Hz, or beyond the
         lowest natural frequencies and three times the machine's speeds.
@@ -168,8 +171,13 @@ def frequency_response(
         loops = answers.read_loops("--loop", loop, machine)
         compute = partial(answers.sensitivity, loops=loops, zones=bounds)
     else:
-        start = answers.place_of(machine, str(force), "--force")
-        nodes = [answers.place_of(machine, text, "--node") for text in node or [str(force)]]
+        start = answers.excitation_of(machine, str(force), "--force")
+        usual = answers.observed_places(machine) if isinstance(start, str) else [start]
+        nodes = [answers.place_of(machine, text, "--node") for text in node or ()] or usual
+        if not nodes:
+            raise InputError(
+                "--node: must be given; the machine has no disc, body, bearing or sensor"
+            )
         compute = partial(answers.frequency_response, force=start, nodes=nodes, peaks=True)
     at = usual_speed(machine, contacts) if given is None else given
     if frequency is None:

@@ -12,15 +12,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..cells import five_digits
-from ..display import current
+from ..display import Shown, current
 from ..errors import InputError, meant, read_text, toml_tables
 from ..model.linear import frequency_response as model
-from ..model.linear.places import Place
+from ..model.linear.places import MOVED, Place
 from ..model.machine.rotor import Rotor
 from ..model.machine.table_reader import make
 from ..model.one_thread import on_one_thread
 from ..model.parts.base import PortElement, ProbeElement
-from ..model.quantities import check_all
+from ..model.parts.base_and_start import Base
+from ..model.parts.port import Sensor
+from ..model.quantities import STANDARD_GRAVITY, check_all
 from ..plotting.colors import DASHED, DOTTED, GREY, LIMIT, colors_of
 from ..plotting.figure_style import annotate, entitle, legend_below, new_figure, new_panels
 from ..tables import Table
@@ -41,21 +43,36 @@ class FrequencyResponse(Displayed, model.FrequencyResponse):
         return tuple(map(_shown, self.nodes, self.offsets))
 
     @property
-    def shown_force(self) -> str:
-        """The force in words, with its place."""
+    def excitation(self) -> str:
+        """The force in words, with its place, or that the base moves."""
+        if isinstance(self.force, str):
+            return "an acceleration of the base"
         return f"a force on node {_shown(self.force, self.force_offset)}"
+
+    @property
+    def quantity(self) -> str:
+        """What is drawn, without its unit."""
+        is_of_base = isinstance(self.force, str)
+        return "Displacement by force" if not is_of_base else "Displacement relative to the base"
+
+    @property
+    def per(self) -> Shown:
+        """How what excites is shown: a force in its unit, an acceleration in g."""
+        if isinstance(self.force, str):
+            return Shown(1.0 / STANDARD_GRAVITY, "g")
+        return current().of_si("N")
 
     def table(self) -> Table:
         """Return a table with one row for each resonance of each node."""
         d = current()
         heads = (
-            *("node", "direction", f"[{d.frequency_unit}]", f"{d.small_word}/{d.force_unit}"),
+            *("node", "direction", f"[{d.frequency_unit}]", f"{d.small_word}/{self.per.unit}"),
             "phase [deg]",
         )
         rows = [
             (
                 *(node, f"{axis} by {axis}", float(self.frequencies[at]) * d.speed),
-                *(abs(values[at]) * d.small / d.force, math.degrees(np.angle(values[at]))),
+                *(abs(values[at]) * d.small / self.per.factor, math.degrees(np.angle(values[at]))),
             )
             for k, node in enumerate(self.shown_nodes)
             for i, axis in enumerate("xy")
@@ -63,7 +80,7 @@ class FrequencyResponse(Displayed, model.FrequencyResponse):
             for at in peaks(np.abs(values))
         ]
         state = state_in_words(self.speed, self.contacts)
-        title = f"Frequency response to {self.shown_force} where it peaks, {state}"
+        title = f"Frequency response to {self.excitation} where it peaks, {state}"
         return Table(title, heads, rows)
 
     def figure(self) -> Figure:
@@ -80,7 +97,7 @@ class FrequencyResponse(Displayed, model.FrequencyResponse):
                     continue
                 way = f"{'xy'[i]} by {'xy'[j]}"
                 ways[way] = dashes
-                size, label = np.abs(values) * d.small / d.force, f"node {node}: {way}"
+                size, label = np.abs(values) * d.small / self.per.factor, f"node {node}: {way}"
                 above.plot(frequency, size, color=color, lw=1.3, ls=dashes, label=label)
                 if i == j:
                     phase = np.angle(values)
@@ -90,11 +107,11 @@ class FrequencyResponse(Displayed, model.FrequencyResponse):
         handles += [Line2D([], [], color=GREY, lw=1.3, ls=s, label=w) for w, s in ways.items()]
         above.set_yscale("log")
         plain_ticks(above.yaxis)
-        above.set_ylabel(f"Displacement by force [{d.small_unit}/{d.force_unit}]")
+        above.set_ylabel(f"{self.quantity} [{d.small_unit}/{self.per.unit}]")
         below.set(ylabel="Phase [deg]", xlabel=d.frequency_label)
         legend_below(figure, 6, handles)
         state = state_in_words(self.speed, self.contacts)
-        entitle(figure, self.titled(f"Response to {self.shown_force}, {state}"))
+        entitle(figure, self.titled(f"Response to {self.excitation}, {state}"))
         return figure
 
 
@@ -173,9 +190,24 @@ def _shown(node: int, offset: float) -> str:
     return f"{node} {offset * d.length:+.4g} {d.length_unit}" if offset else str(node)
 
 
-def place_of(rotor: Rotor, text: str, option: str) -> Place:
+def excitation_of(rotor: Rotor, text: str, option: str) -> Place | str:
+    """Return the place of a force, as `place_of`, or `base` of the base, whatever its name."""
+    if text == MOVED or isinstance(dict(rotor.named_parts()).get(text), Base):
+        return MOVED
+    return place_of(rotor, text, option, (MOVED,))
+
+
+def observed_places(rotor: Rotor) -> list[Place]:
+    """Return the places of a machine's sensors along its shaft; without any, of all its parts whose
+    motion the FMU tells."""
+    probes = [name for name, _ in rotor.elements_of_kind(ProbeElement)]
+    sensors = [name for name, part in rotor.named_parts() if isinstance(part, Sensor)]
+    return sorted({place_of(rotor, name, "") for name in sensors or probes})
+
+
+def place_of(rotor: Rotor, text: str, option: str, others: Sequence[str] = ()) -> Place:
     """Return the node (from 1) of a number, or the place where the part of a name has its port or
-    its probe; `InputError` otherwise."""
+    its probe; `InputError` otherwise; others: words that may be meant too."""
     probes, ports = rotor.elements_of_kind(ProbeElement), rotor.elements_of_kind(PortElement)
     beyond = {name: e.offset for name, e in probes} | {name: e.offset for name, e in ports}
     named = {name: part.node for name, part in rotor.named_parts() if hasattr(part, "node")}
@@ -185,7 +217,7 @@ def place_of(rotor: Rotor, text: str, option: str) -> Place:
         return Place(int(text))
     raise InputError(
         f"{option} {text}: must be a node from 1 to {len(rotor.nodes)}, or a part's name; "
-        f"{meant(text, named)}"
+        f"{meant(text, [*others, *named])}"
     )
 
 
