@@ -123,6 +123,16 @@ def test_a_run_that_no_page_repeats_is_refused(tmp_path, monkeypatch, arguments,
     assert not (tmp_path / "report.html").exists()
 
 
+def test_a_slider_holds_an_angle_of_more_than_half_a_turn():
+    """Written from 0 to 360 degrees, as phases are."""
+    for phase in (1.5 * math.pi, -4.0, math.pi):
+        toml = rig_toml().replace("[[disc]]\n", f"[[disc]]\nphase = {phase}\n", 1)
+        sliders = {c["name"]: c["slider"] for g in groups(machine_of(toml)) for c in g["controls"]}
+        slider = sliders["disc[2].phase"]
+        assert slider["low"] <= phase <= slider["high"]
+        assert slider["high"] - slider["low"] == pytest.approx(2.0 * math.pi)
+
+
 def test_a_slider_holds_what_the_file_says_and_goes_from_there_as_far_as_a_machine_may():
     machine = machine_of()
     controls = [c for group in groups(machine) for c in group["controls"]]
