@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import tomllib
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -61,7 +62,18 @@ def example(
     machines = [entry for entry in known[name].iterdir() if entry.name.endswith(".toml")]
     if not machines:
         raise InputError(f"example {name}: has no machine file of its own; copy it with --out DIR")
-    typer.echo(max(machines, key=lambda file: file.name).read_text("utf-8"), nl=False)
+    typer.echo(_whole(known[name], max(entry.name for entry in machines)), nl=False)
+
+
+def _whole(folder: Traversable, name: str) -> str:
+    """Return a machine file as it stands, or, as it is printed alone, with what it extends."""
+    from ..machine_file.loading import machine_text
+
+    text = folder.joinpath(name).read_text("utf-8")
+    if "extends" not in tomllib.loads(text):
+        return text
+    with as_file(folder) as files_of_it:
+        return f"# {name}, with what it extends\n\n{machine_text(name, files_of_it / name)}"
 
 
 def _copy(folder: Traversable, target: Path) -> None:

@@ -135,7 +135,9 @@ def _slider(v: Variable, rule: Rule | None, largest: float) -> dict[str, Any] | 
     if v.kind != "Real" or v.name.startswith(PREFIX):
         return None
     if v.unit == "rad":
-        return _linear(-math.pi, math.pi)
+        start = float(v.start or 0.0)
+        middle = start if abs(start) > math.pi else 0.0
+        return _linear(middle - math.pi, middle + math.pi)
     if not largest or rule is None:
         return None
     if rule is ANY:

@@ -1,5 +1,6 @@
 """The common style of all pictures."""
 
+import logging
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -27,6 +28,8 @@ _ASSUMED, _DIGIT, _BETWEEN = 3.0, 0.64, 0.6  # the first one is Matplotlib's
 _TITLE = 10.0  # size of a title [pt]
 _WRITTEN = 0.85  # of the width of a picture, in the lines of a title
 _BOXES = "Last Resort High-Efficiency"  # which Matplotlib takes last: it draws kinds of letters
+# a font taken for its letters may have another weight, which is no news for a reader
+logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
 
 
 class PlainFigure(Figure):

@@ -1,6 +1,7 @@
 """Pictures write names in letters that the usual font lacks, where an installed font has them."""
 
 import warnings
+from dataclasses import replace
 
 import pytest
 from matplotlib.font_manager import FontProperties, findfont, fontManager
@@ -30,3 +31,18 @@ def test_letters_of_another_font_are_written(tmp_path):
         save(figure, tmp_path / "again.png")
     assert len(families) > 1
     assert figure._suptitle.get_fontfamily() == families
+
+
+@pytest.mark.usefixtures("drawn")
+def test_nothing_is_said_of_the_weight_of_another_font(tmp_path, monkeypatch, caplog):
+    """Fonts of Chinese have no weight of 400: Matplotlib said so among a command's own lines."""
+    beyond = next(font for font in fontManager.ttflist if font.name == "STIXGeneral")
+    medium = replace(beyond, name="Medium", weight=500)
+    monkeypatch.setattr(fontManager, "ttflist", [medium, *fontManager.ttflist])
+    known = letters(findfont(FontProperties()))
+    name = "".join(sorted(c for c in letters(beyond.fname) - known if c.isprintable())[3:6])
+    figure, _ = new_figure(4.0, 3.0)
+    entitle(figure, f"rotor {name}")
+    save(figure, tmp_path / "picture.png")
+    assert "Medium" in figure._suptitle.get_fontfamily()
+    assert caplog.messages == []

@@ -106,6 +106,11 @@ def test_every_example_is_listed_printed_and_copied(output, tmp_path):
         copied = {path.name for path in (tmp_path / "mine" / name).iterdir()}
         own = {path.name for path in (EXAMPLES / name).iterdir()} - {"__pycache__"}
         assert copied == own
+        status, printed, said = output(name)
+        if status:
+            assert "has no machine file" in said
+        else:  # by itself, without the files that it extends in its folder
+            assert rf.parse(printed).name
 
 
 def test_the_script_of_the_copied_response_example_reads_its_machine(tmp_path, monkeypatch):

@@ -308,3 +308,12 @@ def test_numbers_beside_an_axis_leave_room_for_its_name(silent, rig):
         assert "0" in texts
         assert texts[-1] == largest
         assert room > 0
+
+
+def test_an_axis_has_two_numbers_at_least(silent, rig):
+    """One alone gives no scale: over 891 a telephone's picture had 0 between -500 and 500."""
+    page = LivePage(silent, rig).ended()
+    for size in np.geomspace(1, 10, 25):
+        drawn = page.run("return ticks(-arguments[0], arguments[0], 4.4)", size)
+        assert 2 <= len(drawn) <= 9
+    assert page.run("return ticks(0, 10, 5)") == [0, 2, 4, 6, 8, 10]

@@ -123,6 +123,26 @@ def test_a_run_that_no_page_repeats_is_refused(tmp_path, monkeypatch, arguments,
     assert not (tmp_path / "report.html").exists()
 
 
+def test_the_points_of_a_run_that_is_too_long_are_said_in_few_digits(silent, rig):
+    page = LivePage(silent, rig).ended()
+    for values, points in (
+        ({"course.to": 1e31, "course.rate": 1e30}, "2e+32"),  # 1.9999999999999997e+32
+        ({"course.from": 0.0, "course.hold": 400.009}, "400010"),  # 1 ms apart
+    ):
+        said = f"try {{ planOf(data, {values}) }} catch (error) {{ return error.message }}"
+        assert f"would have {points} points" in page.run(said)
+
+
+def test_a_slider_holds_an_angle_of_more_than_half_a_turn():
+    """Written from 0 to 360 degrees, as phases are."""
+    for phase in (1.5 * math.pi, -4.0, math.pi):
+        toml = rig_toml().replace("[[disc]]\n", f"[[disc]]\nphase = {phase}\n", 1)
+        sliders = {c["name"]: c["slider"] for g in groups(machine_of(toml)) for c in g["controls"]}
+        slider = sliders["disc[2].phase"]
+        assert slider["low"] <= phase <= slider["high"]
+        assert slider["high"] - slider["low"] == pytest.approx(2.0 * math.pi)
+
+
 def test_a_slider_holds_what_the_file_says_and_goes_from_there_as_far_as_a_machine_may():
     machine = machine_of()
     controls = [c for group in groups(machine) for c in group["controls"]]

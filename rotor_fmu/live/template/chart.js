@@ -16,14 +16,14 @@ function digits(value, count = 5) {
   return Number.isFinite(value) ? String(Number(value.toPrecision(count))) : "-";
 }
 
-// Round numbers between two bounds, about `count` of them.
+// Round numbers between two bounds, about `count` of them: one alone would give no scale.
 function ticks(low, high, count) {
   const rough = (high - low) / count;
   const decade = 10 ** Math.floor(Math.log10(rough));
   const step = decade * [1, 2, 5, 10].find((each) => each * decade >= rough);
   const result = [];
   for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i++) result.push(i * step);
-  return result;
+  return result.length === 1 ? ticks(low, high, 1.5 * count) : result;
 }
 
 // Texts beside an upward axis, short enough for its margin: 2e+6 where one would be longer.

@@ -49,7 +49,7 @@ function planOf(data, values) {
   const rows = 1 + legs.reduce((sum, leg) => sum + leg.steps, 0);
   if (rows > data.mostRows) {
     throw new Error(
-      `the run would have ${rows} points, at most ${data.mostRows} are drawn: ` +
+      `the run would have ${Number(rows.toPrecision(7))} points, at most ${data.mostRows} are drawn: ` +
         "choose a faster rate, a shorter time or fewer samples a turn",
     );
   }
