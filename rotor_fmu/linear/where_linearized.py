@@ -1,19 +1,23 @@
 """What linear answers take for granted: the ends of tables, that films are laminar, that something
 holds the machine, where oil films are linearized, how tilting pads follow, that the machine is
-stable, and that journals and rings move little in their films."""
+stable, that contacts are open, and that journals and rings move little in their films."""
 
 from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from ..display import speed_with_unit
+from ..display import current, speed_with_unit
 from ..model.laws_at_rest.oil import machine_with_oil
 from ..model.linear.amplification import CRITICALLY_DAMPED
-from ..model.linear.linear_machine import shared_machine
+from ..model.linear.linear_machine import LinearError, shared_machine
+from ..model.linear.linearization import OPEN
 from ..model.linear.modes import LEAST_GROWTH, modes, modes_up_to
 from ..model.linear.orbit import semi_axes
+from ..model.linear.static import static
 from ..model.linear.subsynchronous import subsynchronous_whirl
+from ..model.linear.supports import walls
 from ..model.linear.unbalance import UnbalanceResponse
+from ..model.linear.unbalance_peaks import gaps
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
 from ..model.message_templates import Message
@@ -47,6 +51,7 @@ def where_linearized(
         if not any(speeds) and not linear.holds_at(0.0):
             where = "in the middle of its clearance, since at standstill it carries nothing"
         result.append(f"oil films, each linearized {where}: {names}")
+    result += where_it_lies_in_contacts(machine, max(speeds, key=abs), contacts)
     if follows_force:
         return result
     if linear.laws.follows.any():
@@ -67,6 +72,32 @@ def where_linearized(
             f"at its own frequency; here {here}"
         )
     return result
+
+
+def where_it_lies_in_contacts(
+    machine: Rotor, speed: float, contacts: str | None = None
+) -> list[str]:
+    """Return a sentence for the clearances that gravity and loads close at a speed [rad/s] where
+    all are taken as open."""
+    linear = shared_machine(machine, contacts)
+    try:
+        lying = static(machine, speed, contacts=contacts)
+    except LinearError:
+        return []
+    if linear.contacts != OPEN:
+        return []
+    of_nodes, of_housings = lying.x + 1j * lying.y, lying.housing_x + 1j * lying.housing_y
+    at, d, shut = np.concatenate([np.repeat(of_nodes, 2), of_housings, [0.0]]), current(), []
+    parts = walls(machine)
+    for gap in gaps(linear, parts):
+        sag, clearance = abs(at[gap.dof] - at[gap.end]), gap.clearance
+        if sag > clearance + getattr(parts[gap.name].source, "wear", 0.0):
+            sizes = (f"{d.small * size:.5g} {d.small_word}" for size in (sag, clearance))
+            shut.append(f"{gap.name} with a sag of {' in a clearance of '.join(sizes)}")
+    if not shut:
+        return []
+    closed = f"the shaft at rest lies in contacts that are taken as open: {', '.join(shut)}"
+    return [f"{closed}; a run begins on them, as does `rotor-fmu response`"]
 
 
 def where_beyond_ranges(machine: Rotor, speeds: Collection[float]) -> list[Message]:
