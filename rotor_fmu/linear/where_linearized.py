@@ -79,16 +79,15 @@ def where_it_lies_in_contacts(
 ) -> list[str]:
     """Return a sentence for the clearances that gravity and loads close at a speed [rad/s] where
     all are taken as open."""
-    linear = shared_machine(machine, contacts)
+    linear, parts = shared_machine(machine, contacts), walls(machine)
+    if linear.contacts != OPEN or not parts:
+        return []
     try:
         lying = static(machine, speed, contacts=contacts)
     except LinearError:
         return []
-    if linear.contacts != OPEN:
-        return []
     of_nodes, of_housings = lying.x + 1j * lying.y, lying.housing_x + 1j * lying.housing_y
     at, d, shut = np.concatenate([np.repeat(of_nodes, 2), of_housings, [0.0]]), current(), []
-    parts = walls(machine)
     for gap in gaps(linear, parts):
         sag, clearance = abs(at[gap.dof] - at[gap.end]), gap.clearance
         if sag > clearance + getattr(parts[gap.name].source, "wear", 0.0):
