@@ -24,6 +24,9 @@ from ..model.message_templates import Message
 from ..model.parts.base import GROUND, InterfaceElement
 from ..model.parts.law import never_breaks
 
+_WHIRLS = (
+    0.5**0.5
+)  # damping ratio, of either sign: beyond, a motion grows or decays before it turns
 _SMALL = 0.5  # of a film's clearance: in a larger motion its coefficients are others
 
 
@@ -164,8 +167,11 @@ def _films(machine: Rotor) -> dict[str, InterfaceElement]:
 
 def where_not_at_rest(machine: Rotor, speed: float, contacts: str | None = None) -> list[str]:
     """Return a sentence for a machine whose equilibrium at a speed [rad/s] it leaves, as on a
-    negative stiffness; one that whirls about its equilibrium has it still."""
-    if not len(modes(machine, speed, contacts=contacts).growing):
+    negative stiffness, which gyroscopic moments turn a little; one that whirls about its
+    equilibrium has it still."""
+    found = modes(machine, speed, contacts=contacts)
+    if not (len(found.growing) or (found.damping_ratio < -_WHIRLS).any()):
         return []
+    how = "without oscillating" if len(found.growing) else "hardly oscillating"
     where = f"its equilibrium at {speed_with_unit(speed)} is unstable"
-    return [f"{where}: it moves away from there without oscillating"]
+    return [f"{where}: it moves away from there {how}"]

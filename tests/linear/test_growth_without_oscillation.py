@@ -10,6 +10,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear import answers, stability_answers
 from rotor_fmu.linear.mode_answers import mode_shapes_figure
+from rotor_fmu.linear.where_linearized import where_not_at_rest
 from tests.linear.api_617 import ROOT, SHAFT
 from tests.linear.test_long_shafts import shaft
 
@@ -180,3 +181,20 @@ def test_a_response_from_speeds_on_at_which_bearings_are_softer_than_what_pulls_
     assert (
         "unstable at 1.5915 Hz, where its steady response is not reached" in said
     ) == is_unstable
+
+
+@pytest.mark.parametrize(
+    ("k", "cross", "leaves"), [(-1e4, 0.0, True), (-1e4, 1e3, True), (1e4, 3e4, False)]
+)
+def test_a_pull_alike_in_both_planes_moves_a_machine_away_though_it_turns_a_little(
+    k, cross, leaves
+):
+    """Of m z'' + c z' + (k - i cross) z = 0 the growing root is a whirl only where k > 0."""
+    bearing = f"kxx = {k}\nkyy = {k}\nkxy = {cross}\nkyx = {-cross}\ncxx = 10.0\ncyy = 10.0\n"
+    rotor = parse_rotor(
+        SHAFT + "".join(f"[[linear_bearing]]\nnode = {n}\n{bearing}" for n in (1, 7))
+    )
+    fastest = max(all_roots(rotor, 300.0), key=lambda root: root.real)
+    assert fastest.real > 0.0
+    assert (abs(fastest.imag) < fastest.real) == leaves
+    assert bool(where_not_at_rest(rotor, 300.0)) == leaves
