@@ -89,6 +89,11 @@ class LinearMachine(Linearization):
         is no worse in other units (Deuflhard 2011)."""
         linear = self.linearized(speed, rest)
         least, before = CHANGE * self.structure.numbers[0].small, 0.0
+        # where nothing pulls at it, however softly it is held: the laws' rounding may lead far then
+        stiffness = np.abs(linear.laws.by_d).max(initial=0.0)
+        pulls = np.abs(self.with_laws(force, linear.laws.force, rest)).max(initial=0.0)
+        if not rest.any() and pulls <= least * stiffness:
+            return linear
         leading = _Leading(self, linear, force)
         for _ in range(_ITERATIONS):
             lead = leading.by(linear)

@@ -17,6 +17,7 @@ from ..plotting.labels import write_labels
 from ..tables import Table
 
 _COLUMNS = 3  # of pictures beside each other
+_DIGITS = 6  # of an angle in degrees behind the point: what follows is rounding
 _LINEAR = 0.1  # of the initial vibration: what a linear machine's differs by from the expected one
 
 
@@ -199,4 +200,5 @@ class Balancing(Displayed):
 
 
 def _polar(value: complex, factor: float) -> tuple[float, float]:
-    return abs(value) * factor, math.degrees(np.angle(value)) + 0.0  # no -0
+    angle = round(math.degrees(np.angle(value)), _DIGITS) + 0.0  # no -0
+    return abs(value) * factor, angle

@@ -19,6 +19,7 @@ from ..model.linear.residual_unbalance import balance_quality_grade, tolerance_p
 from ..model.linear.static import check_node
 from ..model.linear.subsynchronous import subsynchronous_whirl
 from ..model.linear.supports import touching
+from ..model.linear.unbalance import steady_whirl
 from ..model.linear.unbalance_placement import residual_unbalance
 from ..model.machine.rotor import Rotor
 from ..model.parts.port import Sensor
@@ -80,7 +81,7 @@ def balance(
         trial = pull / (len(planes) * min(map(abs, speeds)) ** 2)
     check_positive("trial unbalance", trial, "kg.m")
     check_size(f"trial unbalance = {trial:g} kg.m", trial)
-    if not assemble(rotor).unbalance.any():
+    if not steady_whirl(rotor).is_driven:  # those that cancel each other are none
         raise InputError("the machine has no unbalance: there is nothing to balance")
     service_speed = rotor.operation.service_speed or max(map(abs, speeds))
     bench, u = _Bench(rotor, speeds, nodes, report), complex(trial)

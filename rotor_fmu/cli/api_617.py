@@ -222,13 +222,14 @@ def _say_where_it_holds(
     from ..model.linear.unbalance_check import highest_of_interest
 
     looked_at = [*response.speeds]
-    highest = [max(looked_at, key=abs)]
+    # a magnetic pull makes a machine unstable where its films are soft, whirls where it is fast
+    outermost = [max(looked_at, key=abs), min(filter(None, looked_at), key=abs, default=0.0)]
     if ends is not None:
         looked_at += [ends[0], highest_of_interest(machine, ends[1])]
-        highest.append(ends[1])
+        outermost.append(ends[1])
     say(
         where_linearized(machine, looked_at, contacts),
-        where_not_reached(machine, dict.fromkeys(highest), contacts),
+        where_not_reached(machine, dict.fromkeys(outermost), contacts),
         where_films_are_left(machine, response),
     )
 

@@ -104,11 +104,16 @@ def static(
     """Compute the deflection under gravity and constant loads, and what each bearing bears."""
     at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
-    from ..linear.where_linearized import where_beyond_ranges, where_not_at_rest
+    from ..linear.where_linearized import (
+        where_beyond_ranges,
+        where_it_lies_in_contacts,
+        where_not_at_rest,
+    )
 
     result = answers.static(machine, at, contacts=contacts)
     beyond = where_beyond_ranges(machine, [result.speed])
-    say(beyond, where_not_at_rest(machine, result.speed, contacts))
+    lies = where_it_lies_in_contacts(machine, result.speed, contacts)
+    say(beyond, lies, where_not_at_rest(machine, result.speed, contacts))
     return print_answer(result, out, "static")
 
 

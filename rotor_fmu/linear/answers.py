@@ -39,6 +39,7 @@ from .linear_tables import (
 from .mode_answers import Modes
 
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
+_DECREMENTS = 3.0  # logarithmic, of either sign, that are shown
 MOST_SPEEDS = 12  # of a table of the response
 _ROUNDING = 1e-10  # of the largest amplitude: a smaller one does not peak
 
@@ -128,8 +129,10 @@ class Campbell(Displayed, linear.Campbell):
         finite = self.log_dec[np.isfinite(self.log_dec)]
         if len(finite) and np.abs(finite).max() < 1e-8:
             below.set_ylim(-1, 1)
-        elif len(finite) and finite.max() > 3:
-            below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
+        elif np.abs(finite).max(initial=0.0) > _DECREMENTS:
+            # beyond, motions hardly oscillate, and all others would lie on the zero line
+            low, high = 1.1 * finite.min(), 1.1 * finite.max()
+            below.set_ylim(max(min(-0.1, low), -_DECREMENTS), min(max(0.1, high), _DECREMENTS))
         entitle(above, self.titled(f"Campbell diagram, contacts {self.contacts}"))
         words = [(shown_speed(c.speed), c.whirl == FORWARD) for c in self.critical]
         write_labels(above, [(*at, *word) for at, word in zip(places, words, strict=True)])

@@ -1,25 +1,32 @@
 """What linear answers take for granted: the ends of tables, that films are laminar, that something
 holds the machine, where oil films are linearized, how tilting pads follow, that the machine is
-stable, and that journals and rings move little in their films."""
+stable, that contacts are open, and that journals and rings move little in their films."""
 
 from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from ..display import speed_with_unit
+from ..display import current, speed_with_unit
 from ..model.laws_at_rest.oil import machine_with_oil
 from ..model.linear.amplification import CRITICALLY_DAMPED
-from ..model.linear.linear_machine import shared_machine
+from ..model.linear.linear_machine import LinearError, shared_machine
+from ..model.linear.linearization import OPEN
 from ..model.linear.modes import LEAST_GROWTH, modes, modes_up_to
 from ..model.linear.orbit import semi_axes
+from ..model.linear.static import static
 from ..model.linear.subsynchronous import subsynchronous_whirl
+from ..model.linear.supports import walls
 from ..model.linear.unbalance import UnbalanceResponse
+from ..model.linear.unbalance_peaks import gaps
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
 from ..model.message_templates import Message
 from ..model.parts.base import GROUND, InterfaceElement
 from ..model.parts.law import never_breaks
 
+_WHIRLS = (
+    0.5**0.5
+)  # damping ratio, of either sign: beyond, a motion grows or decays before it turns
 _SMALL = 0.5  # of a film's clearance: in a larger motion its coefficients are others
 
 
@@ -47,6 +54,7 @@ def where_linearized(
         if not any(speeds) and not linear.holds_at(0.0):
             where = "in the middle of its clearance, since at standstill it carries nothing"
         result.append(f"oil films, each linearized {where}: {names}")
+    result += where_it_lies_in_contacts(machine, max(speeds, key=abs), contacts)
     if follows_force:
         return result
     if linear.laws.follows.any():
@@ -67,6 +75,31 @@ def where_linearized(
             f"at its own frequency; here {here}"
         )
     return result
+
+
+def where_it_lies_in_contacts(
+    machine: Rotor, speed: float, contacts: str | None = None
+) -> list[str]:
+    """Return a sentence for the clearances that gravity and loads close at a speed [rad/s] where
+    all are taken as open."""
+    linear, parts = shared_machine(machine, contacts), walls(machine)
+    if linear.contacts != OPEN or not parts:
+        return []
+    try:
+        lying = static(machine, speed, contacts=contacts)
+    except LinearError:
+        return []
+    of_nodes, of_housings = lying.x + 1j * lying.y, lying.housing_x + 1j * lying.housing_y
+    at, d, shut = np.concatenate([np.repeat(of_nodes, 2), of_housings, [0.0]]), current(), []
+    for gap in gaps(linear, parts):
+        sag, clearance = abs(at[gap.dof] - at[gap.end]), gap.clearance
+        if sag > clearance + getattr(parts[gap.name].source, "wear", 0.0):
+            sizes = (f"{d.small * size:.5g} {d.small_word}" for size in (sag, clearance))
+            shut.append(f"{gap.name} with a sag of {' in a clearance of '.join(sizes)}")
+    if not shut:
+        return []
+    closed = f"the shaft at rest lies in contacts that are taken as open: {', '.join(shut)}"
+    return [f"{closed}; a run begins on them, as does `rotor-fmu response`"]
 
 
 def where_beyond_ranges(machine: Rotor, speeds: Collection[float]) -> list[Message]:
@@ -134,8 +167,11 @@ def _films(machine: Rotor) -> dict[str, InterfaceElement]:
 
 def where_not_at_rest(machine: Rotor, speed: float, contacts: str | None = None) -> list[str]:
     """Return a sentence for a machine whose equilibrium at a speed [rad/s] it leaves, as on a
-    negative stiffness; one that whirls about its equilibrium has it still."""
-    if not len(modes(machine, speed, contacts=contacts).growing):
+    negative stiffness, which gyroscopic moments turn a little; one that whirls about its
+    equilibrium has it still."""
+    found = modes(machine, speed, contacts=contacts)
+    if not (len(found.growing) or (found.damping_ratio < -_WHIRLS).any()):
         return []
+    how = "without oscillating" if len(found.growing) else "hardly oscillating"
     where = f"its equilibrium at {speed_with_unit(speed)} is unstable"
-    return [f"{where}: it moves away from there without oscillating"]
+    return [f"{where}: it moves away from there {how}"]

@@ -1,6 +1,7 @@
 """Pictures of linear analyses: what is read in them covers nothing else."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from rotor_fmu.model.linear.amplification import Peak
 from rotor_fmu.model.linear.stability_levels import StabilityCase
 from rotor_fmu.model.linear.unbalance_check import ProbeCritical
 
-from rotor_fmu.balancing.result import Balancing, Vibration
+from rotor_fmu.balancing.result import Balancing, ResidualUnbalance, Vibration
 from rotor_fmu.linear import answers, bearing_answers, frequency_answers
 from rotor_fmu.linear.acceptance import CriticalPeaks
 from rotor_fmu.linear.linear_plots import FAINT
@@ -58,6 +59,17 @@ def test_the_threshold_in_a_campbell_diagram_is_named_as_in_its_table_and_covers
     figure = result.figure()
     assert result.stability in [text.get_text() for text in figure.legends[0].texts]
     assert not figure.axes[1].texts
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_mode_that_hardly_oscillates_hides_no_decrement_of_a_campbell_diagram(sign):
+    """It grows or decays by a factor without limit in each of its periods."""
+    result = answers.campbell(load_rotor(TURBOCHARGER)[1], [100.0, 1000.0])
+    log_dec = np.full_like(result.log_dec, 0.2)
+    log_dec[:, 0] = sign * 1e4
+    result = replace(result, eigenvalues=-log_dec / (2.0 * math.pi) + 1j)
+    low, high = result.figure().axes[1].get_ylim()
+    assert (low, high) == pytest.approx((-3.0, 0.22) if sign < 0.0 else (-0.1, 3.0))
 
 
 def test_modes_too_damped_to_peak_are_faint_in_a_campbell_diagram():
@@ -216,3 +228,11 @@ def test_a_lag_is_negative_in_a_balancing_whichever_way_the_shaft_turns(sense):
     (axes,) = found.figure().axes
     shown = next(line for line in axes.lines if line.get_label() == "initial")
     assert np.arctan2(*shown.get_data()[::-1]) == pytest.approx(-0.3)
+
+
+def test_rounding_of_an_unbalance_of_one_direction_is_no_angle():
+    numbers = {"influence": np.zeros((1, 0)), "rank": 0, "touches": False, "settles": True}
+    vibrations = (Vibration(2, "x", 30.0, 1e-6 + 0j, 0j, 0j),)
+    there = ResidualUnbalance(1, 10.0, 1e-6 + 1e-22j, 0j, 1e-6, 1.0)
+    found = Balancing((), vibrations, (there,), service_speed=30.0, messages=(), **numbers)
+    assert found.table().rows[0][6] == 0.0

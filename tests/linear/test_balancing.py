@@ -1,6 +1,7 @@
 """Balancing by influence coefficients: the algebra, and runs of the rig without contact."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -321,8 +322,10 @@ def test_impossible_wishes_are_refused(refusal, arguments, expected):
 def test_a_machine_without_unbalance_is_not_balanced():
     rotor = without_contact()
     bare = rotor.with_parts(Disc, *[Disc(d.node, d.diameter, d.width) for d in rotor.discs])
-    with pytest.raises(InputError, match="no unbalance"):
-        balance(bare, [150.0], [4])
+    opposite = [Unbalance(4, 1e-5, 0.0), Unbalance(4, 1e-5, math.pi)]
+    for machine in (bare, bare.with_parts(Unbalance, *opposite)):
+        with pytest.raises(InputError, match="no unbalance"):
+            balance(machine, [150.0], [4])
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,12 @@ from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.linear import answers, stability_answers
 from rotor_fmu.linear.mode_answers import mode_shapes_figure
+from rotor_fmu.linear.where_linearized import where_not_at_rest
 from tests.linear.api_617 import ROOT, SHAFT
 from tests.linear.test_long_shafts import shaft
 
 PULLING = "[[{kind}]]\nnode = {node}\nkxx = {k}\nkyy = {ky}\ncxx = 2e3\ncyy = 2e3\n"
+UNBALANCE = "[[unbalance]]\nnode = 4\namount = 1e-5\n"
 
 
 def pulled(kind="linear_bearing", node=4, k=-5e6):
@@ -161,3 +163,38 @@ def test_the_tables_name_growth_without_oscillation_and_a_missing_stage():
     given = stability_answers.level_1(pulled(k=-1e6), 300.0, node=4, anticipated=1e3).table().title
     assert "UNSTABLE" not in given
     assert "no stage" not in given
+
+
+@pytest.mark.usefixtures("without_peaks")
+@pytest.mark.parametrize(("soft", "is_unstable"), [(2e5, True), (4e6, False)])
+def test_a_response_from_speeds_on_at_which_bearings_are_softer_than_what_pulls_says_so(
+    soft, is_unstable, command, tmp_path
+):
+    """A generator's films are soft at low speeds; at its rated one it is stable."""
+    stiffness = f"kxx = [{soft}, 1e7]\nkyy = [{soft}, 1e7]\ncxx = 2e3\ncyy = 2e3\n"
+    held = f"[[linear_bearing]]\nnode = {{}}\nspeed = [10.0, 300.0]\n{stiffness}"
+    pull = PULLING.format(kind="linear_bearing", node=4, k=-1e6, ky=-1e6)
+    path = tmp_path / "machine.toml"
+    path.write_text(SHAFT + held.format(1) + held.format(7) + pull + UNBALANCE)
+    assert (campbell(parse_rotor(path.read_text()), [10.0, 300.0]).threshold == 10.0) == is_unstable
+    said = command("unbalance", "--rotor", str(path), "--speed", "10:300:3")
+    assert (
+        "unstable at 1.5915 Hz, where its steady response is not reached" in said
+    ) == is_unstable
+
+
+@pytest.mark.parametrize(
+    ("k", "cross", "leaves"), [(-1e4, 0.0, True), (-1e4, 1e3, True), (1e4, 3e4, False)]
+)
+def test_a_pull_alike_in_both_planes_moves_a_machine_away_though_it_turns_a_little(
+    k, cross, leaves
+):
+    """Of m z'' + c z' + (k - i cross) z = 0 the growing root is a whirl only where k > 0."""
+    bearing = f"kxx = {k}\nkyy = {k}\nkxy = {cross}\nkyx = {-cross}\ncxx = 10.0\ncyy = 10.0\n"
+    rotor = parse_rotor(
+        SHAFT + "".join(f"[[linear_bearing]]\nnode = {n}\n{bearing}" for n in (1, 7))
+    )
+    fastest = max(all_roots(rotor, 300.0), key=lambda root: root.real)
+    assert fastest.real > 0.0
+    assert (abs(fastest.imag) < fastest.real) == leaves
+    assert bool(where_not_at_rest(rotor, 300.0)) == leaves

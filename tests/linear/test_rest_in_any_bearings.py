@@ -7,9 +7,12 @@ import random
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import LinearError, modes, static
+from rotor_fmu.model.linear.bearing_equilibrium import BearingAlone
+from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation
+from scipy.optimize import brentq
 
 from ..toml_text import table
 
@@ -202,3 +205,26 @@ def test_no_machine_rests_where_only_a_run_finds_it():
     known = np.array([distance for distance in distances if distance is not None])
     assert len(known) > 250
     assert known.max() < 1e-6
+
+
+def test_a_vertical_machine_rests_where_its_pads_are_just_as_stiff_as_what_pulls():
+    """There nothing leads back to the middle, and rounding leads anywhere."""
+    angles = [math.radians(30.0 * n) for n in range(12)]
+    film = {"journal_radius": 0.5, "length": 0.25, "clearance": 2.5e-4, "viscosity": 0.03}
+    pads = {"tilting": True, "pads": angles, "arc": math.radians(24.0), "preload": 0.3}
+    pull = {"kxx": -2e8, "kyy": -2e8, "cxx": 0.0, "cyy": 0.0}
+    tables = (
+        f"inclination = {math.pi / 2}",
+        table("material", young=2.1e14, density=7850.0),
+        table("shaft", nodes=[0.0, 2.0, 4.0], diameters=[0.8, 0.8]),
+        *(table("[journal_bearing]", node=node, **film, **pads) for node in (1, 3)),
+        table("[linear_bearing]", node=2, **pull),
+    )
+    rotor = parse_rotor("\n".join(tables))
+    bearing = dict(rotor.named_parts())["journal_bearing[1]"]
+
+    def left(speed):
+        return 2.0 * BearingAlone(bearing, speed).coefficients(0j)[0][0, 0] - 2e8
+
+    speed = brentq(left, 1.0, 50.0, xtol=1e-13)
+    assert np.abs(LinearMachine(rotor).at(speed).rest).max() == 0.0
