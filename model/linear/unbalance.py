@@ -1,7 +1,8 @@
 """Steady response to unbalance: the harmonic problem solved exactly, anisotropic bearings included.
 
 An unbalance U = m e exp(i phase) pulls with U Omega^2 exp(i Omega t) in x + i y, so that the real
-equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y:
+equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y; a residual bow pulls in the
+same way with the shaft's stiffness, whatever the speed (Nicholas, Gunter and Allaire 1976):
 
     (K + i Omega D - Omega^2 M) u = f,   u(t) = Re(u exp(i Omega t))
 """
@@ -14,7 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import numbers, rows
+from ..kernels.kernel import interpreted
 from ..machine.rotor import Rotor
+from ..structure.parameters import elastic_share
+from ..structure.structure import Structure
 from . import orbit
 from .linear_machine import shared_machine
 from .linearization import check_contacts
@@ -102,7 +106,8 @@ def unbalance_response(
     contacts: str | None = None,
     unbalances: Sequence[PlacedAmount] | None = None,
 ) -> UnbalanceResponse:
-    """Return the steady response at speeds [rad/s] to the machine's unbalances, or to given ones.
+    """Return the steady response at speeds [rad/s] to the machine's unbalances and bows, or to
+    unbalances given instead.
 
     unbalances: (node from 1 or `Place`, amount [kg.m], angle from the shaft's mark [rad]);
     contacts: `open` or `pinned`; None: open where the machine is held without them. Raises
@@ -138,6 +143,18 @@ def _of(at: Place, amount: float, phase: float) -> complex:
     return complex(amount * np.exp(1j * phase))
 
 
+def bow_pull(structure: Structure) -> np.ndarray:
+    """Return the force of a machine's shaft towards its residual bows, turning with it, complex of
+    shape (n,) [N, N.m]."""
+    share = interpreted(elastic_share)(structure.numbers[0].eta_h)
+    return np.asarray(share * (structure.bow @ structure.bow_forces))
+
+
+def turning(z: np.ndarray) -> np.ndarray:
+    """Return complex amplitudes in x and y, in turn, of what turns with the shaft."""
+    return np.column_stack([z, -1j * z]).ravel()
+
+
 class _Solved(NamedTuple):
     """A steady whirl: complex amplitudes of x and y of every dof, shape (size, 2) [m, rad]; what
     computes the loads on the supports [N], which take longer; where the unknowns are at rest."""
@@ -171,13 +188,17 @@ class SteadyWhirl:
         np.add.at(pull, at, each)
         np.add.at(size, at, np.abs(each))
         pull[np.abs(pull) <= _ROUNDING * size.real] = 0.0  # they take each other away
-        self._pull = np.column_stack([pull, -1j * pull]).ravel()
+        self._pull = turning(pull)
+        bow = np.zeros(len(pull), dtype=complex)
+        if unbalances is None:
+            bow[: len(machine.structure.static_load)] = bow_pull(machine.structure)
+        self._bow = turning(bow)
         self._solved = cache(self._solve)
 
     @property
     def is_driven(self) -> bool:
-        """Whether any unbalance acts."""
-        return bool(self._pull.any())
+        """Whether any unbalance or bow acts."""
+        return bool(self._pull.any() or self._bow.any())
 
     def at(self, speed: float) -> np.ndarray:
         """Return the complex amplitudes of x and y of every dof at a speed [rad/s], shape (size, 2)
@@ -197,14 +218,14 @@ class SteadyWhirl:
     def _solve(self, speed: float) -> _Solved:
         speed = checked_speed(speed)
         machine = self.machine
-        if speed == 0.0 and not machine.is_held:  # it turns about its centre of mass
+        if speed == 0.0 and (self._bow.any() or not machine.is_held):  # or about its centre of mass
             return self._solve(_CREEPING * float(machine.structure.numbers[0].lowest_omega))
         if speed == 0.0:  # nothing pulls, even on journals that no film carries yet
             nothing = np.zeros((len(machine.supports.names), 2), complex)
             at_rest = np.zeros(machine.expand.shape[1])
             return _Solved(np.zeros((len(self._pull) // 2, 2), complex), lambda: nothing, at_rest)
         linear = machine.at(speed)
-        force = speed**2 * self._pull
+        force = speed**2 * self._pull + self._bow
         whirl = linear.factorized(1j * speed)(machine.expand.T @ force)
         loads = partial(support_loads, machine, linear, force, whirl)
         return _Solved((machine.expand @ whirl[0]).reshape(-1, 2), loads, linear.rest)

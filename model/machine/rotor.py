@@ -16,6 +16,7 @@ from ..near_names import meant, suggestion
 from ..parts.base import (
     BASE,
     GROUND,
+    BowElement,
     Element,
     InterfaceElement,
     MountElement,
@@ -152,8 +153,7 @@ class Rotor:
                         raise QuantityError(f"{where}: {whose} has the name {element.name} already")
                     housings[element.name] = where
                 elif not isinstance(element, ReleaseElement) and not _is_base(element):
-                    self._check_node(where, element.node)
-                    self._check_bow(where, element)
+                    self._check_node(where, element)
         self._check_housings(set(housings))
         self._check_base()
         for name, heading in OWN.items():
@@ -176,25 +176,23 @@ class Rotor:
                 )
             section.check(where)
 
-    def _check_node(self, where: str, node: int) -> None:
-        highest = len(self.sections) + 1
+    def _check_node(self, where: str, element: Any) -> None:
+        node, highest = element.node, len(self.sections) + 1
         if isinstance(node, bool) or not isinstance(node, int) or not 1 <= node <= highest:
             raise QuantityError(f"{where}.node = {node!r}: must be an integer from 1 to {highest}")
-
-    def _check_bow(self, where: str, element: Element) -> None:
-        if not isinstance(element, InterfaceElement) or element.law.bow is None:
-            return
-        highest = len(self.sections) + 1
-        if not 1 < element.node < highest:
+        is_heated = isinstance(element, InterfaceElement) and element.law.bow is not None
+        if (is_heated or isinstance(element, BowElement)) and not 1 < node < highest:
             raise QuantityError(
-                f"{where}.node = {element.node}: must be between nodes 1 and {highest}, the ends "
-                "of the shaft, where it cannot bow"
+                f"{where}.node = {node}: must be between nodes 1 and {highest}, the ends of the "
+                "shaft, where it cannot bow"
             )
 
     def _check_singles(self) -> None:
         for kind in {type(part) for part in self.parts if part.IS_SINGLE}:
             if len(self.of_kind(kind)) > 1:
                 raise QuantityError(f"{kind.KIND}: {len(self.of_kind(kind))} given, 1 may be")
+        if self.elements_of_kind(ReleaseElement) and self.elements_of_kind(BowElement):
+            raise QuantityError("start: cannot be given with a bow, whose shaft is not straight")
 
     def _check_housings(self, housings: set[str]) -> None:
         interfaces = self.elements_of_kind(InterfaceElement)

@@ -4,6 +4,7 @@ from .base import Part
 from .base_and_start import Base, Start
 from .bearing import Bearing
 from .body import Body, PointMass
+from .bow import Bow
 from .clearance_contact import ClearanceContact
 from .disc import Coupling, Disc
 from .floating_ring_bearing import FloatingRingBearing

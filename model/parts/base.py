@@ -68,6 +68,15 @@ class ForceElement(NamedTuple):
     offset: float = 0.0
 
 
+class BowElement(NamedTuple):
+    """A residual bow of the shaft: how far a node between its ends lies off the line through these
+    [m], and the angle of that from the shaft's mark [rad]."""
+
+    node: int
+    amplitude: float
+    phase: float
+
+
 class PortElement(NamedTuple):
     """A place where an external force acts, `offset` [m] beyond a node, with its name in texts; or
     `BASE`, whose input is the acceleration of the foundation. impedance: of a transmission line,
@@ -130,6 +139,7 @@ Element = (
     | SpringElement
     | UnbalanceElement
     | ForceElement
+    | BowElement
     | PortElement
     | ProbeElement
     | VelocityElement

@@ -21,6 +21,7 @@ from ..linear.linear_machine import shared_machine
 from ..linear.linearization import OPEN
 from ..linear.real_matrices import TURN, in_plane
 from ..linear.supports import are_linear
+from ..linear.unbalance import bow_pull, turning
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble, interface_names
 from ..structure.structure import Structure
@@ -148,23 +149,27 @@ class CondensedMachine:
                 constant[s.load_dof[i]] += load
                 constant[arm.slope] += arm.offset * load
         expand = self.machine.expand
-        both = np.column_stack([pull, -1j * pull]).ravel()
-        self.unbalance = T.T @ (expand.T @ both)
+        bow = np.zeros(size, complex)
+        bow[: len(s.static_load)] = bow_pull(s)
+        self.unbalance, self.bow = (T.T @ (expand.T @ turning(of)) for of in (pull, bow))
         self.constant = T.T @ (expand.T @ (self.machine.static_load + in_plane(constant)))
 
     @property
     def length(self) -> float:
         """The unit of displacements [m]: the smallest clearance of the nonlinear interfaces; of a
-        machine without them what its unbalance moves it by far above all critical speeds."""
+        machine without them what its unbalance moves it by far above all critical speeds, or its
+        bow."""
         if self.laws.count:
             return float(self.laws.length.min())
         far = np.linalg.solve(self._M, self.unbalance)[: self.b]
-        return float(np.abs(far).max(initial=0.0) or self.structure.numbers[0].clearance)
+        bows = np.abs(self.structure.bow).max(initial=0.0)
+        return float(np.abs(far).max(initial=bows) or self.structure.numbers[0].clearance)
 
-    def unbalance_force(self, speed: float) -> np.ndarray:
-        """Return the complex amplitude of the unbalance's force at a speed [rad/s], as a vibration
-        in time, of the frequency abs(speed), shape (size,) [N]."""
-        return speed**2 * (self.unbalance if speed > 0.0 else self.unbalance.conj())
+    def turning_force(self, speed: float) -> np.ndarray:
+        """Return the complex amplitude of the unbalance's and bows' force at a speed [rad/s], as a
+        vibration in time, of the frequency abs(speed), shape (size,) [N]."""
+        force = speed**2 * self.unbalance + self.bow
+        return force if speed > 0.0 else force.conj()
 
     def matrices(self, speed: float) -> ReducedMatrices:
         """Return M, D, K in the reduced coordinates at a speed [rad/s]."""
@@ -185,14 +190,14 @@ class CondensedMachine:
 
     def dynamic_stiffness(self, omega: float, speed: float, H: int, order: int) -> DynamicStiffness:
         """Return the condensed equations at harmonics 0 to H of omega [rad/s]; order: harmonic at
-        which the unbalance acts, 0: no unbalance."""
+        which unbalance and bows act, 0: none."""
         M, D, K = self.matrices(speed)
         w = omega * np.arange(H + 1)[:, None, None]
         dynamic = K - w**2 * M + 1j * w * D
         force = np.zeros((H + 1, self.size), complex)
         force[0] = self.constant
         if order:
-            force[order] += self.unbalance_force(speed)
+            force[order] += self.turning_force(speed)
         b = self.b
         right = np.concatenate([dynamic[:, b:, :b], force[:, b:, None]], axis=2)
         solved = np.linalg.solve(dynamic[:, b:, b:], right)
@@ -262,6 +267,7 @@ _LINEAR = (
     "K_axial",
     "static_load",
     "unbalance",
+    "bow",
     "housings",
     "springs",
 )

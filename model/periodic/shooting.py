@@ -171,7 +171,7 @@ class Shooting(ContinuationEquations):
         state = (modes.shapes @ T).real
         of_state, N = np.linalg.inv(state), machine.size
         accelerations = np.zeros((2 * N, 2), complex)
-        both = np.column_stack([machine.constant, 0.5 * machine.unbalance_force(speed)])
+        both = np.column_stack([machine.constant, 0.5 * machine.turning_force(speed)])
         accelerations[N:] = np.linalg.solve(machine.matrices(speed).M, both)
         constant, forward = (T @ of_state @ accelerations).T
         backward = T @ of_state @ accelerations[:, 1].conj()

@@ -1,4 +1,4 @@
-"""Thermal bows of the shaft, which turn with the rotor (`structure.bow`).
+"""Bows of the shaft, which turn with the rotor (`structure.bow`).
 
 A bow b [m], in the frame of the rotor, makes b e^(i theta) s, with a shape s, the stress-free line
 of the shaft. The shaft is then pulled towards it with K_s s b e^(i theta), and with
@@ -8,8 +8,8 @@ of the shaft. The shaft is then pulled towards it with K_s s b e^(i theta), and 
 its elastic energy is larger by V than that of a straight shaft. The derivative of V with respect to
 theta is a torque on the drive, that with respect to b the work of the heat.
 
-A bow changes slowly compared with a revolution, so that a step extrapolates it with its rate at the
-beginning; the end of the step corrects it.
+A residual bow is constant. A thermal one changes slowly compared with a revolution, so that a step
+extrapolates it with its rate at the beginning; the end of the step corrects it.
 """
 
 from ..kernels.jit import jit
@@ -19,7 +19,15 @@ from ..structure.parameters import elastic_share
 @jit
 def _bow(structure, k, motion, ahead):
     """Return a bow [m], in the rotor's frame, `ahead` [s] of a motion."""
+    return structure.bow[k] + _change(structure, k, motion, ahead)
+
+
+@jit
+def _change(structure, k, motion, ahead):
+    """Return the thermal part of a bow [m], or along a row of a tangent."""
     at = structure.bows[k].state
+    if at < 0:
+        return 0.0j
     x = motion.internal_state[at] + ahead * motion.internal_rate[at]
     y = motion.internal_state[at + 1] + ahead * motion.internal_rate[at + 1]
     return complex(x, y)
@@ -29,6 +37,8 @@ def _bow(structure, k, motion, ahead):
 def _rate(structure, k, motion):
     """Return the rate of a bow [m/s], in the rotor's frame."""
     at = structure.bows[k].state
+    if at < 0:
+        return 0.0j
     return complex(motion.internal_rate[at], motion.internal_rate[at + 1])
 
 
@@ -38,6 +48,23 @@ def _add_pull(structure, k, bow, f):
     pull = elastic_share(structure.numbers[0].eta_h) * bow
     for i in range(len(f)):
         f[i] += structure.bow_forces[k, i] * pull
+
+
+@jit
+def is_bowed(structure):
+    """Return whether the shaft has a residual bow."""
+    result = False
+    for k in range(len(structure.bows)):
+        result = result or structure.bow[k] != 0.0
+    return result
+
+
+@jit
+def add_residual_bows(structure, f):
+    """Add to f, shape (n,) [N, N.m], the forces of the shaft towards its residual bows as the run
+    begins, with the mark of the rotor to the right."""
+    for k in range(len(structure.bows)):
+        _add_pull(structure, k, structure.bow[k], f)
 
 
 @jit
@@ -55,7 +82,7 @@ def add_bows_along(structure, spin, d_theta, share, ahead, row, motion, f):
     """Add to f `share` times the derivative of the forces of `add_bows` along a row of a tangent
     and along the angle."""
     for k in range(len(structure.bows)):
-        change = _bow(structure, k, row, ahead) + 1j * d_theta * _bow(structure, k, motion, 0.0)
+        change = _change(structure, k, row, ahead) + 1j * d_theta * _bow(structure, k, motion, 0.0)
         _add_pull(structure, k, share * change * spin.direction, f)
 
 

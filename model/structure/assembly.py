@@ -133,6 +133,7 @@ def assemble(rotor: Rotor) -> Structure:
         ),
         springs=springs,
         bows=bows,
+        bow=np.zeros(len(bows), dtype=complex),
         bow_forces=bow_forces,
         bow_stiffness=bow_stiffness,
         housings=housings,

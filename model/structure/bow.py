@@ -1,4 +1,4 @@
-"""The thermal bow of a shaft that is hot on one side at a node.
+"""The bow of a shaft that is hot on one side at a node, or not straight there.
 
 An element that is hot on one side would bend evenly, free of force (Bachschmid, Pennacchi and Vania
 2007: a pair of moments at its ends). Here the two elements beside the node do so, with the same
@@ -10,7 +10,7 @@ import numpy as np
 
 from ..kernels.band import product
 from ..machine.rotor import Rotor
-from ..parts.base import Element, InterfaceElement
+from ..parts.base import BowElement, Element, InterfaceElement
 from .structure import BOW
 
 
@@ -33,13 +33,16 @@ def bows_of(
     rotor: Rotor, elements: list[Element], K_shaft: np.ndarray
 ) -> tuple[np.recarray, np.ndarray, np.ndarray]:
     """Return `bows`, `bow_forces` and `bow_stiffness` of a `Structure`; K_shaft: a band matrix."""
-    records, shapes, state = [], [np.zeros((0, len(K_shaft)))], 0
+    residual = [e for e in elements if isinstance(e, BowElement)]
+    records = [(-1, bow.amplitude, bow.phase) for bow in residual]
+    nodes, state = [bow.node for bow in residual], 0
     for element in elements:
         if isinstance(element, InterfaceElement):
             if element.law.bow is not None:
-                records.append((state + element.law.bow,))
-                shapes.append(bow_shape(np.array(rotor.nodes), element.node)[None])
+                records.append((state + element.law.bow, 0.0, 0.0))
+                nodes.append(element.node)
             state += len(element.law.states_of(element.source))
-    shape = np.concatenate(shapes)
+    shape = np.array([bow_shape(np.array(rotor.nodes), node) for node in nodes])
+    shape = shape.reshape(-1, len(K_shaft))
     forces = np.array([product(K_shaft, s) for s in shape]).reshape(shape.shape)
     return np.array(records, dtype=BOW).view(np.recarray), forces, shape @ forces.T

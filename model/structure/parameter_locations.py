@@ -12,6 +12,7 @@ from ..machine.names import Name
 from ..machine.rotor import OWN, Rotor
 from ..parts import LAWS
 from ..parts.base import (
+    BowElement,
     Element,
     ForceElement,
     InterfaceElement,
@@ -95,6 +96,8 @@ def _member(element: Element) -> str:
         return "releases"
     if isinstance(element, ForceElement):
         return "forces"
+    if isinstance(element, BowElement):
+        return "bows"
     return "unbalances" if isinstance(element, UnbalanceElement) else ""
 
 

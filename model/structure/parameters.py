@@ -1,5 +1,5 @@
 """Values that follow from the parameters of an assembled machine: damping, stiffness, static load,
-unbalance, inertia, characteristic lengths. Compiled, a function of the structure alone."""
+unbalance, bow, inertia, characteristic lengths. Compiled, a function of the structure alone."""
 
 import math
 
@@ -29,6 +29,8 @@ def prepare(structure):
         structure.unbalance[i] = u.mass * u.e * direction(u.phase)
         inertia += u.spinning_mass * u.e * u.e
     numbers.inertia = inertia
+    for k in range(len(structure.bows)):
+        structure.bow[k] = structure.bows[k].amplitude * direction(structure.bows[k].phase)
     smallest = math.inf
     gravity = numbers.gravity * complex(numbers.down_x, numbers.down_y)
     for j in range(len(structure.interfaces)):

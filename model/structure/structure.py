@@ -24,8 +24,9 @@ FORCE = _record("dof slope", "fx fy offset")
 PROBE = _record("dof slope out", "offset")
 LOAD = _record("slope out", "offset impedance")
 RELEASE = _record("", " ".join(ReleaseElement._fields))
-# `state`: where the bow, in x and y of the rotor's frame, lies among the laws' states
-BOW = _record("state", "")
+# of a thermal bow, `state`: where it lies among the laws' states, in x and y of the rotor's frame;
+# of a residual one -1, and what it is
+BOW = _record("state", "amplitude phase")
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `dof`: the node's deflection, or the place of the housing that moves instead (`on_shaft`); `end`:
 # the housing's place in a motion, behind the dofs, or that of ground, the last;
@@ -69,8 +70,9 @@ class Structure(NamedTuple):
     of every deflection. load_dof: where external forces act, -1 for the base's acceleration, and
     load_arms: their offsets; probes, velocities: where displacements and velocities are observed.
     unbalances, and their values m e exp(i phase) [kg.m]. forces: constant. springs: to ground.
-    bows: thermal bows of the shaft; bow_forces: restoring force of the shaft for a bow of 1 m
-    [N/m, N], bow_stiffness: between two of them [N/m]; see `bow`. housings; interfaces: between
+    bows: of the shaft, residual and thermal; bow: what a residual one is, in the rotor's frame [m];
+    bow_forces: restoring force of the shaft for a bow of 1 m [N/m, N], bow_stiffness: between two
+    of them [N/m]; see `bow`. housings; interfaces: between
     nodes and housings; laws: the records of each law, and the tables. stores, losses: indices of
     the machine's entries in the ledger. numbers: see `NUMBERS`.
     """
@@ -98,6 +100,7 @@ class Structure(NamedTuple):
     forces: Annotated[np.recarray, FORCE, "forces"]
     springs: Annotated[np.recarray, SPRING, "springs"]
     bows: Annotated[np.recarray, BOW, "bows"]
+    bow: Annotated[np.ndarray, complex, "bows"]
     bow_forces: Annotated[np.ndarray, float, "bows", "n"]
     bow_stiffness: Annotated[np.ndarray, float, "bows", "bows"]
     housings: Annotated[np.recarray, HOUSING, "housings"]

@@ -6,6 +6,7 @@ import math
 from ..kernels.jit import jit, jit_inlined
 from ..schemes.family import Scheme
 from ..stability.whirls import find_growing_whirls
+from ..step.bows import add_residual_bows, is_bowed
 from ..step.excitation import at_place
 from ..step.laws import first_invalid_law
 from ..step.step_status import DONE
@@ -77,16 +78,22 @@ def start(block, speed, drive, rate):
             return OUT_OF_BOUNDS
         if first_invalid_law(run.structure, run.motion.q, run.motion.internal_state) >= 0:
             return OUT_OF_BOUNDS
+        _note_rest(run)
     else:
-        status = find_equilibrium(
-            run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem
-        )
-        if status != AT_EQUILIBRIUM:
-            return status
+        for bows in range(2 if is_bowed(run.structure) else 1):
+            if bows == 1:  # amplitudes are those about the rest of the straight shaft
+                add_residual_bows(run.structure, run.structure.static_load)
+            status = find_equilibrium(
+                run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem
+            )
+            if status != AT_EQUILIBRIUM:
+                return status
+            if bows == 0:
+                _note_rest(run)
+            else:
+                prepare(run.structure)  # the static load again
     if rests_past_limit(run.structure, run.motion, r):
         return LIMITED
-    for i in range(len(run.structure.probes)):
-        run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
     begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     first_size(run.structure, speed, run.motion, run.memory)
     _observe(run, _tangents(run))
@@ -111,6 +118,12 @@ def advance(block, t_end, drive, rate):
     status = time_loop.advance(run, scheme, control, tangents, t_end, drive, rate, d_rate)
     _observe(run, tangents)
     return status
+
+
+@jit
+def _note_rest(run):
+    for i in range(len(run.structure.probes)):
+        run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
 
 
 @jit_inlined

@@ -34,6 +34,7 @@ _OF_PARTS = {
     "element_diameter": Usual(1e-4, 1.0, _LENGTHS),
     "clearance": Usual(1e-8, 0.05, _LENGTHS),
     "e": Usual(0.0, 0.02, _LENGTHS),
+    "amplitude": Usual(0.0, 0.02, _LENGTHS),
     "mass": Usual(0.0, 1e6, (("g", 1e-3),)),
     "added_mass": Usual(0.0, 1e4, (("g", 1e-3),)),
     "amount": Usual(0.0, 10.0, (("g.mm", 1e-6), ("g.m", 1e-3))),
