@@ -155,7 +155,7 @@ class Rotor:
                 elif not isinstance(element, ReleaseElement) and not _is_base(element):
                     self._check_node(where, element)
         self._check_housings(set(housings))
-        self._check_base()
+        self._check_base_and_start()
         for name, heading in OWN.items():
             shown = str(Name(heading, 0, name))
             check(shown, quantities(self)[name], getattr(self, name))
@@ -191,8 +191,6 @@ class Rotor:
         for kind in {type(part) for part in self.parts if part.IS_SINGLE}:
             if len(self.of_kind(kind)) > 1:
                 raise QuantityError(f"{kind.KIND}: {len(self.of_kind(kind))} given, 1 may be")
-        if self.elements_of_kind(ReleaseElement) and self.elements_of_kind(BowElement):
-            raise QuantityError("start: cannot be given with a bow, whose shaft is not straight")
 
     def _check_housings(self, housings: set[str]) -> None:
         interfaces = self.elements_of_kind(InterfaceElement)
@@ -212,7 +210,9 @@ class Rotor:
                     f"{element.node}"
                 )
 
-    def _check_base(self) -> None:
+    def _check_base_and_start(self) -> None:
+        if self.elements_of_kind(ReleaseElement) and self.elements_of_kind(BowElement):
+            raise QuantityError("start: cannot be given with a bow, whose shaft is not straight")
         elements = list(self.named_elements())
         is_moved = any(_is_base(element) for _, element in elements)
         for where, element in elements:

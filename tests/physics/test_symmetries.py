@@ -86,6 +86,7 @@ CASES = {
     ],
     "point_mass": [("point_mass", {"node": 3, "mass": 1.0})],
     "unbalance": [("unbalance", {"node": 3, "amount": 1e-4, "phase": -1.0})],
+    "bow": [("bow", {"node": 2, "amplitude": 1e-5, "phase": 2.0})],
     "load": [("load", {"node": 3, "fx": 20.0, "fy": -30.0, "offset": 0.02})],
     "support": [("support", {"node": 2, "stiffness": 1e5, "damping": 30.0})],
     "sensor": [("sensor", {"node": 2})],
