@@ -211,9 +211,9 @@ class Rotor:
                 )
 
     def _check_base_and_start(self) -> None:
-        if self.elements_of_kind(ReleaseElement) and self.elements_of_kind(BowElement):
-            raise QuantityError("start: cannot be given with a bow, whose shaft is not straight")
         elements = list(self.named_elements())
+        if {ReleaseElement, BowElement} <= {type(element) for _, element in elements}:
+            raise QuantityError("start: cannot be given with a bow, whose shaft is not straight")
         is_moved = any(_is_base(element) for _, element in elements)
         for where, element in elements:
             if (
