@@ -208,7 +208,7 @@ def test_a_run_whose_fmu_ended_in_its_first_step_has_no_pictures(tmp_path):
 def test_a_small_motion_is_not_said_to_be_none(um, said):
     figures = {"place": "disc[2]", "no_peak": "the speed is constant"}
     figures |= dict.fromkeys(("x_peak_um", "y_peak_um"))
-    figures |= {"r_largest_um": um, "status": "ok"}
+    figures |= {"r_start_um": None, "r_largest_um": um, "status": "ok"}
     first, *_ = sentences(figures, recorded(stop=1.0), Path("report.html"))
     assert first == (
         f"No peak, because the speed is constant; disc 2 moved by at most {said} from rest after "
