@@ -1,5 +1,6 @@
 """TOML text -> `Rotor`, with a one-line error for a key that is missing, misspelt or impossible."""
 
+import re
 import tomllib
 from collections.abc import Iterator
 from dataclasses import fields
@@ -40,7 +41,7 @@ def parse_rotor(text: str) -> Rotor:
     try:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise QuantityError(f"not valid TOML: {error}") from error
+        raise QuantityError(_closed_list(text) or f"not valid TOML: {error}") from error
     refuse_unknown("", data, (*_OWN_KEYS, *(part.KIND for part in PARTS)))
     for key in ("material",) if "section" in data else ("material", "shaft"):
         if key not in data:
@@ -76,6 +77,19 @@ def parse_rotor(text: str) -> Rotor:
         identifier=data.get("identifier", ""),
         units=data.get("units", ""),
     )
+
+
+def _closed_list(text: str) -> str:
+    """Return one line about a list in one piece, as `disc = []` is, and tables that would add to
+    it, which TOML does not allow; nothing where there is none."""
+    for kind in (part.KIND for part in PARTS):
+        forms = (rf"^{kind}[ \t]*=[ \t]*\[", rf"^[ \t]*\[\[[ \t]*{kind}[ \t]*\]\]")
+        if all(re.search(form, text, re.MULTILINE) for form in forms):
+            return (
+                f"{kind} = [...]: is a whole list, to which [[{kind}]] cannot add; to replace the "
+                f"parts of another file, extend one that extends it and has `{kind} = []`"
+            )
+    return ""
 
 
 def _tables(kind: type[Part], data: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:

@@ -3,13 +3,13 @@ plane, and with the correction unbalances (ISO 21940-12)."""
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ..api.machine import Machine
-from ..api.simulate import simulate
+from ..api.simulate import plan
 from ..display import speed_with_unit
 from ..errors import InputError, RunFailed, check_positive, listed, numbers
 from ..linear.answers import modes
@@ -28,7 +28,10 @@ from ..model.quantities import STANDARD_GRAVITY, check_size
 from ..model.settings.table import IN_STAGES
 from ..model.structure.assembly import assemble
 from ..model.structure.structure import total_mass
+from ..model.time_loop.recorder import Record
 from ..run_status import has_failed, on_numbers
+from ..runs.progress import steps
+from ..runs.run_down import RECORDER_ROWS, run_recorded
 from ..vibration.influence_coefficients import correction, enough_measurements, once_per_turn
 from .result import Balancing, CorrectionPlane, ResidualUnbalance, Vibration
 
@@ -41,8 +44,10 @@ _TOLERANCE = 1e-5
 _STEADY = 0.01  # of the initial vibration: what another one within a run may differ by
 _UNSTEADY = "the vibration was not steady: another motion than that of the unbalance is in it"
 
-# Of how many runs are done, and of what the next one is.
-ReportRun = Callable[[int, str], None]
+# Of the share of a run that is done, and of what gives its steps and what limits them, in words.
+ReportShare = Callable[[float, Callable[[], str]], None]
+# Of how many runs are done, and of what the next one is; returns what is told how far that one is.
+ReportRun = Callable[[int, str], ReportShare | None]
 
 
 def balance(
@@ -59,9 +64,9 @@ def balance(
     speeds: of balancing [rad/s], of either sense of rotation; planes: nodes (from 1) of the
     correction planes; measured: nodes (from 1) at which x and y are measured, by default those of
     the planes; trial: unbalance of each plane [kg.m], by default all together pull with a tenth of
-    the rotor's weight at the slowest balancing speed; report: called before each run. Raises
-    `InputError` if a speed, a node or the trial unbalance cannot be, or the machine is unstable at
-    a speed, `RunFailed` if a run stops before its end.
+    the rotor's weight at the slowest balancing speed; report: called before each run, returns what
+    is called during it. Raises `InputError` if a speed, a node or the trial unbalance cannot be, or
+    the machine is unstable at a speed, `RunFailed` if a run stops before its end.
     """
     speeds, planes = numbers("speeds", speeds), listed("planes", planes, "nodes")
     nodes = planes if measured is None else listed("measured", measured, "nodes")
@@ -157,35 +162,34 @@ class _Bench:
         rotor = _with(self._rotor, unbalances)
         result = []
         for speed, turns in zip(self._speeds, self._turns, strict=True):
-            self._report(self._done, f"{what}, {turns} turns at {speed_with_unit(speed)}")
-            result.append(self._at(rotor, speed, turns))
+            words = f"{what}, {turns} turns at {speed_with_unit(speed)}"
+            result.append(self._at(rotor, speed, turns, self._report(self._done, words)))
             self._done += 1
         return np.concatenate(result)
 
-    def _at(self, rotor: Rotor, speed: float, turns: int) -> np.ndarray:
+    def _at(self, rotor: Rotor, speed: float, turns: int, share: ReportShare | None) -> np.ndarray:
         turn = 2 * math.pi / abs(speed)
         names = [f"measured_{node}.{axis}" for node in self._nodes for axis in "xy"]
+        record = Record((*names, *self._touching), 2 * math.pi / _ROWS, RECORDER_ROWS)
+        many = {"solver.method": IN_STAGES}  # many times fewer steps than others
         with warnings.catch_warnings(action="ignore"):
-            result = simulate(
-                Machine(rotor, ""),
-                speed=speed,
-                stop=turns * turn,
-                tolerance=_TOLERANCE,
-                parameters={"solver.method": IN_STAGES},  # many times fewer steps than others
-                record=[*names, *self._touching],
-                per_turn=_ROWS,
-                step=turn,
-            )
-        self.messages |= dict.fromkeys(on_numbers(result.messages, result.codes))
-        if has_failed(result.status):
-            why = "; ".join([result.status, *self.messages])
+            job = plan(Machine(rotor, ""), speed, None, turns * turn, None, _TOLERANCE, many, turn)
+
+        def progress(t: float, observe: Callable[[], Mapping[str, float]]) -> None:
+            if share:
+                share(t / job.stop, lambda: steps(observe(), job.step, job.settings))
+
+        run, result = run_recorded(job, record, progress, is_silent=True)
+        self.messages |= dict.fromkeys(on_numbers(run.messages, (m.code for m in run.messages)))
+        if has_failed(run.status):
+            why = "; ".join([run.status, *self.messages])
             raise RunFailed(f"the run at {speed:g} rad/s {why}")
-        phi = result["phi"]
+        phi, columns = result.phi, result.columns
         within = (np.abs(phi - phi[-1]) < 2 * math.pi * _MEASURED).nonzero()[0]
-        self.touches |= any(bool((result[name][within] > 0.0).any()) for name in self._touching)
+        self.touches |= any(bool((columns[name][within] > 0.0).any()) for name in self._touching)
         halves = np.array_split(within, 2)
         first, last = (
-            np.array([once_per_turn(phi[half], result[name][half]) for name in names])
+            np.array([once_per_turn(phi[half], columns[name][half]) for name in names])
             for half in halves
         )
         self.change = max(self.change, float(np.abs(last - first).max()))

@@ -1,5 +1,6 @@
 """`rotor-fmu critical-map`, `stability` and `unbalance`, by API 617 and 684, and `balance`."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -279,14 +280,23 @@ def balance(
     check_nodes(machine, "--plane", plane)
     check_nodes(machine, "--node", node or ())
     from ..balancing.trial_runs import balance as balanced
+    from ..linear.where_linearized import where_it_is_not_balanced
 
     runs = len(speeds) * (2 + len(plane))
     with progress_of("balance", runs, first=0.0) as update:
 
-        def report(done: int, what: str) -> None:
+        def report(done: int, what: str) -> Callable[[float, Callable[[], str]], None]:
+            words = f"run {done + 1} of {runs}, {what}"
             if not done:  # all that was asked for is checked, and nothing was run
                 writable_folder(out)
-            update(done, lambda: f"run {done + 1} of {runs}, {what}", False)
+                say(where_it_is_not_balanced(machine, max(speeds, key=abs)))
+            update(done, lambda: words, False)
+
+            def within(share: float, steps: Callable[[], str]) -> None:
+                text = f"{words}, {share:.0%} done, "
+                update(done + share, lambda: text + steps(), False)
+
+            return within
 
         result = balanced(machine, speeds, plane, measured=node, trial=amount, report=report)
     return print_answer(result, out, "balance")

@@ -82,6 +82,24 @@ def where_it_lies_in_contacts(
 ) -> list[str]:
     """Return a sentence for the clearances that gravity and loads close at a speed [rad/s] where
     all are taken as open."""
+    if shut := closed_at_rest(machine, speed, contacts):
+        closed = f"the shaft at rest lies in contacts that are taken as open: {', '.join(shut)}"
+        return [f"{closed}; a run begins on them, as does `rotor-fmu response`"]
+    return []
+
+
+def where_it_is_not_balanced(machine: Rotor, speed: float) -> list[str]:
+    """Return a sentence for the clearances that gravity and loads close at a balancing speed
+    [rad/s]."""
+    if shut := closed_at_rest(machine, speed):
+        closed = f"the shaft at rest lies in contacts: {', '.join(shut)}"
+        return [f"{closed}; influence coefficients are those of a machine that does not rub"]
+    return []
+
+
+def closed_at_rest(machine: Rotor, speed: float, contacts: str | None = None) -> list[str]:
+    """Return the clearances that gravity and loads close at a speed [rad/s] where all are taken as
+    open, each in words with its sag."""
     linear, parts = shared_machine(machine, contacts), walls(machine)
     if linear.contacts != OPEN or not parts:
         return []
@@ -96,10 +114,7 @@ def where_it_lies_in_contacts(
         if sag > clearance + getattr(parts[gap.name].source, "wear", 0.0):
             sizes = (f"{d.small * size:.5g} {d.small_word}" for size in (sag, clearance))
             shut.append(f"{gap.name} with a sag of {' in a clearance of '.join(sizes)}")
-    if not shut:
-        return []
-    closed = f"the shaft at rest lies in contacts that are taken as open: {', '.join(shut)}"
-    return [f"{closed}; a run begins on them, as does `rotor-fmu response`"]
+    return shut
 
 
 def where_beyond_ranges(machine: Rotor, speeds: Collection[float]) -> list[Message]:

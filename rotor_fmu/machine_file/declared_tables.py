@@ -94,7 +94,8 @@ def own_tables() -> Iterator[Table]:
     top.append(Key("units", None, text, kind="string"))
     text = (
         "machine file that this one adds to: keys replace its own, parts follow its own; an empty "
-        "list, such as `seal = []`, removes its parts of that kind"
+        "list, such as `seal = []`, removes its parts of that kind, which a file that extends this "
+        "one may replace"
     )
     top.append(Key("extends", None, text, kind="string"))
     defaults = {field.name: field.default for field in fields(Rotor)}

@@ -69,7 +69,7 @@ def study_page(
     lists = [column["name"] for column in about["columns"] if column["dimension"]]
     left_out = [name for name in lists if name not in {curve["name"] for curve in data["curves"]}]
     body = template("study.html").substitute(
-        notices=_notices(about, status, len(shown), left_out),
+        notices=_notices(about, status, len(shown), left_out, _beyond(about, rows)),
         tables=_ranges(columns, values, np.arange(len(rows)) if drawn is None else drawn),
         hidden="" if data["curves"] else " hidden",
     )
@@ -117,10 +117,28 @@ def _curves(
     return result
 
 
+def _beyond(about: Mapping[str, Any], rows: "pyarrow.Table") -> list[str]:
+    """Return a sentence for each limit of the study that runs pass."""
+    units, said = {column["name"]: column["unit"] for column in about["columns"]}, []
+    for name, limit in about.get("limits", {}).items():
+        values, shown = np.asarray(rows[name].to_numpy(), float), current().of_si(units[name])
+        is_beyond = values < limit["value"] if limit["is_least"] else values > limit["value"]
+        if count := int(is_beyond.sum()):
+            sign = "<" if limit["is_least"] else ">"
+            end = f"{shown.factor * limit['value']:.5g} {shown.unit if shown.unit != '1' else ''}"
+            runs = "run" if count == 1 else "runs"
+            said.append(f"{count} {runs} beyond a limit: {name} {sign} {end.rstrip()}")
+    return said
+
+
 def _notices(
-    about: Mapping[str, Any], status: Sequence[str], shown: int, left_out: Sequence[str]
+    about: Mapping[str, Any],
+    status: Sequence[str],
+    shown: int,
+    left_out: Sequence[str],
+    beyond: Sequence[str] = (),
 ) -> str:
-    said = []
+    said = [*beyond]
     whole = int(about.get("runs", len(status)))
     if len(status) < whole:
         said.append(f"The study goes on: {len(status)} of {whole} runs have their rows.")

@@ -44,7 +44,8 @@ def summary(
     synchronous_place: whose 1x response after the start-up is the largest; synchronous_um: major
     semi-axis of its ellipse, 0-p; synchronous_hz: the speed of it; amplification: factor of the
     place's highest resonance, None where the run passes none, or too quickly, or not both of its
-    half-power points. All are None of a run of too few turns.
+    half-power points. All are None of a run of too few turns, or whose 1x keeps its angle to the
+    mark nowhere, as while a free vibration hides it.
 
     psi_at_x_peak_deg: between which contact angles the last bearing that touches does so at the
     peak in x, None if it does not there; circulation_hz: lowest and highest speed after the

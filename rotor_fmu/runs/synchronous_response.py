@@ -1,5 +1,6 @@
 """The synchronous (1x) response of each place of a run: its largest, and its resonance."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,10 +21,11 @@ _WIDE = 1.3  # ratio of the speeds between which a run may pass a resonance
 
 class SynchronousResponse(NamedTuple):
     """The largest 1x vector of a place after the start-up, of those that keep their angle to the
-    mark if any does.
+    mark.
 
-    major: semi-axis of its ellipse, 0-p [m]; speed: at which it is largest [rad/s];
-    resonance: the highest one of the place over the speed, None where the run passes none.
+    major: semi-axis of its ellipse, 0-p [m]; speed: at which it is largest [rad/s]; both NaN where
+    none keeps its angle, as in a free vibration that hides it; resonance: the highest one of the
+    place over the speed, None where the run passes none.
     """
 
     place: MeasuringPoint
@@ -37,8 +39,9 @@ def synchronous_response(run: Recording, place: MeasuringPoint) -> SynchronousRe
     track = vibration.order_track_of(run.resampled(place), (1.0,))
     major = track.major() * 1e-6  # recorded motions are resampled in um
     keeps = _keeps_its_angle(track)
-    of_one = np.where(keeps, major, np.nan) if keeps.any() else major
-    at = largest_row(track.t, of_one, start_up(run.t, run.w))
+    if not keeps.any():
+        return SynchronousResponse(place, math.nan, math.nan, None)
+    at = largest_row(track.t, np.where(keeps, major, np.nan), start_up(run.t, run.w))
     span, found = abs(track.speed), []
     if vibration.goes_one_way(track.speed) and span.max() > _WIDE * span.min():
         found = vibration.resonances(track.speed, major, t=track.t)
@@ -51,12 +54,15 @@ def _keeps_its_angle(track: vibration.OrderTrack) -> np.ndarray:
     """Return where the 1x vector keeps its angle to the mark from turn to turn, shape (m,)."""
     if len(track.t) < 2:
         return np.ones(len(track.t), bool)
-    forward, backward = track.forward[:, 0], track.backward[:, 0]
-    larger = np.where(abs(forward) >= abs(backward), forward, backward)
-    changes = abs(np.angle(larger[1:] * larger[:-1].conj()))
-    before, after = np.append(0.0, changes), np.append(changes, 0.0)
+    both = np.concatenate([track.forward, track.backward], axis=1)
+    turned = both[1:] * both[:-1].conj()
+    size = np.sqrt(np.abs(turned))  # by which either half counts
+    whole = np.maximum(size.sum(axis=1), np.finfo(float).tiny)
+    changes = (size * np.abs(np.angle(turned))).sum(axis=1) / whole
     swept = BLOCK * TURN * abs(np.gradient(track.speed) / track.speed)
-    return np.asarray(np.maximum(before, after) <= np.maximum(_KEPT, swept))
+    around = np.pad(changes, BLOCK // 2)  # half a block before each and half a block after it
+    largest = np.lib.stride_tricks.sliding_window_view(around, BLOCK).max(axis=1)
+    return np.asarray(largest <= np.maximum(_KEPT, swept))
 
 
 def largest_synchronous_response(run: Recording) -> SynchronousResponse | None:
@@ -66,5 +72,6 @@ def largest_synchronous_response(run: Recording) -> SynchronousResponse | None:
         responses = [synchronous_response(run, place) for place in run.shaft_places]
     except vibration.TooFewTurns:
         return None
+    responses = [each for each in responses if math.isfinite(each.major)]
     places = [(each.major, each.place.is_bearing) for each in responses]
     return responses[last_of_the_largest(places)] if responses else None

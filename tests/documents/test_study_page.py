@@ -105,6 +105,22 @@ def test_reasons_that_are_left_out_are_counted(kinds, expected):
     assert f"... and {expected} the map shows each." in _notices({}, status, kinds, [])
 
 
+@pytest.mark.parametrize("is_least", [False, True])
+def test_runs_beyond_a_limit_are_counted(tmp_path, is_least):
+    """Of those that have the value; a limit that none passes is not named."""
+    write_study(tmp_path / "study")
+    about, rows, *_ = read_study(tmp_path / "study")
+    peaks = np.asarray(rows["peak"].to_numpy(), float)
+    limit = float(np.nanmedian(peaks))
+    count = int((peaks < limit if is_least else peaks > limit).sum())
+    sign = "&lt;" if is_least else "&gt;"
+    said = f"{count} runs beyond a limit: peak {sign} {1e6 * limit:.5g} µm<"
+    for value, is_said in ((limit, True), (0.0 if is_least else 1.0, False)):
+        limits = {"peak": {"value": value, "is_least": is_least}}
+        page = study_page({**about, "limits": limits}, rows)
+        assert (said in page, "beyond a limit" in page) == (is_said, is_said)
+
+
 def test_quantiles_of_some_of_the_runs_are_named_as_such(tmp_path):
     """Of a design for indices, most of whose runs repeat draws of others; the rest is of all."""
     write_study(tmp_path / "study")

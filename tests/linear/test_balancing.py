@@ -222,11 +222,6 @@ def test_a_speed_at_which_a_whirl_in_tilting_pads_grows_is_refused():
         balance(parse_rotor(on_pads(8e5)), [1000.0], [2])
 
 
-@pytest.mark.usefixtures("few_turns")
-def test_a_contact_that_closes_is_said():
-    assert balance(rig(), [150.0], [5]).touches
-
-
 @pytest.mark.usefixtures("drawn")
 @pytest.mark.usefixtures("few_turns")
 def test_the_command_tells_the_corrections(tmp_path, command):

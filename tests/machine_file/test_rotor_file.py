@@ -108,6 +108,7 @@ WRONG = [
     (r"\[shaft\]", "[shaft]\nstart = 0.1", ["shaft.start: cannot be combined with shaft.nodes"]),
     (r"\[shaft\]", "[material]\n[shaft]", ["not valid TOML", "twice", "line"]),
     (r"gravity = 9.81", "gravity = 9.81 m/s2", ["not valid TOML", "line"]),
+    (r'name = "zigulic2003"', "disc = []", ["disc = [...]", "[[disc]] cannot add", "`disc = []`"]),
     (r"gravity = 9.81", "gravity = 1" + 400 * "0", ["gravity"]),
     (r"gravity = 9.81", "gravity = " + 5000 * "1", []),
     (r"0.043", "1" + 400 * "0", ["shaft.nodes[2]"]),
