@@ -13,6 +13,7 @@ from .laws import kinematics, law_rates, law_tangent_called, relative
 
 # Step of the finite differences, as a share of the size of the law's argument.
 _SHARE = 1e-6
+_NONE = 1e-3  # share of a law's length below which a state is none: at rest it is rounding
 
 
 class Change(NamedTuple):
@@ -46,7 +47,8 @@ def _difference_step(interface, moving, change, state, d_state):
     size = max(size, modulus(change.velocity) / (interface.length * change.omega))
     size = max(size, abs(change.speed) / max(abs(moving.speed), 1.0))
     for k in range(interface.states):
-        scale = abs(state[k]) if state[k] != 0.0 else interface.length
+        is_small = abs(state[k]) < _NONE * interface.length
+        scale = interface.length if is_small else abs(state[k])
         size = max(size, abs(d_state[k]) / scale)
     return _SHARE / size if size > 0.0 else 0.0
 

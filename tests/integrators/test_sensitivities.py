@@ -98,6 +98,18 @@ def test_so_they_are_with_the_contacts_open():
     assert not within(made.errors((*MOTIONS, *DRIVES), [0], 1e-3), 1e-6)
 
 
+def test_so_they_are_of_a_journal_that_sticks_at_rest():
+    """Whose spring is stretched by nothing but rounding, in a contact beside the vertical."""
+    load = np.zeros(4, dtype=complex)
+    load[0] = 3 + 2j
+    made = Differences(parse_rotor(STICKING), 0.0, 0)
+    made.loads, options = load, {"speed": 0.0, "loads": load, "coupling": ON}
+    made.simulation = Simulation(parse_rotor(STICKING), choose("robust"), **options)
+    made.simulation.advance(H, 0.0, load)
+    made.start, made.to = made.simulation.snapshot(), 2 * H
+    assert not within(made.errors((*MOTIONS, "bearing[2].ft"), [0], 1e-2), 1e-3)
+
+
 @pytest.mark.parametrize("impedance", [0.0, 0.5])
 @pytest.mark.parametrize(
     ("toml", "speed", "steps", "change"),
