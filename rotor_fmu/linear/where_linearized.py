@@ -24,9 +24,8 @@ from ..model.message_templates import Message
 from ..model.parts.base import GROUND, InterfaceElement
 from ..model.parts.law import never_breaks
 
-_WHIRLS = (
-    0.5**0.5
-)  # damping ratio, of either sign: beyond, a motion grows or decays before it turns
+# Of either sign, a damping ratio beyond which a motion grows or decays before it has turned.
+_WHIRLS = 0.5**0.5
 _SMALL = 0.5  # of a film's clearance: in a larger motion its coefficients are others
 
 
