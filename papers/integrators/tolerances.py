@@ -1,4 +1,5 @@
-"""What a tolerance promises: errors of error-controlled runs, judged by CVODE, over many machines.
+"""What a tolerance promises: errors of error-controlled runs, judged by CVODE or, of what its
+equations know nothing of, by another integrator, over many machines.
 
 The rows are kept beside this module; `python -m tests.population` makes them anew.
 """
@@ -16,6 +17,7 @@ TAME = 10.0  # condition below which a largest displacement is promised
 GROUPS = {
     "drawn": "drawn at random",
     "fast": "drawn at random, fast",
+    "bearings": "drawn at random, other bearings",
     "rig": "the rig, four windows",
     "examples": "examples",
 }
@@ -129,6 +131,7 @@ def in_words(result: Sequence[Row]) -> dict[str, str]:
         "worst": f"{max(r.conditioned for r in result if r.status == 'ok'):.2g}",
         "machines": str(len({r.name for r in result if r.group == "drawn"})),
         "fast": str(len({r.name for r in result if r.group == "fast"})),
+        "bearings": str(len({r.name for r in result if r.group == "bearings"})),
         "condition": f"{max(conditions):.2g}",
         "least_condition": f"{min(conditions):.2g}",
         "peaks": ", ".join(f"{peak:.2g} %" for peak in peaks),

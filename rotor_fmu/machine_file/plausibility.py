@@ -6,7 +6,11 @@ from typing import Any, NamedTuple
 
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import RIM
-from ..model.parts.base import BodyElement
+from ..model.parts.base import GROUND, BodyElement
+from ..model.parts.film_law import POINTS
+from ..model.parts.linear_bearing import LinearBearing
+from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
+from ..model.parts.support import Support
 from ..model.quantities import quantities
 
 
@@ -53,6 +57,7 @@ _SHAFT = Usual(1e-3, 100.0, _LENGTHS)
 _HEAVY = 5e5  # kg of a disc: heavier than any that runs
 _THINNEST = 2.02  # I_p over I_d: that of a disc without width, to two digits
 _RPM = math.pi / 30
+_ACROSS = 3.0  # elements of a film that are as wide as it is under a ring that lies on its wall
 
 
 def implausible_values(rotor: Rotor) -> list[str]:
@@ -127,7 +132,27 @@ def _relations(rotor: Rotor) -> Iterator[str]:
                     f"{where}.I_p = {element.polar:g} kg.m2: no body has more than twice its I_d, "
                     f"which is {element.diametral:g} kg.m2; are they exchanged?"
                 )
+        if isinstance(part, SqueezeFilmDamper):
+            yield from _points(where, part, rotor)
     yield from _speed(rotor)
+
+
+def _points(where: str, damper: SqueezeFilmDamper, rotor: Rotor) -> Iterator[str]:
+    """Yield the warning about a film that is narrower than its elements where the ring lies: as
+    thin as its roughness over an angle of sqrt(2 roughness / clearance) [rad]."""
+    held = {each.node for each in rotor.of_kind(Support)}
+    held |= {each.node for each in rotor.of_kind(LinearBearing)}
+    is_held = damper.stiffness > 0.0 or damper.ring != GROUND or damper.node in held
+    if is_held or damper.k == 0.0 or damper.short or damper.full or damper.sealed:
+        return
+    width = math.sqrt(2.0 * damper.roughness / damper.clearance)
+    needed = min(math.ceil(_ACROSS * math.pi / width), int(POINTS.most))
+    if damper.points < needed:
+        yield (
+            f"{where}.points = {damper.points:g}: no spring holds the ring, and where it lies on "
+            f"its wall the film is narrower than an element, so that steps are very short; take "
+            f"{needed}"
+        )
 
 
 def _smaller(value: float, largest: float) -> str:

@@ -1,5 +1,5 @@
-"""Machines of every kind of part: their equations written anew for CVODE (SUNDIALS). They share the
-matrices of shaft and bodies with this project, and no law.
+"""Machines of contacts, linear bearings, seals and housings: their equations written anew for CVODE
+(SUNDIALS). They share the matrices of shaft and bodies with this project, and no law.
 
 Of a race of inertia J under friction T, its surface at the radius R + s:
 

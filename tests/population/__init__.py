@@ -1,2 +1,2 @@
-"""Machines drawn at random with every kind of part, what CVODE finds of them, and what this project
-does: `python -m tests.population`."""
+"""Machines drawn at random with every kind of part, what CVODE or another integrator finds of them,
+and what this project does: `python -m tests.population`."""

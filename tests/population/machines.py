@@ -1,4 +1,5 @@
-"""Machines drawn at random: every kind of part, responses of all sizes, constant speeds, ramps."""
+"""Machines drawn at random: every kind of part that CVODE's equations know, responses of all sizes,
+constant speeds, ramps."""
 
 import math
 from collections.abc import Callable
@@ -64,7 +65,7 @@ class Case:
         )
 
 
-class _Draw:
+class Draw:
     """Random numbers of one machine."""
 
     def __init__(self, seed: int) -> None:
@@ -84,7 +85,7 @@ class _Draw:
 
 
 @dataclass(frozen=True)
-class _Shaft:
+class Shaft:
     """What every machine has: a shaft of four to seven elements with one or two discs."""
 
     text: str
@@ -94,8 +95,18 @@ class _Shaft:
     diameter: float
     mass: float
 
+    @property
+    def stiffness(self) -> float:
+        """Between its ends, about [N/m]."""
+        return 48 * 2.1e11 * math.pi / 64 * self.diameter**4 / self.length**3
 
-def _shaft(draw: _Draw, eta_v: float, others: str = "") -> _Shaft:
+    @property
+    def near(self) -> int:
+        """The node beside the disc."""
+        return max(2, min(self.nodes - 1, self.disc + 1))
+
+
+def bar(draw: Draw, eta_v: float, others: str = "") -> Shaft:
     nodes = int(draw.rng.integers(5, 9))
     length, diameter = draw.log(0.3, 1.5), draw.log(0.012, 0.04)
     z = np.linspace(0.0, length, nodes)
@@ -124,10 +135,10 @@ def _shaft(draw: _Draw, eta_v: float, others: str = "") -> _Shaft:
         text += table(
             "[disc]", node=other, diameter=0.6 * disc_diameter, width=width, e=5e-6, phase=2.0
         )
-    return _Shaft(text, nodes, disc, length, diameter, mass)
+    return Shaft(text, nodes, disc, length, diameter, mass)
 
 
-def _contact(draw: _Draw, stiffness: float, clearance: float, **more: object) -> dict[str, object]:
+def contact(draw: Draw, stiffness: float, clearance: float, **more: object) -> dict[str, object]:
     """What a clearance contact is; stiffness: of the shaft, that of the contact is some of it."""
     return {
         "journal_radius": 0.01,
@@ -139,11 +150,11 @@ def _contact(draw: _Draw, stiffness: float, clearance: float, **more: object) ->
     }
 
 
-def _held(draw: _Draw, shaft: _Shaft, stiffness: float) -> str:
+def held(draw: Draw, shaft: Shaft) -> str:
     """Supports at both ends, or linear bearings."""
     text = ""
     for node in (1, shaft.nodes):
-        k = stiffness * draw.log(1.0, 10.0)
+        k = shaft.stiffness * draw.log(1.0, 10.0)
         c = 2 * draw.log(0.03, 0.3) * math.sqrt(k * shaft.mass)
         if draw.between(0, 1) < 0.5:
             text += table("[support]", node=node, stiffness=k, damping=c)
@@ -153,7 +164,7 @@ def _held(draw: _Draw, shaft: _Shaft, stiffness: float) -> str:
     return text
 
 
-def _tabulated(draw: _Draw, kind: str, shaft: _Shaft, k: float, crossed: float, top: float) -> str:
+def _tabulated(draw: Draw, kind: str, shaft: Shaft, k: float, crossed: float, top: float) -> str:
     """A bearing whose coefficients follow the speed, cross coupled by `crossed` [N/m] at the top
     speed [rad/s]."""
     speeds = [0.1 * top, 0.4 * top, 0.7 * top, 1.1 * top]
@@ -172,20 +183,15 @@ def _tabulated(draw: _Draw, kind: str, shaft: _Shaft, k: float, crossed: float, 
     )
 
 
-def _stiffness(shaft: _Shaft) -> float:
-    """Of the shaft between its ends, about [N/m]."""
-    return 48 * 2.1e11 * math.pi / 64 * shaft.diameter**4 / shaft.length**3
-
-
-def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
+def _around(kind: str, draw: Draw, shaft: Shaft, clearance: float) -> str:
     """What the kind adds to the shaft: how it is held, and what it touches."""
-    k, near = _stiffness(shaft), max(2, min(shaft.nodes - 1, shaft.disc + 1))
+    k = shaft.stiffness
     if kind == "bearing":
         return "".join(
             table(
                 "[bearing]",
                 node=node,
-                **_contact(draw, k, clearance),
+                **contact(draw, k, clearance),
                 mass=0.2 * shaft.mass * draw.between(0.3, 1.0),
                 kx=k * draw.log(3, 30),
                 ky=k * draw.log(30, 1000),
@@ -199,7 +205,7 @@ def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
             table(
                 "[touchdown_bearing]",
                 node=node,
-                **_contact(draw, k, clearance),
+                **contact(draw, k, clearance),
                 race_inertia=draw.log(1e-5, 1e-3),
                 race_drag=draw.log(1e-4, 1e-2),
             )
@@ -217,7 +223,7 @@ def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
         )  # fmt: skip
         text += table("[support]", node=shaft.nodes, stiffness=3 * k, damping=20.0)
         return text + table(
-            "[contact]", node=near, housing="pedestal", **_contact(draw, k, clearance)
+            "[contact]", node=shaft.near, housing="pedestal", **contact(draw, k, clearance)
         )
     more: dict[str, object] = {}
     if kind == "hertz":
@@ -227,8 +233,8 @@ def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
         more = {"mu_rise": draw.between(0.05, 0.3), "v_stribeck": draw.log(0.01, 0.3)}
     if kind == "worn":
         more = {"wear": clearance * draw.between(0.1, 1.0), "wear_angle": draw.between(0, 6)}
-    text = _held(draw, shaft, k)
-    return text + table("[contact]", node=near, **(_contact(draw, k, clearance) | more))
+    text = held(draw, shaft)
+    return text + table("[contact]", node=shaft.near, **(contact(draw, k, clearance) | more))
 
 
 KINDS = (
@@ -242,7 +248,7 @@ FAST = 1000 * len(KINDS)
 
 def drawn(seed: int) -> Case:
     """The machine of this number."""
-    draw = _Draw(seed % FAST)
+    draw = Draw(seed % FAST)
     kind = KINDS[seed % len(KINDS)]
     gravity = draw.one(0.0, GRAVITY) if kind not in ("touchdown", "bearing") else GRAVITY
     others = f"gravity = {gravity}\n"
@@ -252,11 +258,11 @@ def drawn(seed: int) -> Case:
             f"inclination = {draw.between(0, 1.2)!r}\n"
         )
     eta_v = draw.log(1e-6, 3e-5) if kind != "rotating" else draw.log(1e-5, 1e-4)
-    shaft = _shaft(draw, eta_v, others)
+    shaft = bar(draw, eta_v, others)
     text = shaft.text
     if kind == "rotating":
         text = text.replace("[shaft]\n", "[shaft]\nrotating_damping = true\n")
-    k = _stiffness(shaft)
+    k = shaft.stiffness
     lowest = math.sqrt(k / (shaft.mass * 1.3))
     top = lowest * (draw.between(0.4, 2.5) if seed < FAST else draw.log(5.0, 30.0))
     if kind == "table":
@@ -280,7 +286,7 @@ def drawn(seed: int) -> Case:
     return Case(f"{kind} {seed}", kind, rotor, speed, rate, stop, shaft.disc, base)
 
 
-def _shaken(draw: _Draw, radians: float, size: float) -> np.ndarray:
+def _shaken(draw: Draw, radians: float, size: float) -> np.ndarray:
     """A foundation's acceleration [m/s2]: two oscillations of this size at `radians` of the lowest
     mode until the end, times a factor each."""
     at = np.linspace(0.0, radians, SAMPLES + 1)
@@ -289,16 +295,14 @@ def _shaken(draw: _Draw, radians: float, size: float) -> np.ndarray:
 
 
 def _clearance(
-    kind: str, draw: _Draw, shaft: _Shaft, text: str, speeds: tuple[float, float]
+    kind: str, draw: Draw, shaft: Shaft, text: str, speeds: tuple[float, float]
 ) -> float:
     """A clearance that the linear response to unbalance is a thousandth to a hundred times of."""
     if kind in ("bearing", "touchdown"):
         return draw.log(2e-5, 3e-4)
-    held = _Draw(0)
-    machine = parse_rotor(text + _held(held, shaft, _stiffness(shaft)))
+    machine = parse_rotor(text + held(Draw(0), shaft))
     low, high = sorted(speeds)
     at = np.linspace(low, high, 30) if high > low else [low]
     response = unbalance_response(machine, at, contacts="open")
-    near = max(2, min(shaft.nodes - 1, shaft.disc + 1)) - 1
-    size = float(response.major[:, near].max())
+    size = float(response.major[:, shaft.near - 1].max())
     return size / draw.log(1e-3, 1e2)
