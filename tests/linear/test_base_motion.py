@@ -18,6 +18,7 @@ import rotor_fmu as rf
 from rotor_fmu.linear.frequency_answers import frequency_response as shown_response
 
 from ..known import EXAMPLES
+from ..toml_text import table
 
 JEFFCOTT = EXAMPLES / "jeffcott_rub" / "jeffcott.toml"
 COMPRESSOR = EXAMPLES / "tilting_pads" / "compressor.toml"
@@ -96,9 +97,13 @@ def test_without_sensors_it_shows_other_parts_and_a_bare_shaft_asks(tmp_path, co
     bare = tmp_path / "bare.toml"
     text = JEFFCOTT.read_text()
     supports = [f"[[support]]\nnode = {i}\nstiffness = 1e4\ndamping = 1.0\n" for i in (1, 3)]
+    oil = {"journal_radius": 0.01, "length": 0.01, "clearance": 1e-4, "viscosity": 0.01}
+    supports.append(table("[journal_bearing]", node=2, **oil))  # nor has it a probe
     bare.write_text("\n".join([text[: text.index("[[point_mass]]")], *supports]))
     said = refusal("frequency-response", "--rotor", str(bare), "--force", "base")
-    assert said.endswith("--node: must be given; the machine has no disc, body, bearing or sensor")
+    assert said.endswith(
+        "--node: must be given; of no part is the motion observed, as it is of a sensor"
+    )
     with pytest.raises(LinearError, match=r"^force = 'bse': must be a node, a place, or 'base'$"):
         frequency_response(parse_rotor(text), [50.0], "bse", [2])
 
