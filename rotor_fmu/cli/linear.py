@@ -108,12 +108,14 @@ def static(
         where_beyond_ranges,
         where_it_lies_in_contacts,
         where_not_at_rest,
+        where_straight,
     )
 
     result = answers.static(machine, at, contacts=contacts)
     beyond = where_beyond_ranges(machine, [result.speed])
     lies = where_it_lies_in_contacts(machine, result.speed, contacts)
-    say(beyond, lies, where_not_at_rest(machine, result.speed, contacts))
+    leaves = where_not_at_rest(machine, result.speed, contacts)
+    say(where_straight(machine), beyond, lies, leaves)
     return print_answer(result, out, "static")
 
 

@@ -34,12 +34,20 @@ _SMALL = 0.5  # of a film's clearance: in a larger motion its coefficients are o
 def which_bows_act(machine: Rotor, unbalances: Sequence[PlacedAmount] | None) -> list[str]:
     """Return a sentence about the residual bows of a machine, if it has any, in its steady response
     to its own unbalances, or to others."""
-    bows = (name for name, bow in machine.elements_of_kind(BowElement) if bow.amplitude)
-    if not (names := ", ".join(bows)):
-        return []
     if unbalances is None:
-        return [f"residual bows turn with the shaft, and the response has theirs: {names}"]
-    return [f"residual bows are left out beside unbalances given instead: {names}"]
+        return _of_bows(machine, "turn with the shaft, and the response has theirs")
+    return _of_bows(machine, "are left out beside unbalances given instead")
+
+
+def where_straight(machine: Rotor) -> list[str]:
+    """Return a sentence for a machine whose residual bows its deflection at rest leaves out."""
+    return _of_bows(machine, "turn with the shaft, and are left out at rest")
+
+
+def _of_bows(machine: Rotor, what: str) -> list[str]:
+    bows = (name for name, bow in machine.elements_of_kind(BowElement) if bow.amplitude)
+    names = ", ".join(bows)
+    return [f"residual bows {what}: {names}"] if names else []
 
 
 def where_linearized(

@@ -331,6 +331,7 @@ def test_what_moves_a_bowed_machine_is_said(command, tmp_path, has_own):
     asked = ("unbalance", "--rotor", str(file), "--range", "50:60")
     assert "the response has theirs: bow[1]" in command(*asked)
     assert "left out beside unbalances given instead: bow[1]" in command(*asked, "--mode", "1")
+    assert "left out at rest: bow[1]" in command("static", "--rotor", str(file))
     html = machine_report(load_rotor(file)[1], ReportOptions(50.0, 60.0)).html
     assert ("own unbalances act" in html) == has_own
     assert "the response has theirs: bow[1]" in html
