@@ -5,6 +5,9 @@ B, between which its mass is divided by the same levers, as its weight is betwee
 
     U_A = sum U (z_B - z) / (z_B - z_A),    U_B = sum U (z - z_A) / (z_B - z_A)
 
+A residual bow b(z), from the line through the bearings, moves the masses off it and tilts them: it
+is an unbalance M b, less what the gyroscopic moments of the tilt take of it.
+
 A grade G is the largest eccentricity e = U / m times the service speed in mm/s, so that G 2.5 at
 3000 rev/min permits 7.96 um. Each plane is permitted its share of that by the same levers; where
 the centre of mass lies near a bearing or beyond both, the standard keeps the shares within limits.
@@ -15,8 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..kernels.band import product
 from ..machine.rotor import Rotor
+from ..parts.base import BowElement
 from ..structure.assembly import assemble
+from ..structure.bow import bow_shape
 from ..structure.structure import total_mass
 from .linear_machine import shared_machine
 from .undamped import bearings_of, without_seals
@@ -55,12 +61,25 @@ def tolerance_planes(rotor: Rotor) -> tuple[TolerancePlane, ...]:
     structure, z = assemble(rotor), np.asarray(rotor.nodes)
     whole = float(total_mass(structure))
     at = z[structure.unbalances.dof // 2] + structure.unbalances.offset
+    ends = (nodes[0], nodes[-1]), (nodes[-1], nodes[0])
+    levers = [_lever(z, z[node - 1], z[other - 1]) for node, other in ends]
+    bow = np.zeros(2 * len(z), complex)  # from the line through the bearings, about which it turns
+    for _, of in rotor.elements_of_kind(BowElement):
+        bow += of.amplitude * np.exp(1j * of.phase) * bow_shape(z, of.node)
+    bow -= bow[[2 * node - 2 for node, _ in ends]] @ levers
+    of_bow = product(structure.M, bow) - product(structure.G, bow)
     result = []
-    for node, other in ((nodes[0], nodes[-1]), (nodes[-1], nodes[0])):
+    for (node, other), lever in zip(ends, levers, strict=True):
         end, span = z[other - 1], z[other - 1] - z[node - 1]
-        moment = structure.mass_sum[::2] @ (end - z) - structure.mass_sum[1::2].sum()
-        mass, unbalance = float(moment / span), structure.unbalance @ (end - at)
+        mass = float(structure.mass_sum @ lever)
+        unbalance = structure.unbalance @ (end - at) / span + of_bow @ lever
         limits = _INBOARD if 0.0 <= mass <= whole else _OUTBOARD
         graded = whole * float(np.clip(abs(mass) / whole, *limits))
-        result.append(TolerancePlane(node, abs(mass), graded, complex(unbalance / span)))
+        result.append(TolerancePlane(node, abs(mass), graded, complex(unbalance)))
     return tuple(result)
+
+
+def _lever(z: np.ndarray, of: float, other: float) -> np.ndarray:
+    """Return the share of a bearing at `of` in a force at each of z, and in a moment there."""
+    span = other - of
+    return np.column_stack([(other - z) / span, np.full(len(z), -1.0 / span)]).ravel()

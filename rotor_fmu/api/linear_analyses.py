@@ -111,7 +111,7 @@ class LinearAnalyses:
             `open` or `pinned`. By default open where the machine is held without its contacts.
         unbalances : sequence of (int, float, float), optional
             Node (from 1), amount [kg.m] and angle from the shaft's mark [rad] of each unbalance. By
-            default the machine's own.
+            default the machine's own, with its bows.
 
         Returns
         -------
@@ -140,7 +140,7 @@ class LinearAnalyses:
             Nodes (from 1) with probes.
         unbalances : sequence of (int, float, float), optional
             Node (from 1), amount [kg.m] and angle [rad] of each unbalance. By default the machine's
-            own.
+            own, with its bows.
         clearances : mapping of int to float, optional
             Radial clearances [m] of seals by their nodes (from 1).
         contacts : str, optional

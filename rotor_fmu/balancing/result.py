@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 
 from ..display import current, speed_with_unit
 from ..linear.displayed import Displayed
+from ..linear.linear_tables import degrees_of
 from ..plotting.colors import BLUE, GREEN, GREY, ORANGE
 from ..plotting.figure_style import entitle, new_panels
 from ..plotting.labels import write_labels
 from ..tables import Table
 
 _COLUMNS = 3  # of pictures beside each other
-_DIGITS = 6  # of an angle in degrees behind the point: what follows is rounding
 _LINEAR = 0.1  # of the initial vibration: what a linear machine's differs by from the expected one
 
 
@@ -200,5 +200,4 @@ class Balancing(Displayed):
 
 
 def _polar(value: complex, factor: float) -> tuple[float, float]:
-    angle = round(math.degrees(np.angle(value)), _DIGITS) + 0.0  # no -0
-    return abs(value) * factor, angle
+    return abs(value) * factor, degrees_of(value)

@@ -162,8 +162,9 @@ def unbalance(
 
     node: Node to show, counted from 1; repeatable; default: the nodes with the largest orbits.
     at: NODE:AMOUNT:ANGLE, such as 4:50g.mm:90, or in kg.m and with a unit behind the angle, which
-        is else in degrees; replaces the machine's own unbalances; repeatable.
-    mode: Place the unbalances that API 617 prescribes (4W/N) for this mode, from 1.
+        is else in degrees; replaces the machine's own unbalances and bows; repeatable.
+    mode: Place the unbalances that API 617 prescribes (4W/N) for this mode, from 1, instead of the
+        machine's own and its bows.
     factor: With --mode: multiple of the residual unbalance 4W/N; default: 2.
     out: Folder for picture and CSV.
     """
@@ -183,6 +184,7 @@ def unbalance(
     check_nodes(machine, "--clearance", gaps)
     check_nodes(machine, "--unbalance", (n for n, _, _ in given or ()), may_repeat=True)
     from ..linear import acceptance, answers
+    from ..linear.where_linearized import which_bows_act
     from ..model.linear.unbalance_placement import FACTOR, placed_unbalances
 
     if mode is not None and ends is not None:
@@ -204,6 +206,7 @@ def unbalance(
         checked: Any = acceptance.critical_peaks(machine, tops, nodes, **acting)
     else:
         checked = acceptance.unbalance_check(machine, *ends, nodes, clearances=gaps, **acting)
+    say(which_bows_act(machine, given))
     _say_where_it_holds(machine, result, ends, contacts)
     writable_folder(out)
     _write_response(result, nodes, out / "unbalance.csv")

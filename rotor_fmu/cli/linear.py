@@ -108,12 +108,14 @@ def static(
         where_beyond_ranges,
         where_it_lies_in_contacts,
         where_not_at_rest,
+        where_straight,
     )
 
     result = answers.static(machine, at, contacts=contacts)
     beyond = where_beyond_ranges(machine, [result.speed])
     lies = where_it_lies_in_contacts(machine, result.speed, contacts)
-    say(beyond, lies, where_not_at_rest(machine, result.speed, contacts))
+    leaves = where_not_at_rest(machine, result.speed, contacts)
+    say(where_straight(machine), beyond, lies, leaves)
     return print_answer(result, out, "static")
 
 
@@ -149,7 +151,7 @@ def frequency_response(
     force: Where the force acts: a node from 1, or a part, such as a port; base: the base is
         accelerated instead, and displacements are relative to it.
     node: Node or part whose motion is shown; repeatable; default: the force's, with the base those
-        of the sensors, or of discs, bodies and bearings.
+        of the sensors, or of discs, bodies and bearings given by coefficients.
     frequency: FROM:TO or FROM:TO:POINTS in rad/s, or with Hz or rpm added, peaks between the points
         included; default: from 1 Hz, or half the lowest natural frequency, to 500 Hz, or beyond the
         lowest natural frequencies and three times the machine's speeds.
@@ -181,7 +183,7 @@ def frequency_response(
         nodes = [answers.place_of(machine, text, "--node") for text in node or ()] or usual
         if not nodes:
             raise InputError(
-                "--node: must be given; the machine has no disc, body, bearing or sensor"
+                "--node: must be given; of no part is the motion observed, as it is of a sensor"
             )
         compute = partial(answers.frequency_response, force=start, nodes=nodes, peaks=True)
     at = usual_speed(machine, contacts) if given is None else given

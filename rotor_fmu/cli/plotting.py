@@ -95,7 +95,7 @@ def report(
     node: With --rotor: node of a probe, from 1; repeatable; default: the nodes with the largest
         orbits.
     mode: With --rotor: place the unbalances of API 617 (4W/N) for this mode, from 1; default: the
-        machine's own unbalances, or mode 1 if it has none.
+        machine's own unbalances and bows, or mode 1 if it has none.
     is_live: Write the page on which the run's machine runs, with the run's settings.
     """
     of_machine = {

@@ -1,6 +1,5 @@
 """Frequency responses and the sensitivity of control loops, for Python and the command line."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -28,7 +27,7 @@ from ..plotting.figure_style import annotate, entitle, legend_below, new_figure,
 from ..tables import Table
 from .displayed import Displayed, Machine, answer_of, displayed
 from .linear_plots import plain_ticks
-from .linear_tables import is_rounding, peaks, state_in_words
+from .linear_tables import degrees_of, is_rounding, peaks, state_in_words
 
 ZONES = "ABCD"
 _LEVEL = 1e-6  # of a sensitivity: what it changes by over all frequencies where it is the same
@@ -72,7 +71,7 @@ class FrequencyResponse(Displayed, model.FrequencyResponse):
         rows = [
             (
                 *(node, f"{axis} by {axis}", float(self.frequencies[at]) * d.speed),
-                *(abs(values[at]) * d.small / self.per.factor, math.degrees(np.angle(values[at]))),
+                *(abs(values[at]) * d.small / self.per.factor, degrees_of(values[at])),
             )
             for k, node in enumerate(self.shown_nodes)
             for i, axis in enumerate("xy")

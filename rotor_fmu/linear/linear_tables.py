@@ -1,5 +1,6 @@
 """What tables of linear analyses show, and their numbers for JSON."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ from ..display import speed_with_unit
 from ..model.prominent_peaks import prominent_peaks
 
 _ROUNDING = 1e-8  # of the largest of values of one kind
+_DIGITS = 6  # of an angle in degrees behind the point: what follows is rounding
 _PROMINENT = 1e-4  # of a peak, by which it rises above what lies beside it: less is rounding
 # properties that stand beside the fields of a result
 _DERIVED = (
@@ -82,6 +84,11 @@ def _plain(value: Any) -> Any:
 def clean_damping(ratio: Any) -> Any:
     """Return dampings with rounding errors set to 0."""
     return np.where(np.abs(ratio) < 1e-10, 0.0, ratio)[()]
+
+
+def degrees_of(value: complex) -> float:
+    """Return the angle of a complex number [deg], what is rounding set to 0."""
+    return round(math.degrees(np.angle(value)), _DIGITS) + 0.0  # no -0
 
 
 def is_rounding(values: np.ndarray, beside: np.ndarray) -> bool:

@@ -2,7 +2,7 @@
 holds the machine, where oil films are linearized, how tilting pads follow, that the machine is
 stable, that contacts are open, and that journals and rings move little in their films."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ..model.linear.linear_machine import LinearError, shared_machine
 from ..model.linear.linearization import OPEN
 from ..model.linear.modes import LEAST_GROWTH, modes, modes_up_to
 from ..model.linear.orbit import semi_axes
+from ..model.linear.places import PlacedAmount
 from ..model.linear.static import static
 from ..model.linear.subsynchronous import subsynchronous_whirl
 from ..model.linear.supports import walls
@@ -21,12 +22,31 @@ from ..model.linear.unbalance_peaks import gaps
 from ..model.machine.rotor import Rotor
 from ..model.machine.speed_ranges import speed_ranges
 from ..model.message_templates import Message
-from ..model.parts.base import GROUND, InterfaceElement
+from ..model.parts.base import GROUND, BowElement, InterfaceElement
 from ..model.parts.law import never_breaks
 
 # Of either sign, a damping ratio beyond which a motion grows or decays before it has turned.
 _WHIRLS = 0.5**0.5
 _SMALL = 0.5  # of a film's clearance: in a larger motion its coefficients are others
+
+
+def which_bows_act(machine: Rotor, unbalances: Sequence[PlacedAmount] | None) -> list[str]:
+    """Return a sentence about the residual bows of a machine, if it has any, in its steady response
+    to its own unbalances, or to others."""
+    if unbalances is None:
+        return _of_bows(machine, "turn with the shaft, and the response has theirs")
+    return _of_bows(machine, "are left out beside unbalances given instead")
+
+
+def where_straight(machine: Rotor) -> list[str]:
+    """Return a sentence for a machine whose residual bows its deflection at rest leaves out."""
+    return _of_bows(machine, "turn with the shaft, and are left out at rest")
+
+
+def _of_bows(machine: Rotor, what: str) -> list[str]:
+    bows = (name for name, bow in machine.elements_of_kind(BowElement) if bow.amplitude)
+    names = ", ".join(bows)
+    return [f"residual bows {what}: {names}"] if names else []
 
 
 def where_linearized(

@@ -16,8 +16,9 @@ from ..linear.inventory import inventory
 from ..linear.linear_plots import grouped
 from ..linear.linear_tables import clean_damping, numbers
 from ..linear.mode_answers import mode_shapes_figure, shapes_for_page
-from ..linear.where_linearized import where_films_are_left, where_linearized
+from ..linear.where_linearized import where_films_are_left, where_linearized, which_bows_act
 from ..model.linear import lowest_speed, placed_unbalances
+from ..model.linear.linear_machine import shared_machine
 from ..model.linear.modes import DEFAULT_COUNT, count_up_to
 from ..model.linear.places import Place, PlacedAmount, as_place
 from ..model.linear.subsynchronous import SubsynchronousWhirl, subsynchronous_whirl
@@ -123,7 +124,7 @@ def machine_report(
             figure_html(mode_shapes_figure(at_speed), "The same at one instant, with whirl orbits"),
         ],
         "Response to unbalance": [
-            f"<p>{escape(_acting(unbalances, mode))}</p>",
+            *(f"<p>{escape(sentence)}</p>" for sentence in _acting(rotor, unbalances, mode)),
             figure_html(response.figure(probes, (low, high)), "Steady response at the probes"),
             *_shown(check, "Amplification factors and separation margins"),
         ],
@@ -183,19 +184,21 @@ def _at_rest(at_rest: answers.Static) -> list[str]:
     """Return the deflection at rest, or that there is none, as of a vertical machine."""
     if any(np.any(values) for values in (at_rest.x, at_rest.y, at_rest.load_x, at_rest.load_y)):
         return _shown(at_rest, "Deflection at rest")
-    return ["<p>Nothing pulls across the shaft: it is straight, and no bearing loaded.</p>"]
+    return ["<p>Nothing pulls across the shaft: nothing bends it, and no bearing is loaded.</p>"]
 
 
-def _acting(unbalances: Sequence[PlacedAmount] | None, mode: int | None) -> str:
+def _acting(rotor: Rotor, unbalances: Sequence[PlacedAmount] | None, mode: int | None) -> list[str]:
+    bows = which_bows_act(rotor, unbalances)
     if unbalances is None:
-        return "The machine's own unbalances act."
+        has_own = shared_machine(rotor).structure.unbalance.any()
+        return ["The machine's own unbalances act.", *bows] if has_own else bows
     d = current()
     listed = ", ".join(
         f"{amount * d.unbalance:.4g} {d.unbalance_unit} {_where(as_place(at))} "
         f"({math.degrees(phase):.4g} deg)"
         for at, amount, phase in unbalances
     )
-    return f"Unbalances placed by API 617 for mode {mode}: {listed}."
+    return [f"Unbalances placed by API 617 for mode {mode}: {listed}.", *bows]
 
 
 def _where(place: Place) -> str:

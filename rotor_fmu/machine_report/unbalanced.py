@@ -1,4 +1,4 @@
-"""A machine with given unbalances, or with its own, times a factor."""
+"""A machine with given unbalances, or with its own and its bows, times a factor."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,7 +11,8 @@ from ..model.parts.unbalance import Unbalance
 
 
 def with_unbalances(rotor: Rotor, unbalances: Sequence[PlacedAmount] | None, scale: float) -> Rotor:
-    """Return the machine with these unbalances, or with its own, times a factor.
+    """Return the machine with these unbalances and no bow, or with its own unbalances and bows,
+    times a factor: what drives the linear response.
 
     unbalances: (node from 1 or place, amount [kg.m], angle [rad]).
     """
@@ -27,8 +28,8 @@ def with_unbalances(rotor: Rotor, unbalances: Sequence[PlacedAmount] | None, sca
 
 
 def _times(part: Any, scale: float) -> Part:
-    """Return a part with its unbalance times a factor."""
-    for name in ("e", "amount"):
+    """Return a part with its unbalance or bow times a factor."""
+    for name in ("e", "amount", "amplitude"):
         if hasattr(part, name):
             part = replace(part, **{name: scale * getattr(part, name)})
     return part

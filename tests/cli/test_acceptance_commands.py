@@ -319,3 +319,20 @@ def test_peaks_of_one_critical_speed_are_reported_as_a_range():
     """Probes and directions have them at slightly different speeds."""
     peaks = [2 * math.pi * hz for hz in (174.2, 141.7, 144.1, 173.9, 141.7, 250.0)]
     assert list(as_ranges(peaks)) == ["141.7 to 144.1", "173.9 to 174.2", "250"]
+
+
+@pytest.mark.usefixtures("coarse_report", "without_runs")
+@pytest.mark.parametrize("has_own", [False, True])
+def test_what_moves_a_bowed_machine_is_said(command, tmp_path, has_own):
+    file = tmp_path / "bowed.toml"
+    own = "[[unbalance]]\nnode = 3\namount = 1e-5\n" if has_own else ""
+    bowed = "gravity = 0.0\n" + SHAFT + support(1, 1e7) + support(7, 1e7) + own
+    file.write_text(bowed + "[[bow]]\nnode = 4\namplitude = 1e-5\n")
+    asked = ("unbalance", "--rotor", str(file), "--range", "50:60")
+    assert "the response has theirs: bow[1]" in command(*asked)
+    assert "left out beside unbalances given instead: bow[1]" in command(*asked, "--mode", "1")
+    assert "left out at rest: bow[1]" in command("static", "--rotor", str(file))
+    html = machine_report(load_rotor(file)[1], ReportOptions(50.0, 60.0)).html
+    assert ("own unbalances act" in html) == has_own
+    assert "the response has theirs: bow[1]" in html
+    assert "it is straight" not in html

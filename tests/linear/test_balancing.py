@@ -124,6 +124,18 @@ def test_the_unbalance_of_a_rotor_is_divided_between_its_bearings_as_a_force_is(
     assert not tolerance_planes(parse_rotor(SHAFT + support(4, 1e7)))
 
 
+def test_the_unbalance_of_a_bowed_rotor_is_what_its_bearings_bear_at_slow_speeds():
+    """On two bearings, one of which stands inside an end; with a disc that its bow tilts."""
+    parts = support(2, 1e9) + support(7, 1e9)
+    parts += "[[body]]\nnode = 3\nmass = 5.0\nI_d = 0.1\nI_p = 0.19\ne = 1e-5\nphase = 2.0\n"
+    parts += "[[bow]]\nnode = 5\namplitude = 1e-4\nphase = 0.7\n"
+    parts += "[[bow]]\nnode = 2\namplitude = 2e-4\nphase = -1.0\n"
+    rotor = replace(parse_rotor(SHAFT + parts), gravity=0.0)
+    borne = unbalance_response(rotor, [1.0]).load_x[0]
+    found = [plane.unbalance for plane in tolerance_planes(rotor)]
+    np.testing.assert_allclose(found, borne, rtol=1e-4)
+
+
 @pytest.mark.parametrize(
     ("z", "shares"),
     [

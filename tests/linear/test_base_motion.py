@@ -15,8 +15,10 @@ from rotor_fmu.model.settings import PRESETS
 from rotor_fmu.model.simulation import Simulation
 
 import rotor_fmu as rf
+from rotor_fmu.linear.frequency_answers import frequency_response as shown_response
 
 from ..known import EXAMPLES
+from ..toml_text import table
 
 JEFFCOTT = EXAMPLES / "jeffcott_rub" / "jeffcott.toml"
 COMPRESSOR = EXAMPLES / "tilting_pads" / "compressor.toml"
@@ -95,8 +97,21 @@ def test_without_sensors_it_shows_other_parts_and_a_bare_shaft_asks(tmp_path, co
     bare = tmp_path / "bare.toml"
     text = JEFFCOTT.read_text()
     supports = [f"[[support]]\nnode = {i}\nstiffness = 1e4\ndamping = 1.0\n" for i in (1, 3)]
+    oil = {"journal_radius": 0.01, "length": 0.01, "clearance": 1e-4, "viscosity": 0.01}
+    supports.append(table("[journal_bearing]", node=2, **oil))  # nor has it a probe
     bare.write_text("\n".join([text[: text.index("[[point_mass]]")], *supports]))
     said = refusal("frequency-response", "--rotor", str(bare), "--force", "base")
-    assert said.endswith("--node: must be given; the machine has no disc, body, bearing or sensor")
+    assert said.endswith(
+        "--node: must be given; of no part is the motion observed, as it is of a sensor"
+    )
     with pytest.raises(LinearError, match=r"^force = 'bse': must be a node, a place, or 'base'$"):
         frequency_response(parse_rotor(text), [50.0], "bse", [2])
+
+
+def test_what_nothing_holds_stays_where_it_is_at_an_angle_of_0():
+    """With open contacts the rig is free, and relative to its base moves by -a / (i omega)^2."""
+    rig = rf.load(EXAMPLES / "paper_rig" / "rig.toml").rotor
+    answer = shown_response(rig, [2 * math.pi, 10.0], "base", [5], contacts="open")
+    for row in answer.table().rows:
+        assert row[3] == pytest.approx(9.80665e6 / (2 * math.pi) ** 2, rel=1e-6)
+        assert row[4] == 0.0

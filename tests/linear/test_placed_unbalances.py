@@ -35,3 +35,13 @@ def test_the_unbalance_of_a_body_beyond_its_node_stands_at_its_centre(last):
     assert seen.major[0] == pytest.approx(wanted.major[0, :7], rel=1e-3)
     run = with_unbalances(offset, [placed.acting], 1.0)
     assert unbalance_response(run, [100.0]).major == pytest.approx(seen.major, rel=1e-9)
+
+
+@pytest.mark.parametrize("given", [[(3, 1e-4, 0.5)], None])
+def test_a_run_has_the_bow_that_the_linear_response_has(given):
+    """None where unbalances are given; with its own it is part of what is scaled."""
+    bow = "[[bow]]\nnode = 4\namplitude = 1e-4\n[[unbalance]]\nnode = 3\namount = 1e-4\n"
+    rotor = parse_rotor(SHAFT + support(1, 1e7) + support(7, 1e7) + bow)
+    linear = unbalance_response(rotor, [100.0], unbalances=given)
+    run = unbalance_response(with_unbalances(rotor, given, 2.0), [100.0])
+    assert run.major == pytest.approx(2.0 * linear.major, rel=1e-9)

@@ -124,6 +124,15 @@ def test_a_response_curve_is_the_linear_one_and_follows_it():
     np.testing.assert_allclose(ratio, ratio.iloc[0], rtol=1e-6)
 
 
+def test_a_run_begun_on_a_rub_that_a_bow_drives_stays_there():
+    machine = rf.parse(jeffcott(BOW + wall(clearance=1.5e-4, mu=0.0, c=300.0), density=1000.0))
+    curve = rf.response(machine, speed=(60.0, 150.0))
+    rub = curve.branches[0].points[-1]
+    assert rub.is_stable
+    assert np.abs(rub.motion[1]).max() > 1.5e-4
+    assert curve.check(rub, 20).distance < 1e-5
+
+
 def test_it_is_a_parameter_of_runs_and_two_take_each_other_away():
     machine = rf.parse(jeffcott(BOW, density=1000.0))
     given = {"bow[1].amplitude": 2 * AMPLITUDE, "bow[1].phase": 0.0}
@@ -142,11 +151,13 @@ def test_fewer_dofs_keep_its_slow_roll():
     assert run.read("sensor[1].x") == pytest.approx(B.real, rel=1e-3)
 
 
+def wall(clearance, mu, c):
+    return table("[contact]", node=3, journal_radius=0.02, clearance=clearance, mu=mu, k=1e6, c=c)
+
+
 def test_it_may_close_a_contact_from_the_start_on():
-    contact = table(
-        "[contact]", node=3, journal_radius=0.02, clearance=5e-5, mu=0.1, k=1e6, c=100.0
-    )
-    run = Simulation(parse_rotor(jeffcott(BOW + contact, density=1000.0)), speed=0.0)
+    more = BOW + wall(clearance=5e-5, mu=0.1, c=100.0)
+    run = Simulation(parse_rotor(jeffcott(more, density=1000.0)), speed=0.0)
     k = stiffness()
     pressed = (AMPLITUDE - 5e-5) * k * 1e6 / (k + 1e6)
     assert run.read("contact[1].fn") == pytest.approx(pressed, rel=1e-3)
