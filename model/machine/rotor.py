@@ -155,7 +155,7 @@ class Rotor:
                 elif not isinstance(element, ReleaseElement) and not _is_base(element):
                     self._check_node(where, element)
         self._check_housings(set(housings))
-        self._check_base_and_start()
+        self._check_base()
         for name, heading in OWN.items():
             shown = str(Name(heading, 0, name))
             check(shown, quantities(self)[name], getattr(self, name))
@@ -210,10 +210,8 @@ class Rotor:
                     f"{element.node}"
                 )
 
-    def _check_base_and_start(self) -> None:
+    def _check_base(self) -> None:
         elements = list(self.named_elements())
-        if {ReleaseElement, BowElement} <= {type(element) for _, element in elements}:
-            raise QuantityError("start: cannot be given with a bow, whose shaft is not straight")
         is_moved = any(_is_base(element) for _, element in elements)
         for where, element in elements:
             if (

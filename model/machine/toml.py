@@ -9,6 +9,8 @@ from typing import Any
 
 from ..parts import PARTS
 from ..parts.base import Part
+from ..parts.base_and_start import Start
+from ..parts.bow import Bow
 from ..quantities import GRAVITY, QuantityError, check
 from .mesh import Mesh
 from .operating_speeds import Operation
@@ -63,7 +65,7 @@ def parse_rotor(text: str) -> Rotor:
         )
     Rotor(material=materials.own, sections=sections, parts=(), start=start)  # checked
     mesh = Mesh(sections, start, list(_places(data)))
-    return Rotor(
+    rotor = Rotor(
         material=materials.own,
         sections=mesh.sections,
         parts=tuple(p for kind in PARTS for p in _parts(kind, data, mesh, materials)),
@@ -77,6 +79,9 @@ def parse_rotor(text: str) -> Rotor:
         identifier=data.get("identifier", ""),
         units=data.get("units", ""),
     )
+    if rotor.of_kind(Start) and rotor.of_kind(Bow):
+        raise QuantityError("start: cannot be given with a bow, whose shaft is not straight")
+    return rotor
 
 
 def _closed_list(text: str) -> str:

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..linear.real_matrices import in_plane, to_complex
 from ..machine.rotor import Rotor
-from ..parts.base import Element, ReleaseElement
 from ..parts.base_and_start import Start
 from ..settings import choose
 from ..simulation import EquilibriumError, Simulation, StepFailure
@@ -156,19 +155,7 @@ def _simulation(
 def _in_motion(rotor: Rotor) -> Rotor:
     """Return a machine whose motion is set after its start, which then needs no rest: a damper
     without a spring carries its journal by whirling alone."""
-    return rotor.with_parts(Start, _InMotion())
-
-
-class _SetLater(ReleaseElement):
-    """A release in the place of a motion that is set later, which bows may have."""
-
-
-class _InMotion(Start):
-    """A start whose motion is set later."""
-
-    def elements(self, where: str, density: float) -> Iterator[Element]:
-        """Yield the release."""
-        yield _SetLater(*[0.0] * len(ReleaseElement._fields))
+    return rotor.with_parts(Start, Start())
 
 
 def _set_motion(

@@ -1,8 +1,8 @@
 """Fewer degrees of freedom: Craig-Bampton component modes of a `Structure`.
 
-Retained are the deflections at which something acts: bearings, discs, coupling and supports. The
-rest of the shaft follows them statically, q_i = Psi q_b, and vibrates in its lowest modes with
-those deflections fixed (Craig and Bampton 1968).
+Retained are the deflections at which something acts: bearings, discs, coupling and supports, and
+the slopes at the ends of what a bow bends. The rest of the shaft follows them statically, q_i = Psi
+q_b, and vibrates in its lowest modes with those fixed (Craig and Bampton 1968).
 """
 
 import math
@@ -24,6 +24,7 @@ from .structure import WEIGHT, Structure
 # number of moved frequencies that a warning names; share of the lowest elastic frequency below
 # which the shaft moves as a rigid body.
 _MOVED, _EXCITED, _SAID, _SLOW = 0.02, 2.0, 3, 1e-3
+_ROUNDING = 1e-9  # of the largest pull of a bow
 _MATRICES = ("M", "C", "K", "G", "M_shaft", "K_shaft", "K_axial")
 
 
@@ -41,6 +42,8 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
         for of in ("interfaces", "springs", "unbalances", "forces", "probes", "velocities")
     ]
     acted_on += [getattr(structure, of).slope for of in ("unbalances", "forces", "probes")]
+    pull = np.abs(structure.bow_forces)  # moments at the ends of what is bent, rounding elsewhere
+    acted_on.append(np.flatnonzero((pull > _ROUNDING * pull.max(initial=0.0)).any(axis=0)))
     retained = np.unique(np.concatenate(acted_on))
     retained = retained[retained < n]  # those behind are housings
     rest = np.setdiff1d(np.arange(n), retained)
@@ -106,25 +109,7 @@ def reduced(structure: Structure, modes: int) -> Structure:
         static_load=T.T @ structure.static_load,
         one_body=one_body,
         bow_forces=structure.bow_forces @ T,
-        bow_stiffness=structure.bow_stiffness - _yielding(structure, retained, T),
         deflections=deflections,
-    )
-
-
-def _yielding(structure: Structure, retained: np.ndarray, T: np.ndarray) -> np.ndarray:
-    """Return by how much the stiffness between bows is less because the shaft yields to them in the
-    modes left out, whose inertia is none [N/m]."""
-    if not len(structure.bow_forces):
-        return structure.bow_stiffness
-    rest = np.setdiff1d(np.arange(len(T)), retained)
-    forces, kept = (
-        structure.bow_forces[:, rest],
-        T[np.ix_(rest, np.arange(len(retained), T.shape[1]))],
-    )
-    K = to_dense(structure.K_shaft)[np.ix_(rest, rest)]
-    by_modes = forces @ kept
-    return forces @ np.linalg.solve(K, forces.T) - by_modes @ np.linalg.solve(
-        kept.T @ K @ kept, by_modes.T
     )
 
 
