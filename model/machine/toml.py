@@ -79,7 +79,7 @@ def parse_rotor(text: str) -> Rotor:
         identifier=data.get("identifier", ""),
         units=data.get("units", ""),
     )
-    if rotor.of_kind(Start) and rotor.of_kind(Bow):
+    if {Start, Bow} <= set(map(type, rotor.parts)):
         raise QuantityError("start: cannot be given with a bow, whose shaft is not straight")
     return rotor
 
