@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from ..kernels.functions import direction
-from ..kernels.jit import jit
+from ..kernels.jit import jit, jit_not_inlined
 from ..kernels.kernel import interpreted
 from ..parts import LAWS
 from ..parts.law import dispatcher
@@ -18,7 +18,7 @@ _LEAST_OVER_COUPLED = 4.0  # with less than twice, the iterations of the speed d
 _weigh = dispatcher([law.weigh for law in LAWS])
 
 
-@jit
+@jit_not_inlined
 def prepare(structure):
     """Fill in everything in a structure that depends on parameters."""
     numbers = structure.numbers[0]
