@@ -145,9 +145,10 @@ def _of(at: Place, amount: float, phase: float) -> complex:
 
 def bow_pull(structure: Structure) -> np.ndarray:
     """Return the force of a machine's shaft towards its residual bows, turning with it, complex of
-    shape (n,) [N, N.m]."""
+    every dof, housing and ground, shape (size,) [N, N.m]."""
     share = interpreted(elastic_share)(structure.numbers[0].eta_h)
-    return np.asarray(share * (structure.bow @ structure.bow_forces))
+    of_shaft = share * (structure.bow @ structure.bow_forces)
+    return np.concatenate([of_shaft, np.zeros(len(structure.housings) + 1)])
 
 
 def turning(z: np.ndarray) -> np.ndarray:
@@ -189,10 +190,7 @@ class SteadyWhirl:
         np.add.at(size, at, np.abs(each))
         pull[np.abs(pull) <= _ROUNDING * size.real] = 0.0  # they take each other away
         self._pull = turning(pull)
-        bow = np.zeros(len(pull), dtype=complex)
-        if unbalances is None:
-            bow[: len(machine.structure.static_load)] = bow_pull(machine.structure)
-        self._bow = turning(bow)
+        self._bow = turning(bow_pull(machine.structure) if unbalances is None else 0.0 * pull)
         self._solved = cache(self._solve)
 
     @property

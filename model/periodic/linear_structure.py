@@ -149,9 +149,7 @@ class CondensedMachine:
                 constant[s.load_dof[i]] += load
                 constant[arm.slope] += arm.offset * load
         expand = self.machine.expand
-        bow = np.zeros(size, complex)
-        bow[: len(s.static_load)] = bow_pull(s)
-        self.unbalance, self.bow = (T.T @ (expand.T @ turning(of)) for of in (pull, bow))
+        self.unbalance, self.bow = (T.T @ (expand.T @ turning(of)) for of in (pull, bow_pull(s)))
         self.constant = T.T @ (expand.T @ (self.machine.static_load + in_plane(constant)))
 
     @property
