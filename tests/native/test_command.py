@@ -40,8 +40,8 @@ def test_without_the_linker_it_says_what_to_install(tmp_path, monkeypatch):
     """With no library anywhere and a Python that does not find ziglang."""
     monkeypatch.setenv("ROTOR_FMU_CACHE", str(tmp_path))
     script = (
-        "from pathlib import Path; from rotor_fmu.model.kernels import library\n"
-        f"library.CARRIED = Path({str(tmp_path)!r})\n"
+        "from pathlib import Path; from rotor_fmu.model.kernels import digest\n"
+        f"digest.CARRIED = Path({str(tmp_path)!r})\n"
         "import sys; sys.modules['ziglang'] = None\n"
         "import importlib.util as u; find = u.find_spec\n"
         "u.find_spec = lambda name, *a: None if name == 'ziglang' else find(name, *a)\n"
